@@ -17,6 +17,9 @@ from tests.render.kits.shader_accesses import ACCESSES, watch_accesses
 # Every context of the tests, also of processes that they start, reports what OpenGL leaves undefined (render/gl/debug.py).
 os.environ["PULLFOCUS_GL_DEBUG"] = "1"
 
+# Tests compute what the product keeps on disk; those of the cache name a folder of their own.
+os.environ["PULLFOCUS_CACHE"] = "off"
+
 if os.environ.get("MESA_LOADER_DRIVER_OVERRIDE") == "zink":  # scripts/test_on_zink
     _begin_colour = Slot.begin_colour
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
+from render.disk_cache import code_key, content_key, load_arrays, store_arrays
 from render.gl.shaders import ProgramCache
 from render.model.camera import Camera
 from render.optics.prescription.mounting import has_surfaces, mount_lens
@@ -17,23 +18,37 @@ from render.optics.view import PinholeView
 from render.trace.data_sheet_table import make_data_sheet_table
 from render.trace.drawn_power import add_drawn_power, make_drawn_lens_table
 from render.trace.grid_table import make_grid_table
-from render.trace.lens_table import FRONT_RIM, PUPIL_T, SLOPE_T, GridTable, PolynomialTable
+from render.trace.lens_table import (
+    FRONT_RIM,
+    PUPIL_T,
+    SLOPE_T,
+    LensTable,
+    PolynomialTable,
+    table_arrays,
+    table_from_arrays,
+)
 from render.trace.prescription_table import make_prescription_table
 from render.trace.rays import RayBundle, RayPattern, make_thin_lens_bundle
 from render.trace.seidel_table import make_seidel_table
 from render.trace.surface_tracer import SurfaceTracer
 
-LensTable = PolynomialTable | GridTable
 _KEPT = 8
+_STORED = 4
+"""Tables that are kept on disk at most: those that the next process starts with. A drag of the focus makes many more."""
+_KIND = "lens-table"
+_CODE = ("model", "optics", "shaders", "trace")
+"""Folders with the code that tables depend on."""
 SHARED_WITHIN_PX = 0.25
 """Distance in layer pixels within which the rays of all wavelengths share one ray."""
 
 
 class BundleMaker:
-    """Makes ray bundles, caching the last few lens tables."""
+    """Makes ray bundles, caching the last few lens tables, and the first few also on disk."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._tracer = SurfaceTracer(ctx, programs)
+        self._device = ctx.info["GL_RENDERER"], ctx.info["GL_VERSION"]
+        self._stored = 0
         self._tables: dict[tuple[object, ...], LensTable] = {}
 
     def make_bundle(self, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int = 3) -> RayBundle:
@@ -86,8 +101,18 @@ class BundleMaker:
         if key not in self._tables:
             while len(self._tables) >= _KEPT:
                 del self._tables[next(iter(self._tables))]
-            self._tables[key] = self._make_table(camera, last_slope, light)
+            disk_key = content_key(code_key(_CODE), self._device, key)
+            table = _load_table(disk_key)
+            if table is None:
+                table = self._make_table(camera, last_slope, light)
+                self._store_table(disk_key, table)
+            self._tables[key] = table
         return self._tables[key]
+
+    def _store_table(self, disk_key: str, table: LensTable) -> None:
+        if self._stored < _STORED:
+            self._stored += 1
+            store_arrays(_KIND, disk_key, table_arrays(table))
 
     def _make_table(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
         """Make the table of the lens's own errors and of drawn power."""
@@ -140,6 +165,16 @@ class BundleMaker:
         return make_prescription_table(
             self._tracer, mount_lens(camera), last_slope, focus_w(camera), light.wavelengths_nm, scales
         )
+
+
+def _load_table(disk_key: str) -> LensTable | None:
+    arrays = load_arrays(_KIND, disk_key)
+    if arrays is None:
+        return None
+    try:
+        return table_from_arrays(arrays)
+    except ValueError:  # an entry of something else
+        return None
 
 
 def _has_errors(camera: Camera) -> bool:

@@ -6,7 +6,12 @@ lens in the plane of focus (m of x to a m of depth) and where it passes the plan
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from render.model.arrays import FloatArray
 
@@ -66,3 +71,28 @@ class GridTable:
     last_slope: tuple[float, float]
     pupil_reach_m: float
     slope_reach: float
+
+
+LensTable = PolynomialTable | GridTable
+
+
+def table_arrays(table: LensTable) -> dict[str, NDArray[Any]]:
+    """Return the fields of a table as arrays, by name; numbers are arrays without axes."""
+    return {field.name: np.asarray(getattr(table, field.name)) for field in fields(table)}
+
+
+def table_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> LensTable:
+    """Make a table from the arrays of `table_arrays`.
+
+    Raises:
+        ValueError: they are not the fields of a table.
+    """
+    for kind in (PolynomialTable, GridTable):
+        if set(arrays) == {field.name for field in fields(kind)}:
+            return kind(**{name: _plain(array) for name, array in arrays.items()})
+    raise ValueError(f"no lens table has the fields {', '.join(arrays)}")
+
+
+def _plain(array: NDArray[Any]) -> Any:
+    """Number of an array without axes, tuple of one with one axis; a table's own arrays have more."""
+    return array if array.ndim > 1 else tuple(array.tolist()) if array.ndim else array.item()

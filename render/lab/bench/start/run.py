@@ -36,7 +36,7 @@ PYTHON, EXIT = "python", "exit"
 STAGES = (PYTHON, "imports", *dict.fromkeys(stage for _, _, stage in recorder.WATCHED), recorder.OTHER, EXIT)
 """Stages in the order of the table: the interpreter's start and end, and those of the recorder."""
 _CHECKOUT = Path(__file__).resolve().parents[4]
-CACHES = ("XDG_CACHE_HOME", "MESA_SHADER_CACHE_DIR", "__GL_SHADER_DISK_CACHE_PATH")
+CACHES = ("PULLFOCUS_CACHE", "XDG_CACHE_HOME", "MESA_SHADER_CACHE_DIR", "__GL_SHADER_DISK_CACHE_PATH")
 """Environment variables that move the caches of the product, of Mesa and of NVIDIA's driver."""
 
 

@@ -122,6 +122,11 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
         "--supersample", type=float, default=2, metavar="N", help="layer pixels for each pixel, along each axis"
     )
     group.add_argument(
+        "--no-connections",
+        action="store_true",
+        help="leave small bright lights to the lens rays, for exact comparisons: their blurred images are noisy then",
+    )
+    group.add_argument(
         "--wavelengths",
         type=int,
         default=3,
@@ -288,6 +293,7 @@ def _read_settings(arguments: argparse.Namespace) -> FrameSettings:
         rays=arguments.rays,
         layers=arguments.layers,
         supersample=arguments.supersample,
+        connections=not arguments.no_connections,
         wavelengths=arguments.wavelengths,
         shading=arguments.shading,
         motion=_read_moments(arguments),

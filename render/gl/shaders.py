@@ -55,6 +55,7 @@ class ProgramCache:
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self._compute: dict[tuple[object, ...], moderngl.ComputeShader] = {}
+        self._drawing: dict[tuple[object, ...], moderngl.Program] = {}
 
     def compute(self, name: str, defines: Defines | None = None) -> moderngl.ComputeShader:
         """The compute program of a ``.comp`` file.
@@ -69,3 +70,17 @@ class ProgramCache:
             except moderngl.Error as error:
                 raise GraphicsError(f"shader {name} did not compile: {error}") from error
         return self._compute[key]
+
+    def drawing(self, vertex: str, fragment: str, defines: Defines | None = None) -> moderngl.Program:
+        """The program of a ``.vert`` and a ``.frag`` file, both with the same defines.
+
+        Raises:
+            GraphicsError: the driver refuses it; the message holds its log.
+        """
+        key = (vertex, fragment, *sorted((defines or {}).items()))
+        if key not in self._drawing:
+            try:
+                self._drawing[key] = self._ctx.program(load_source(vertex, defines), load_source(fragment, defines))
+            except moderngl.Error as error:
+                raise GraphicsError(f"shaders {vertex} and {fragment} did not compile: {error}") from error
+        return self._drawing[key]

@@ -58,6 +58,29 @@ def _levels(width: int, height: int) -> int:
     return int(np.ceil(np.log2(max(width, height)))) + 1
 
 
+def bind_layers(
+    program: moderngl.ComputeShader | moderngl.Program, layers: Layers, nbuffers: NBuffers, first_unit: int
+) -> int:
+    """Bind layers and their N-buffers as ``trace/march.glsl`` reads them, and return the first texture unit left free."""
+    targets = layers.targets
+    textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
+        "packed_w": targets.packed_w[0],
+        "slopes": targets.packed_slopes[0],
+        "radiance": targets.radiance,
+        "ranges": nbuffers.ranges,
+        "bins": nbuffers.bins,
+        "background": targets.background,
+    }
+    if layers.count > LAYERS_PER_PACK:
+        textures |= {"packed_w_far": targets.packed_w[1], "slopes_far": targets.packed_slopes[1]}
+    for unit, (name, texture) in enumerate(textures.items(), start=first_unit):
+        if name in program:
+            texture.use(unit)
+            program[name] = unit
+    set_uniforms(program, last_level=nbuffers.levels - 1, w_range=nbuffers.w_range)
+    return first_unit + len(textures)
+
+
 class NBufferBuilder:
     """Builds N-buffers, keeping the textures for layers of the same size."""
 

@@ -28,6 +28,8 @@ class FrameSettings:
         shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
         seed: seed of the sampling pattern.
         tiled: give neighbouring pixels different ray patterns: noise instead of ghosts.
+        connections: carry what is small, bright and blurred to the pixels of its blurred image along single rays; False leaves
+            it to the lens rays, for exact comparisons.
         wavelengths: traced through a lens with colour errors: 3 is one for each channel, more a smoother spectrum.
         motion: moments of the shutter's opening that are sampled; 1 stops all motion at the frame's own time.
         motion_by: one of `MOTIONS`: ``moments`` peels the scene at each of them, which is exact; ``velocities`` peels it once and
@@ -44,6 +46,7 @@ class FrameSettings:
     shading: str = "lit"
     seed: int = 0
     tiled: bool = True
+    connections: bool = True
     wavelengths: int = 3
     motion: int = 1
     motion_by: str = "moments"

@@ -25,6 +25,7 @@ from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
 from render.trace.aovs import measure_aovs
 from render.trace.bundles import BundleMaker, merge_wavelengths
+from render.trace.highlights.carrier import HighlightCarrier
 from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
@@ -71,6 +72,8 @@ class LensTracer:
         self._window = LayerWindow(ctx)
         self._tiled: tuple[TiledPicture, Area] | None = None
         self._tracer = Tracer(ctx, programs, cancellation)
+        self._highlights = HighlightCarrier(ctx, programs, cancellation)
+        self._carried = self._highlights.nothing
         self._bundles = BundleMaker(ctx, programs)
         self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._bundles)
 
@@ -85,6 +88,7 @@ class LensTracer:
         layers: int,
         supersample: float,
         unlit: bool = False,
+        connections: bool = True,
         bound_by_rays: bool = False,
         on_progress: Callable[[float], None] | None = None,
         on_stage: Callable[[Stage], None] = lambda stage: None,
@@ -99,6 +103,7 @@ class LensTracer:
             layers=layers,
             supersample=supersample,
             unlit=unlit,
+            connections=connections,
             bound_by_rays=bound_by_rays,
             on_stage=on_stage,
         )
@@ -115,6 +120,7 @@ class LensTracer:
         layers: int,
         supersample: float,
         unlit: bool = False,
+        connections: bool = True,
         bound_by_rays: bool = False,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> Generator[float, None, TracedPicture]:
@@ -129,6 +135,7 @@ class LensTracer:
             layers: at most this many layers.
             supersample: layer pixels per picture pixel along each axis.
             unlit: take the base colour as radiance.
+            connections: carry highlights to the pixels of their blurred images (`render.trace.highlights.carrier`).
             bound_by_rays: see `Tracer.passes`.
             on_stage: called when all commands of a stage are issued; the device may still be working on them.
 
@@ -172,7 +179,11 @@ class LensTracer:
             )
         peeled = peel(wide)
         on_stage("peel")
-        return (yield from self._trace_layers(peeled, bundle, focus, view, nearest_w, bound_by_rays, on_stage))
+        return (
+            yield from self._trace_layers(
+                peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, on_stage
+            )
+        )
 
     def trace_layers(
         self,
@@ -212,14 +223,19 @@ class LensTracer:
         focus: PictureFocus,
         view: PinholeView,
         nearest_w: float,
+        connections: bool = True,
         bound_by_rays: bool = False,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> Generator[float, None, TracedPicture]:
         nbuffers = self._nbuffers.build(peeled, nearest_w)
         on_stage("nbuffers")
-        for done in self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays):
+        carried = self._carried = self._highlights.nothing
+        if connections:
+            carried = self._carried = self._highlights.carry(peeled, nbuffers, bundle, focus, view)
+        passes = self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays)
+        for done in carried.without(passes):
             yield done.share
-        color = self._tracer.picture()
+        color = carried.add_to(self._tracer.picture())
         on_stage("trace")
         return TracedPicture(color, peeled, nbuffers)
 
@@ -267,11 +283,11 @@ class LensTracer:
 
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Picture so far: see `Tracer.partial_picture`."""
-        partial = self._tracer.partial_picture()
+        picture, shares = self._tracer.partial_picture()
         if self._tiled is None:
-            return partial
-        picture, area = self._tiled
-        return picture.with_unfinished(area, *partial)
+            return self._carried.add_to(picture), shares
+        whole, area = self._tiled
+        return whole.with_unfinished(area, picture, shares)
 
     def measure_aovs(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
         """AOVs of the picture: see `render.trace.aovs.measure_aovs`."""
@@ -290,6 +306,7 @@ class LensTracer:
         self._nbuffers.release()
         self._window.release()
         self._tracer.release()
+        self._highlights.release()
 
 
 def _run(

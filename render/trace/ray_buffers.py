@@ -31,6 +31,7 @@ _ROW_DEFINES = {
 _LINEAR = (moderngl.LINEAR, moderngl.LINEAR)
 
 Defines = dict[str, int | float | str]
+Program = moderngl.ComputeShader | moderngl.Program
 
 
 class RayBuffers:
@@ -53,7 +54,7 @@ class RayBuffers:
             defines |= {"GRID_LENS": 1, "BOUND_BY_RAYS": 1, "GRID_INSET": f"{(side - 1) / side:.9f}"}
         return defines
 
-    def bind(self, program: moderngl.ComputeShader, bundle: RayBundle, *, first_unit: int) -> None:
+    def bind(self, program: Program, bundle: RayBundle, *, first_unit: int) -> None:
         """Upload the bundle and set the uniforms that follow from it; textures take units from ``first_unit`` on."""
         self.release()
         pattern, self._unit = bundle.pattern, first_unit
@@ -78,7 +79,7 @@ class RayBuffers:
         else:
             set_uniforms(program, pupil_m=bundle.pupil_m)
 
-    def choose_wavelength(self, program: moderngl.ComputeShader, bundle: RayBundle, number: int) -> None:
+    def choose_wavelength(self, program: Program, bundle: RayBundle, number: int) -> None:
         """Select the part of the table for one of the bundle's wavelengths."""
         if isinstance(bundle.table, PolynomialTable):
             set_uniforms(program, first_row=number * bundle.table.rows.shape[1])
@@ -100,7 +101,7 @@ class RayBuffers:
         self._resources.append(buffer)
         buffer.bind_to_storage_buffer(binding)
 
-    def _image(self, program: moderngl.ComputeShader, name: str, values: FloatArray) -> None:
+    def _image(self, program: Program, name: str, values: FloatArray) -> None:
         texture = self._ctx.texture(values.shape[::-1], 1, np.ascontiguousarray(values).tobytes(), dtype="f4")
         texture.filter, texture.repeat_x, texture.repeat_y = _LINEAR, False, False
         self._resources.append(texture)

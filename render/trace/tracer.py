@@ -12,7 +12,7 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
-from render.layers.nbuffers import NBuffers
+from render.layers.nbuffers import NBuffers, bind_layers
 from render.layers.peel import Layers
 from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
@@ -114,7 +114,7 @@ class Tracer:
                 movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 2)
 
         self._is_bound = False
-        self._set_uniforms(program, layers, nbuffers, view)
+        set_uniforms(program, **layer_uniforms(layers, view))
         if moment_view is not None:
             set_uniforms(program, **moment_view.uniforms(layers.view))
         set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0), area_first=(left, top))
@@ -220,44 +220,10 @@ class Tracer:
         nbuffers: NBuffers,
         focal_map: moderngl.Texture | None,
     ) -> None:
-        targets = layers.targets
-        textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
-            "packed_w": targets.packed_w[0],
-            "slopes": targets.packed_slopes[0],
-            "radiance": targets.radiance,
-            "ranges": nbuffers.ranges,
-            "bins": nbuffers.bins,
-            "background": targets.background,
-        }
-        if layers.count > 4:
-            textures |= {"packed_w_far": targets.packed_w[1], "slopes_far": targets.packed_slopes[1]}
+        unit = bind_layers(program, layers, nbuffers, _FIRST_UNIT)
         if focal_map is not None:
-            textures["focal_map"] = focal_map
-        for unit, (name, texture) in enumerate(textures.items(), start=_FIRST_UNIT):
-            texture.use(unit)
-            program[name] = unit
-
-    def _set_uniforms(
-        self,
-        program: moderngl.ComputeShader,
-        layers: Layers,
-        nbuffers: NBuffers,
-        view: PinholeView,
-    ) -> None:
-        whole, origin = layers.whole, layers.origin
-        scale = whole.fx / view.fx
-        held = layers.view.size
-        set_uniforms(
-            program,
-            scale=scale,
-            offset=(whole.cx - scale * view.cx, whole.cy - scale * view.cy),
-            axis=(whole.cx, whole.cy),
-            focal_px=(whole.fx, whole.fy),
-            layer_first=origin,
-            layer_last=tuple(min(whole.size[i] - origin[i], held[i]) - 1 for i in (0, 1)),
-            last_level=nbuffers.levels - 1,
-            w_range=nbuffers.w_range,
-        )
+            focal_map.use(unit)
+            program["focal_map"] = unit
 
     def _allocate_sum(self, size: tuple[int, int]) -> moderngl.Texture:
         if self._sum is None or self._sum.size != size:
@@ -272,3 +238,17 @@ class Tracer:
 def _clear(texture: moderngl.Texture) -> None:
     """Set all texels to 0, without a copy of the texture in memory."""
     GL.glClearTexImage(texture.glo, 0, GL.GL_RGBA, GL.GL_FLOAT, np.zeros(4, np.float32))
+
+
+def layer_uniforms(layers: Layers, view: PinholeView) -> dict[str, object]:
+    """Uniforms of ``lens/lens_rays.glsl`` and ``trace/footprints.glsl`` that place a picture on its layers."""
+    whole, origin, held = layers.whole, layers.origin, layers.view.size
+    scale = whole.fx / view.fx
+    return {
+        "scale": scale,
+        "offset": (whole.cx - scale * view.cx, whole.cy - scale * view.cy),
+        "axis": (whole.cx, whole.cy),
+        "focal_px": (whole.fx, whole.fy),
+        "layer_first": origin,
+        "layer_last": tuple(min(whole.size[i] - origin[i], held[i]) - 1 for i in (0, 1)),
+    }

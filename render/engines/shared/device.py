@@ -52,6 +52,7 @@ class Device:
             layers=settings.layers,
             supersample=settings.supersample,
             unlit=request.is_unlit,
+            connections=settings.connections,
             on_progress=request.on_progress,
         )
         self.tracer.release_window()
@@ -69,6 +70,7 @@ class Device:
             layers=settings.layers,
             supersample=settings.supersample,
             unlit=request.is_unlit,
+            connections=settings.connections,
         )
         self.tracer.release_window()
         return traced.color

@@ -42,7 +42,8 @@ struct PixelRays {
 
 struct LensRay { vec2 a; vec2 b; float weight; };
 
-PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f, float pupil)
+// Rays of the field at `centre`, without a pattern.
+PixelRays begin_field(vec2 centre, vec2 axis, float w_f, float pupil)
 {
     PixelRays rays;
     rays.centre = centre;
@@ -51,10 +52,17 @@ PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f, float pupi
     rays.outward = height > 1e-9 ? rays.slope / height : vec2(1.0, 0.0);
     rays.w_f = w_f;
     rays.pupil = pupil;
-    rays.pattern = patterns > 1 ? pattern_mask[(pixel.y & 63) * 64 + (pixel.x & 63)] : 0;
+    rays.pattern = 0;
 #ifdef POLYNOMIAL_LENS
     load_row(height);
 #endif
+    return rays;
+}
+
+PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f, float pupil)
+{
+    PixelRays rays = begin_field(centre, axis, w_f, pupil);
+    if (patterns > 1) rays.pattern = pattern_mask[(pixel.y & 63) * 64 + (pixel.x & 63)];
     return rays;
 }
 
@@ -67,25 +75,30 @@ vec2 in_plane(PixelRays rays, vec2 point)
 #endif
 
 #ifdef POLYNOMIAL_LENS
+// Ray through a point of the disc, whether or not a rim blocks it.
+LensRay unclipped_ray(PixelRays rays, vec2 disc)
+{
+    vec2 along = rays.outward, across = vec2(-along.y, along.x);
+    float x = disc.x, y = disc.y, y2 = y * y;
+    return LensRay(slope_t(x, y2) * along + y * slope_s(x, y2) * across, pupil_t(x, y2) * along + y * pupil_s(x, y2) * across,
+                   even2(WEIGHT, x, y2));
+}
+
 // `disc` is a point of the whole disc, `stop` one of the iris's opening, both along and across the plane of pixel and axis.
 LensRay through_lens(PixelRays rays, vec2 stop, vec2 disc)
 {
-    LensRay ray;
-    vec2 along = rays.outward, across = vec2(-along.y, along.x);
     bool clipped = row[REGION + 3] > 0.0;  // clipped by a rim other than the stop's
     if (!clipped) disc = stop;
-    float x = disc.x, y = disc.y, y2 = y * y;
-    ray.weight = even2(WEIGHT, x, y2);
+    LensRay ray = unclipped_ray(rays, disc);
     if (clipped) {
+        float x = disc.x, y = disc.y, y2 = y * y;
         vec2 at = vec2(row[REGION] + row[REGION + 1] * x, row[REGION + 2] * y);
         if (dot(at, at) > 1.0 || even4(FRONT_RIM, x, y2) > 0.0 || even4(REAR_RIM, x, y2) > 0.0) ray.weight = 0.0;
 #ifdef SHAPED_IRIS
-        vec2 on_stop = at.x * along + at.y * across;
+        vec2 along = rays.outward, on_stop = at.x * along + at.y * vec2(-along.y, along.x);
         ray.weight *= textureLod(iris_image, 0.5 + 0.5 * on_stop, 0.0).r;
 #endif
     }
-    ray.a = slope_t(x, y2) * along + y * slope_s(x, y2) * across;
-    ray.b = pupil_t(x, y2) * along + y * pupil_s(x, y2) * across;
     return ray;
 }
 #endif
@@ -133,6 +146,23 @@ LensRay from_where_the_camera_is(LensRay ray)
 }
 #endif
 
+// Ray through a point of the pupil as a line on the layers; `from` is its table's, or its pupil point alone.
+LensRay on_layers(PixelRays rays, LensRay from, vec2 jitter)
+{
+    LensRay ray = from;
+#if defined(POLYNOMIAL_LENS) || defined(GRID_LENS)
+    ray.a *= narrowing;
+    ray.b *= narrowing;
+#endif
+    ray.b *= rays.pupil * focal_px;
+    ray.a = rays.centre + scale * jitter + focal_px * ray.a - ray.b * rays.w_f;
+#ifdef CARRIED_CAMERA
+    return from_where_the_camera_is(ray);
+#else
+    return ray;
+#endif
+}
+
 LensRay lens_ray(PixelRays rays, int i)
 {
     vec4 point = points[i * patterns + rays.pattern];
@@ -151,15 +181,5 @@ LensRay lens_ray(PixelRays rays, int i)
 #else
     LensRay ray = LensRay(vec2(0.0), pupil_m * stop, 1.0);
 #endif
-#if defined(POLYNOMIAL_LENS) || defined(GRID_LENS)
-    ray.a *= narrowing;
-    ray.b *= narrowing;
-#endif
-    ray.b *= rays.pupil * focal_px;
-    ray.a = rays.centre + scale * point.zw + focal_px * ray.a - ray.b * rays.w_f;
-#ifdef CARRIED_CAMERA
-    return from_where_the_camera_is(ray);
-#else
-    return ray;
-#endif
+    return on_layers(rays, ray, point.zw);
 }

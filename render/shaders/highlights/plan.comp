@@ -1,0 +1,124 @@
+#version 450 core
+// Plan how each highlight is carried: its excess over its surroundings, the box of pixels that its blurred image covers, and the
+// bins of inverse depth in front of it that may hold something in its way.
+// in:  texels (x | y << 16, layer); layers (march.glsl), means, lens
+// out: plans; the box is empty where the highlight is better left to the rays
+// A box is that of the images of points of the pupil, found by the iteration p ← p + (q - s(p)) / scale.
+
+layout(local_size_x = 64) in;
+
+#include "trace/march.glsl"
+#include "highlights/surroundings.glsl"
+#include "highlights/connection.glsl"
+
+struct Plan {
+    vec4 excess;        // radiance times opacity; w (1/m)
+    vec4 box;           // first and last place, picture pixels
+    uvec2 bins;
+    uvec2 front;        // bits of the inverse depth from which on surfaces are in the way
+    uvec2 base;         // what rays are to see, four halves; opacity is the texel's own
+    uvec2 exact;        // what the texel holds
+};
+layout(std430, binding = 0) readonly buffer Texels { uvec2 texels[]; };
+layout(std430, binding = 1) buffer Plans { Plan plans[]; };
+
+uniform int count;
+uniform bool is_first;          // first wavelength: others widen its box
+uniform float blur_px;
+uniform float least_radius;     // layer pixels
+
+const int SPOKES = 12;
+const float WIDEN = 1.04;       // of a polygon of SPOKES corners to the circle around it
+const int ROUNDS = 5;
+const float MOST_MISS = 0.5;    // picture pixels
+const int SLABS = 4;
+
+LensRay traced[SPOKES];
+
+// Box of the images of the pupil's rim; empty where some image is not found.
+vec4 box_of(vec2 q, float w)
+{
+    vec2 low = vec2(1e9), high = vec2(-1e9);
+    for (int k = 0; k < SPOKES; ++k) {
+        float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES);
+        vec2 rim = vec2(cos(angle), sin(angle)), p = (q - offset) / scale, miss = vec2(1e9);
+        for (int round = 0; round < ROUNDS; ++round) {
+            PixelRays rays = rays_from(p);
+            vec2 l = rim;
+#ifdef POLYNOMIAL_LENS
+            l = vec2(dot(rim, rays.outward), dot(rim, vec2(-rays.outward.y, rays.outward.x)));
+#endif
+            traced[k] = pupil_ray(rays, l);
+            miss = (q - met_at(traced[k], w)) / scale;
+            p += miss;
+        }
+        if (!(max(abs(miss.x), abs(miss.y)) < MOST_MISS)) return vec4(0.0);
+        low = min(low, p);
+        high = max(high, p);
+    }
+    vec2 middle = 0.5 * (low + high), half_size = 0.5 * (high - low);
+    if (min(half_size.x, half_size.y) * scale < least_radius) return vec4(0.0);
+    half_size = half_size * WIDEN + 2.0;
+    return vec4(middle - half_size, middle + half_size);
+}
+
+// Occupied bins in front of `front` under the cone of the traced rays, slab by slab.
+uvec2 bins_in_front(float front)
+{
+    int last = bin_of(w_range.y, w_range), first = bin_of(front, w_range);
+    if (front >= w_range.y) return uvec2(0u);
+    int slab = max(1, (last - first + SLABS) / SLABS);
+    float width = (w_range.y - w_range.x) / float(BINS);
+    uvec2 occupied = uvec2(0u);
+    for (int from = first; from <= last; from += slab) {
+        int to = min(from + slab - 1, last);
+        vec2 low = vec2(1e9), high = vec2(-1e9);
+        for (int end = 0; end < 2; ++end) {
+            float w = end == 0 ? max(front, w_range.x + width * float(from)) : w_range.x + width * float(to + 1);
+            for (int k = 0; k < SPOKES; ++k) {
+                vec2 met = met_at(traced[k], w);
+                low = min(low, met);
+                high = max(high, met);
+            }
+        }
+        vec2 room = 0.02 * (high - low) + 2.0;
+        occupied |= bins_over(ivec2(floor(low - room)), ivec2(floor(high + room))) & bits_between(from, to);
+    }
+    return occupied;
+}
+
+// Greatest relative change of a surface's w within its pixel.
+float reach_at(ivec2 texel, int layer)
+{
+#ifdef EIGHT_LAYERS
+    if (layer >= 4) return reach_of(texelFetch(slopes_far, texel, 0))[layer - 4];
+#endif
+    return reach_of(texelFetch(slopes, texel, 0))[layer];
+}
+
+void main()
+{
+    int i = int(gl_GlobalInvocationID.x);
+    if (i >= count) return;
+    ivec2 texel = ivec2(texels[i].x & 0xffffu, texels[i].x >> 16);
+    int layer = int(texels[i].y);
+    float stored = stored_w(texel, layer), w = abs(stored);
+    vec4 surface = texelFetch(radiance, ivec3(texel, layer), 0);
+    vec2 q = vec2(texel + layer_first) + 0.5, focused = focus_at((q - offset) / scale);
+
+    float share = min(1.0, luminance_around(texel, blur_px * focused.y * abs(w - focused.x)) / luminance_of(surface, stored));
+    uvec2 base = uvec2(packHalf2x16(share * surface.rg), packHalf2x16(vec2(share * surface.b, surface.a)));
+    vec3 held = vec3(unpackHalf2x16(base.x), unpackHalf2x16(base.y).x);
+    vec3 excess = (surface.rgb - held) * (stored > 0.0 ? 1.0 : surface.a);
+    float front = w + UNLIKE * w + 2.0 * reach_at(texel, layer) * w;
+
+    vec4 box = box_of(q, w);
+    uvec2 bins = bins_in_front(front);
+    if (!is_first) {
+        bool both = plans[i].box.z > plans[i].box.x && box.z > box.x;
+        box = both ? vec4(min(box.xy, plans[i].box.xy), max(box.zw, plans[i].box.zw)) : vec4(0.0);
+        bins |= plans[i].bins;
+    }
+    plans[i] = Plan(vec4(excess, w), box, bins, uvec2(floatBitsToUint(front), 0u), base,
+                    uvec2(packHalf2x16(surface.rg), packHalf2x16(surface.ba)));
+}

@@ -1,0 +1,137 @@
+"""Search for highlights in layers: texels far brighter than their surroundings, and so blurred that rays mostly miss them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from render.gl.resources import Resources
+from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.nbuffers import NBuffers, bind_layers
+from render.layers.peel import Layers
+from render.optics.view import PinholeView
+from render.trace.picture_focus import PictureFocus
+from render.trace.ray_buffers import Defines, Program
+from render.trace.rays import RayBundle
+from render.trace.tracer import layer_uniforms
+
+NOISE = 0.005
+"""Standard deviation of a pixel's radiance relative to its surroundings from which a texel is a highlight."""
+LEAST_RADIUS_PX = 2.5
+"""Smallest circle of confusion of a highlight, layer pixels. Rays find what is sharper."""
+FLOOR_SHARE = 0.1
+"""Share of the mean radiance of all layers added to that around a texel, so that what is dark need not be without noise."""
+MOST_MARKS = 1 << 18
+_BLOCK = 8
+_MARKS, _IMAGE = 0, 2  # as the shaders bind them
+_TRILINEAR = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Picture whose highlights are carried, as the shaders see it.
+
+    Attributes:
+        layers: its layers.
+        nbuffers: their N-buffers.
+        bundle: rays of its lens.
+        focus: focal surface.
+        focal_map: focal surface as a texture where it is not affine.
+        view: projection of the picture.
+    """
+
+    layers: Layers
+    nbuffers: NBuffers
+    bundle: RayBundle
+    focus: PictureFocus
+    focal_map: moderngl.Texture | None
+    view: PinholeView
+
+    @property
+    def defines(self) -> Defines:
+        """Defines of its layers and focus."""
+        defines: Defines = {"EIGHT_LAYERS": 1} if self.layers.count > 4 else {}
+        return defines | ({} if self.focal_map is None else {"FOCAL_MAP": 1})
+
+    @property
+    def blur_px(self) -> float:
+        """Circle of confusion at a difference of 1/m of inverse depth, layer pixels; its radius."""
+        return max(self.layers.view.fx, self.layers.view.fy) * self.bundle.reach_m
+
+    def bind(self, program: Program) -> int:
+        """Bind the picture to a program, and return the first texture unit left free."""
+        unit = bind_layers(program, self.layers, self.nbuffers, 0)
+        if self.focal_map is not None and "focal_map" in program:
+            self.focal_map.use(unit)
+            program["focal_map"] = unit
+        set_uniforms(program, **layer_uniforms(self.layers, self.view), focus=self.focus.affine or (0.0, 0.0, 0.0))
+        set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=LEAST_RADIUS_PX)
+        set_uniforms(program, floor_share=FLOOR_SHARE)
+        return unit + 1
+
+
+def measure_means(ctx: moderngl.Context, programs: ProgramCache, picture: Picture) -> moderngl.Texture:
+    """Mean luminance of blocks of 8x8 layer pixels and of ever larger ones, a mipmap; the caller releases it."""
+    program = programs.compute("highlights/means.comp", picture.defines)
+    picture.bind(program)
+    width, height = _blocks(picture.layers)
+    means = ctx.texture((width, height), 2, dtype="f4")
+    means.bind_to_image(_IMAGE, read=False, write=True)
+    program.run(width, height)
+    ctx.memory_barrier()
+    means.repeat_x = means.repeat_y = False
+    means.build_mipmaps()
+    means.filter = _TRILINEAR
+    return means
+
+
+def find_highlights(
+    ctx: moderngl.Context, programs: ProgramCache, picture: Picture, means: moderngl.Texture
+) -> NDArray[np.uint32]:
+    """Find the highlights of all layers.
+
+    Args:
+        ctx: context.
+        programs: its programs.
+        picture: the picture.
+        means: from `measure_means`.
+
+    Returns:
+        ``(n, 3)``: x, y and layer, layer by layer and block by block; at most `MOST_MARKS`, else those above a higher noise.
+    """
+    program = programs.compute("highlights/mark.comp", picture.defines)
+    unit = picture.bind(program)
+    means.use(unit)
+    set_uniforms(program, means=unit, rays=picture.bundle.pattern.whole)
+    width, height = _blocks(picture.layers)
+    size = picture.layers.count * width * height * 2
+    with Resources() as scope:
+        marks = scope.keep(ctx.buffer(reserve=4 * size))
+        noise = NOISE
+        while True:
+            marks.bind_to_storage_buffer(_MARKS)
+            set_uniforms(program, noise=noise)
+            program.run(width, height)
+            ctx.memory_barrier()
+            bits = np.frombuffer(marks.read(), np.uint32).reshape(-1, 2)
+            if np.bitwise_count(bits).sum() <= MOST_MARKS:
+                return _places(bits, width, height)
+            noise *= 2
+
+
+def _places(bits: NDArray[np.uint32], width: int, height: int) -> NDArray[np.uint32]:
+    """Places ``(n, 3)`` of the bits that are set."""
+    marked = np.flatnonzero(bits.any(axis=1))
+    within = np.unpackbits(np.ascontiguousarray(bits[marked]).view(np.uint8), axis=1, bitorder="little")
+    number, place = np.nonzero(within)
+    layer, block = np.divmod(marked[number], width * height)
+    y, x = np.divmod(block, width)
+    places = [x * _BLOCK + place % _BLOCK, y * _BLOCK + place // _BLOCK, layer]
+    return np.stack(places, axis=1).astype(np.uint32)
+
+
+def _blocks(layers: Layers) -> tuple[int, int]:
+    return -(-layers.view.width // _BLOCK), -(-layers.view.height // _BLOCK)

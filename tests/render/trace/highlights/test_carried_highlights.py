@@ -1,0 +1,136 @@
+"""Highlights carried to the pixels of their blurred images: the same light as by rays, and less noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from render.frame import FrameRenderer, FrameSettings
+from render.gl.cancellation import Cancelled
+from render.lab.reference.scenes import rectangle
+from render.layers.peel import PICTURE
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Dome, Material, Scene
+
+SETTINGS = FrameSettings(128, 96, rays=64, shading="lit")
+CAMERA = Camera(np.eye(4), 50.0, 32.0, 24.0, f_stop=1.4, focus_distance_m=0.8, near_m=0.1)
+WALL = Material(name="wall", base_color=(0, 0, 0), emissive=(0.2, 0.25, 0.3))
+BULB = Material(name="bulb", base_color=(0, 0, 0), emissive=(24.0, 20.0, 16.0))
+DARK = Material(name="dark", base_color=(0, 0, 0), emissive=(0.05, 0.05, 0.05))
+PANE = Material(name="pane", base_color=(0, 0, 0), emissive=(0.02, 0.02, 0.02), opacity=0.4)
+IN_FRONT = (-0.05, -0.03, -1.0)
+
+
+def bulbs(*others: Batch) -> Scene:
+    """Make a dim wall with bright squares of some two pixels of the layers before it, and others."""
+    rng = np.random.default_rng(4)
+    lit = [
+        rectangle((float(x), float(y), -5.0), (0.012, 0, 0), (0, 0.012, 0)) for x, y in rng.uniform(-0.9, 0.9, (12, 2))
+    ]
+    wall = rectangle((0.0, 0.0, -6.0), (6.0, 0, 0), (0, 6.0, 0))
+    batches = [plane(wall, WALL), *(plane(square, BULB) for square in lit), *others]
+    return Scene(tuple(batches), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
+
+
+def plane(geometry: object, material: Material) -> Batch:
+    return Batch(geometry, material, np.eye(4)[None], double_sided=True)  # type: ignore[arg-type]
+
+
+def card(material: Material) -> Batch:
+    """Make a card in front of the focus, before half of the bulbs."""
+    return plane(rectangle(IN_FRONT, (0.1, 0, 0), (0, 0.06, 0)), material)
+
+
+def pictures(renderer: FrameRenderer, scene: Scene, camera: Camera, **changes: object) -> tuple[FloatArray, FloatArray]:
+    """Render with and without connections."""
+    settings = replace(SETTINGS, **changes)  # type: ignore[arg-type]
+    with_them = renderer.render(scene, camera, settings).color
+    return with_them, renderer.render(scene, camera, replace(settings, connections=False)).color
+
+
+SCENES = {"open": (), "behind a card": (card(DARK),), "behind a pane": (card(PANE),)}
+
+
+@pytest.mark.parametrize("others", SCENES.values(), ids=SCENES)
+def test_the_light_of_a_picture_stays_the_same(renderer: FrameRenderer, others: tuple[Batch, ...]) -> None:
+    """Within 0.1 %, of which half is the noise of the rays."""
+    scene = bulbs(*others)
+    carried, by_rays = pictures(renderer, scene, CAMERA, rays=256)
+    assert carried[..., :3].std() < by_rays[..., :3].std()  # something was carried
+    np.testing.assert_array_equal(carried[..., 3], by_rays[..., 3])
+    seeds = [replace(SETTINGS, rays=256, connections=False, seed=seed) for seed in range(1, 6)]
+    expected = np.mean([by_rays, *(renderer.render(scene, CAMERA, settings).color for settings in seeds)], axis=0)
+    np.testing.assert_allclose(carried[..., :3].mean((0, 1)), expected[..., :3].mean((0, 1)), rtol=1e-3)
+
+
+@pytest.mark.parametrize("others", SCENES.values(), ids=SCENES)
+def test_pictures_converge_to_the_one_by_rays_alone(renderer: FrameRenderer, others: tuple[Batch, ...]) -> None:
+    scene = bulbs(*others)
+    truth = renderer.render(scene, CAMERA, replace(SETTINGS, rays=1024, connections=False)).color
+    for rays in (16, 64):
+        carried, by_rays = pictures(renderer, scene, CAMERA, rays=rays)
+        errors = [float(np.mean((picture - truth)[..., :3] ** 2)) for picture in (carried, by_rays)]
+        assert errors[0] < errors[1] / 10
+
+
+def test_the_blurred_image_of_a_bulb_is_even(renderer: FrameRenderer) -> None:
+    """Within its circle of confusion, the standard deviation falls to a tenth at least."""
+    square = rectangle((0.0, 0.0, -5.0), (0.01, 0, 0), (0, 0.01, 0))
+    scene = Scene((plane(square, BULB),), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
+    carried, by_rays = pictures(renderer, scene, replace(CAMERA, focus_distance_m=0.5))
+    inside = np.hypot(*(np.mgrid[:96, :128] + 0.5 - np.array([48.0, 64.0])[:, None, None])) < 5
+    spread = [float(picture[inside, 0].std() / picture[inside, 0].mean()) for picture in (carried, by_rays)]
+    assert spread[0] < 0.1 * spread[1]
+
+
+def test_the_same_picture_twice(renderer: FrameRenderer) -> None:
+    scene = bulbs(card(DARK))
+    first = renderer.render(scene, CAMERA, SETTINGS).color
+    renderer.forget_layers()
+    np.testing.assert_array_equal(renderer.render(scene, CAMERA, SETTINGS).color, first)
+
+
+def test_layers_are_put_back_bit_for_bit(renderer: FrameRenderer) -> None:
+    scene = bulbs(card(PANE))
+    renderer.render(scene, CAMERA, replace(SETTINGS, connections=False))
+    before = radiance_bytes(renderer)
+    carried = renderer.render(scene, CAMERA, SETTINGS).color
+    assert radiance_bytes(renderer) == before
+    np.testing.assert_array_equal(renderer.render(scene, CAMERA, SETTINGS).color, carried)
+
+
+def test_layers_are_put_back_where_work_is_cancelled(renderer: FrameRenderer) -> None:
+    scene = bulbs()
+    renderer.render(scene, CAMERA, SETTINGS)
+    before = radiance_bytes(renderer)
+    for last in (1, 2, 4, 8):
+        polls = iter(range(last))
+        with (
+            pytest.raises(Cancelled),
+            renderer.graphics.cancellation.cancel_when(lambda polls=polls: next(polls, None) is None),
+        ):
+            renderer.render(scene, CAMERA, SETTINGS)
+        assert radiance_bytes(renderer) == before
+
+
+@pytest.mark.parametrize("changes", [{"rays": 1}, {"f_stop": 0.0}], ids=["one ray", "pinhole"])
+def test_sharp_pictures_carry_nothing(renderer: FrameRenderer, changes: dict[str, float]) -> None:
+    camera = replace(CAMERA, f_stop=changes.get("f_stop", CAMERA.f_stop))
+    carried, by_rays = pictures(renderer, bulbs(), camera, rays=changes.get("rays", 16))
+    np.testing.assert_array_equal(carried, by_rays)
+
+
+def test_a_bright_wall_is_left_to_the_rays(renderer: FrameRenderer) -> None:
+    wall = rectangle((0.0, 0.0, -6.0), (6.0, 0, 0), (0, 6.0, 0))
+    carried, by_rays = pictures(renderer, Scene((plane(wall, BULB),), (), Dome((0, 0, 0), np.eye(4)), ("/p",)), CAMERA)
+    np.testing.assert_array_equal(carried, by_rays)
+
+
+def radiance_bytes(renderer: FrameRenderer) -> bytes:
+    """Read the radiance of the layers that are kept."""
+    _, layers = renderer.device.peeler._kept[PICTURE]
+    slices: bytes = layers.targets.radiance.read()
+    return slices[: len(slices) // layers.targets.radiance.layers * layers.count]

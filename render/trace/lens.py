@@ -180,9 +180,7 @@ class LensTracer:
         peeled = peel(wide)
         on_stage("peel")
         return (
-            yield from self._trace_layers(
-                peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, on_stage
-            )
+            yield from self._trace_layers(peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, on_stage)
         )
 
     def trace_layers(

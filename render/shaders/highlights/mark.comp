@@ -23,8 +23,8 @@ bool is_highlight(ivec2 texel, int layer, float w, vec2 focused)
     float radius = blur_px * focused.y * abs(abs(w) - focused.x);
     if (radius < least_radius) return false;
     float light = luminance_of(texelFetch(radiance, ivec3(texel, layer), 0), w), around = luminance_around(texel, radius);
-    // a ray finds the texel with probability 1 over the area of its circle of confusion
-    float excess = light - around, hits = rays * 3.14159 * radius * radius;
+    // a ray finds the texel with probability 1 over the area of its circle of confusion and the pixel
+    float excess = light - around, hits = rays * (3.14159 * radius * radius + scale * scale);
     return excess > around && excess * excess > noise * noise * around * around * hits;
 }
 

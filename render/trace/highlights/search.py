@@ -20,8 +20,8 @@ from render.trace.tracer import layer_uniforms
 
 NOISE = 0.005
 """Standard deviation of a pixel's radiance relative to its surroundings from which a texel is a highlight."""
-LEAST_RADIUS_PX = 2.5
-"""Smallest circle of confusion of a highlight, layer pixels. Rays find what is sharper."""
+LEAST_RADIUS = 0.625
+"""Smallest circle of confusion of a highlight relative to a pixel of the picture. The edges of smaller ones are not accurate."""
 FLOOR_SHARE = 0.1
 """Share of the mean radiance of all layers added to that around a texel, so that what is dark need not be without noise."""
 MOST_MARKS = 1 << 18
@@ -61,6 +61,11 @@ class Picture:
         """Circle of confusion at a difference of 1/m of inverse depth, layer pixels; its radius."""
         return max(self.layers.view.fx, self.layers.view.fy) * self.bundle.reach_m
 
+    @property
+    def scale(self) -> float:
+        """Layer pixels per picture pixel."""
+        return self.layers.view.fx / self.view.fx
+
     def bind(self, program: Program) -> int:
         """Bind the picture to a program, and return the first texture unit left free."""
         unit = bind_layers(program, self.layers, self.nbuffers, 0)
@@ -68,7 +73,7 @@ class Picture:
             self.focal_map.use(unit)
             program["focal_map"] = unit
         set_uniforms(program, **layer_uniforms(self.layers, self.view), focus=self.focus.affine or (0.0, 0.0, 0.0))
-        set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=LEAST_RADIUS_PX)
+        set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=LEAST_RADIUS * max(2.0, self.scale))
         set_uniforms(program, floor_share=FLOOR_SHARE)
         return unit + 1
 

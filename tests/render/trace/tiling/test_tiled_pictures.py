@@ -21,7 +21,8 @@ from render.trace.tiling.plan import LayerBudget, layers_bytes
 from tests.render.kits.lens_pictures import SOFT_SHEET
 from tests.render.kits.lenses import PLANAR
 
-WIDE, TALL = FrameSettings(136, 80, rays=12), FrameSettings(72, 104, rays=12)
+# in tiles, highlights are left to the rays
+WIDE, TALL = FrameSettings(136, 80, rays=12, connections=False), FrameSettings(72, 104, rays=12, connections=False)
 ONE_PIECE = LayerBudget()
 WHOLE_STRIP = LayerBudget(bytes=2_000_000, strip_bytes=1 << 40)
 """One strip, drawn with the borders of a picture in one piece, and windows much smaller than it."""

@@ -23,9 +23,9 @@ from render.errors import SettingsError
 from render.files import check_replaceable, check_writable
 from render.film import GradeChoice
 from render.film.stock import library_stock
-from render.model.frame_settings import MAX_MOTION, MOTIONS, FrameSettings
+from render.model.frame_settings import LEAST_NOISE, MAX_MOTION, MOST_NOISE, MOTIONS, FrameSettings
 from render.model.frame_spec import frame_file_names, parse_frames
-from render.model.limits import MAX_WAVELENGTHS
+from render.model.limits import MAX_RAYS, MAX_WAVELENGTHS
 from render.output import format_of
 from render.pictures.contact_axes import Axis
 from render.pictures.picture_height import picture_height
@@ -116,6 +116,17 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
     with_rays = ", ".join(engine.name for engine in all_engines() if engine.has_rays)
     group.add_argument(
         "--rays", type=int, default=100, metavar="N", help=f"lens rays for each pixel, of the engines {with_rays}"
+    )
+    group.add_argument(
+        "--noise",
+        type=float,
+        default=0.0,
+        metavar="E",
+        help="in place of --rays, of the engine lens: rays until the standard error of each 8x8 pixels is below this, from"
+        f" {LEAST_NOISE} to {MOST_NOISE} in values of the encoded picture from 0 to 1, or at {MAX_RAYS} rays",
+    )
+    group.add_argument(
+        "--no-adaptive", action="store_true", help="the same number of rays for every pixel, for exact comparisons"
     )
     group.add_argument("--layers", type=int, default=4, metavar="N", help="depth layers at most")
     group.add_argument(
@@ -291,6 +302,8 @@ def _read_settings(arguments: argparse.Namespace) -> FrameSettings:
         height=1,
         engine=arguments.engine,
         rays=arguments.rays,
+        adaptive=not arguments.no_adaptive,
+        noise=arguments.noise,
         layers=arguments.layers,
         supersample=arguments.supersample,
         connections=not arguments.no_connections,

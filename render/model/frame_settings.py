@@ -12,6 +12,10 @@ SHADINGS = ("lit", "unlit")
 MOTIONS = ("moments", "velocities")
 MAX_SUPERSAMPLE = 4
 MAX_MOTION = 256
+ADAPTIVE_RAYS = 32
+"""Rays per pixel from which on they can be distributed over the picture."""
+LEAST_NOISE = 0.0005
+MOST_NOISE = 0.1
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,10 @@ class FrameSettings:
         supersample: layer pixels per picture pixel along each axis, 1 or more and not whole if need be.
         shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
         seed: seed of the sampling pattern.
+        adaptive: give more rays to the parts of the picture that have more noise, so that ``rays`` is their mean; without effect
+            below `ADAPTIVE_RAYS`, and on an untiled picture or one of several moments.
+        noise: wanted error in place of ``rays``: the standard error of each tile of 8x8 pixels, in values of the clipped and
+            encoded picture from 0 to 1, at the exposure rounded to a whole stop. 0 for none.
         tiled: give neighbouring pixels different ray patterns: noise instead of ghosts.
         connections: carry what is small, bright and blurred to the pixels of its blurred image along single rays; False leaves
             it to the lens rays, for exact comparisons.
@@ -45,6 +53,8 @@ class FrameSettings:
     supersample: float = 2
     shading: str = "lit"
     seed: int = 0
+    adaptive: bool = True
+    noise: float = 0.0
     tiled: bool = True
     connections: bool = True
     wavelengths: int = 3
@@ -60,10 +70,17 @@ class FrameSettings:
         _check_range("supersample", self.supersample, 1, MAX_SUPERSAMPLE)
         _check_range("wavelengths", self.wavelengths, 1, MAX_WAVELENGTHS)
         _check_range("motion", self.motion, 1, MAX_MOTION)
+        if self.noise != 0:
+            _check_range("noise", self.noise, LEAST_NOISE, MOST_NOISE)
         _check_choice("motion_by", self.motion_by, MOTIONS)
         _check_range("seed", self.seed, 0, 2**31 - 1)
         for aov in self.aovs:
             _check_choice("aov", aov, AOVS)
+
+    @property
+    def is_adaptive(self) -> bool:
+        """True where rays are distributed over the picture, if all of them are drawn at once."""
+        return self.tiled and (self.noise > 0 or (self.adaptive and self.rays >= ADAPTIVE_RAYS))
 
 
 def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:

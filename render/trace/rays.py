@@ -12,6 +12,7 @@ from render.model.lens import IrisShape
 from render.optics.iris import transmission
 from render.optics.sampling import lens_samples, ray_range
 from render.optics.thin_lens import pupil_radius_m
+from render.trace.adaptive import RayBudget
 from render.trace.lens_table import GridTable, PolynomialTable
 
 IRIS_IMAGE_SIDE = 256
@@ -25,17 +26,19 @@ class RayPattern:
         points: ``(n, patterns, 4)`` float32: a point of the unit disc and the offset on the sensor, -0.5 to 0.5 pixels; y down.
         iris_points: ``(n, patterns, 2)`` float32 points on the stop, y down, where the iris is not round; else None.
         iris_image: ``(side, side)`` float32 transmission relative to its mean on the disc, row 0 at the top; None if round.
-        stands_for: rays of the whole pattern of which this is a part; 0 where it is the whole.
+        stands_for: rays of the whole pattern of which this is a part, or mean rays of an adaptive one; 0 where it is the whole.
+        budget: rays of a picture whose pixels do not all have those of the pattern; None where they have.
     """
 
     points: FloatArray
     iris_points: FloatArray | None = None
     iris_image: FloatArray | None = None
     stands_for: int = 0
+    budget: RayBudget | None = None
 
     @property
     def count(self) -> int:
-        """Rays per pixel."""
+        """Rays per pixel, at most."""
         return len(self.points)
 
     @property
@@ -109,6 +112,16 @@ def make_ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool =
     if samples.pupil is samples.disc:
         return RayPattern(points)
     return RayPattern(points, _by_ray(_downward(samples.pupil)), _relative_transmission(iris))
+
+
+def make_adaptive_pattern(budget: RayBudget, iris: IrisShape, *, seed: int = 0) -> RayPattern:
+    """Make the pattern of rays that are distributed over a picture.
+
+    Raises:
+        SettingsError: rays or seed is out of range, or the iris passes no light.
+    """
+    pattern = make_ray_pattern(budget.most, iris, seed=seed)
+    return replace(pattern, stands_for=budget.rays, budget=budget)
 
 
 def make_thin_lens_bundle(camera: Camera, pattern: RayPattern) -> RayBundle:

@@ -14,8 +14,9 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers, bind_layers
 from render.layers.peel import Layers
-from render.model.arrays import FloatArray
+from render.model.arrays import FloatArray, IntArray
 from render.optics.view import PinholeView
+from render.trace.adaptive import TILE, RayBudget, Values, allocate, over_pixels, tile_errors, tile_pixels
 from render.trace.focal_map import FocalMaps
 from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus
@@ -26,12 +27,14 @@ from render.trace.tiling.picture import Area
 RAYS_PER_PASS = 128
 """Rays per dispatch. Work per pixel that does not depend on the ray (footprint bounds, lens table row) is done once a pass."""
 _RAYS_PER_DISPATCH = 1 << 24
-"""Rays of one dispatch. A picture is traced in bands of lines, so that no dispatch runs into a display driver's timeout."""
+"""Rays of one dispatch. A picture is traced in pieces, so that no dispatch runs into a display driver's timeout."""
+_GROUPS_PER_DISPATCH = 65_535
+"""Work groups of one dispatch that every driver takes."""
+_TILES = 6  # as the shader binds them
 _FIRST_UNIT = 0
 """First texture unit of the tracer."""
 _LAYER_UNITS = 11
 """Number of texture units for layers, N-buffers, focal map and movers, which have the last two; the ray buffers come after."""
-_TILE = 8  # side of the shader's work groups, px
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class TracePass:
     """Progress of a picture after a tile.
 
     Attributes:
-        rays: rays per pixel of the passes that are complete.
+        rays: rays that each pixel has at least.
         share: share of all rays of all pixels that were traced, 0 to 1.
     """
 
@@ -55,11 +58,12 @@ class Tracer:
     ) -> None:
         self._ctx = ctx
         self._programs = programs
-        self._cancellation, self._piece = cancellation, PieceSize(1 << 16, least=_TILE * _TILE)
+        self._cancellation, self._piece = cancellation, PieceSize(1 << 16, least=TILE * TILE)
         self._buffers = RayBuffers(ctx)
         self._maps = FocalMaps(ctx, programs)
         self._sum: moderngl.Texture | None = None
-        self._shares = np.zeros((0, 0), np.float32)
+        self._tiles = _TileRays((0, 0, 0, 0), 0)
+        self._tile_buffer: moderngl.Buffer | None = None
         self._is_bound = False
 
     def passes(
@@ -76,8 +80,9 @@ class Tracer:
         movers: Movers | None = None,
         area: Area | None = None,
     ) -> Iterator[TracePass]:
-        """Trace a picture pass by pass, and each pass tile by tile. `picture` has the mean over all rays after the last tile;
-        `partial_picture` has the mean over the rays traced so far after any tile.
+        """Trace a picture pass by pass, and each pass piece by piece. `picture` has the mean over all rays after the last piece;
+        `partial_picture` has the mean over the rays traced so far after any piece. Where the bundle has a budget, its rays are
+        distributed over the tiles of the area (`render.trace.adaptive`).
 
         Args:
             layers: layers from the picture's own eye (or that of ``moment_view``), at any resolution and with any margin.
@@ -92,10 +97,11 @@ class Tracer:
             area: part of the picture to trace; None for all of it.
 
         Yields:
-            Progress after each tile.
+            Progress after each piece.
         """
         left, top, width, height = area = area or (0, 0, view.width, view.height)
-        self._shares = np.zeros((height, width), np.float32)
+        budget = bundle.pattern.budget
+        tiles = self._tiles = _TileRays(area, bundle.count if budget is None else budget.rays)
         _clear(self._allocate_sum((width, height)))
         focal_map = None if focus.affine is not None else self._maps.draw(focus, area)
         program = self._program(
@@ -118,57 +124,98 @@ class Tracer:
         if moment_view is not None:
             set_uniforms(program, **moment_view.uniforms(layers.view))
         set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0), area_first=(left, top))
-        for first in range(0, bundle.count, rays_per_pass):
-            count = min(rays_per_pass, bundle.count - first)
-            set_uniforms(program, first_ray=first, ray_count=count)
-            for share in self._trace_tiles(bind, program, bundle, area, count):
-                yield TracePass(first + (count if share == 1 else 0), (first + count * share) / bundle.count)
+        set_uniforms(program, end_pixel=(left + width, top + height))
+
+        def trace_to(rays: IntArray, done: float, share: float) -> Iterator[TracePass]:
+            """Trace the first rays of each tile, which are this share of the work after that which is done."""
+            for part in self._trace_tiles(bind, program, bundle, tiles, rays, rays_per_pass):
+                yield TracePass(int(tiles.traced.min()), done + share * part)
+
+        if budget is None:
+            yield from trace_to(np.full_like(tiles.traced, bundle.count), 0.0, 1.0)
+        else:
+            yield from self._trace_adaptively(trace_to, tiles, budget)
+
+    def _trace_adaptively(
+        self,
+        trace_to: Callable[[IntArray, float, float], Iterator[TracePass]],
+        tiles: _TileRays,
+        budget: RayBudget,
+    ) -> Iterator[TracePass]:
+        """Trace rays in two halves, and by their difference choose the next: once, or until a wanted error is reached."""
+        wanted, done, share = np.full_like(tiles.traced, budget.first), 0.0, min(0.9, budget.first / budget.rays)
+        total = np.zeros((tiles.height, tiles.width, 4), np.float32)
+        apart = np.zeros_like(total)
+        while True:
+            for half in range(2):
+                target = wanted if half else (tiles.traced + wanted) // 2
+                yield from trace_to(target, done + half * share / 2, share / 2)
+                now = self._read_sum()
+                apart += now - total if half else total - now
+                total = now
+            done += share
+            errors = tile_errors(total, apart, tiles.traced, budget.exposure)
+            tiles.expected = wanted = allocate(errors, tiles.traced, tiles.pixels, budget)
+            if budget.noise == 0 or (wanted == tiles.traced).all():
+                yield from trace_to(wanted, done, 1 - done)
+                return
+            share = (1 - done) / 2
 
     def _trace_tiles(
         self,
         bind: Callable[[], None],
         program: moderngl.ComputeShader,
         bundle: RayBundle,
-        area: Area,
-        rays: int,
+        tiles: _TileRays,
+        rays: IntArray,
+        rays_per_pass: int,
     ) -> Iterator[float]:
-        """Trace an area of the picture piece by piece, and yield the share that is done."""
-        left, top, width, height = area
-        light = (
-            np.append(bundle.rgb * bundle.transmittance, bundle.rgb.mean(axis=1, keepdims=True), axis=1) / bundle.count
-        )
-        for x, y, across, down in self._tiles(rays * len(bundle.rgb), width, height):
-            if not self._is_bound:
-                bind()
-                self._is_bound = True
-            set_uniforms(program, first_pixel=(left + x, top + y), end_pixel=(left + x + across, top + y + down))
-            for wavelength in range(len(bundle.rgb)):
-                set_uniforms(program, light=tuple(light[wavelength]))
-                self._buffers.choose_wavelength(program, bundle, wavelength)
-                program.run(-(-across // _TILE), -(-down // _TILE))
-                self._ctx.memory_barrier()
-            if self._cancellation.is_cancellable:
-                self._piece.learn(rays * len(bundle.rgb) * across * down, self._cancellation.poll())
-            else:
-                self._ctx.finish()
-            self._shares[y : y + down, x : x + across] += rays / bundle.count
-            yield (y + down * (x + across) / width) / height
+        """Trace those first rays of each tile that were not traced yet, and yield the share that is done."""
+        light = np.append(bundle.rgb * bundle.transmittance, bundle.rgb.mean(axis=1, keepdims=True), axis=1)
+        per_ray = TILE * TILE * len(bundle.rgb)
+        traced, whole, done = tiles.traced.reshape(-1), int((rays - tiles.traced).sum()), 0
+        while (todo := np.flatnonzero(tiles.traced < rays)).size:
+            counts = np.minimum(rays.ravel()[todo] - traced[todo], rays_per_pass)
+            self._upload_tiles(np.column_stack([tiles.corners[todo], traced[todo], counts]))
+            for begin, end in self._pieces(counts, per_ray):
+                if not self._is_bound:
+                    bind()
+                    self._is_bound = True
+                self._bind_tiles()
+                set_uniforms(program, first_tile=begin)
+                for wavelength in range(len(bundle.rgb)):
+                    set_uniforms(program, light=tuple(light[wavelength]))
+                    self._buffers.choose_wavelength(program, bundle, wavelength)
+                    program.run(end - begin)
+                    self._ctx.memory_barrier()
+                spent = int(counts[begin:end].sum())
+                if self._cancellation.is_cancellable:
+                    self._piece.learn(spent * per_ray, self._cancellation.poll())
+                else:
+                    self._ctx.finish()
+                traced[todo[begin:end]] += counts[begin:end]
+                done += spent
+                yield done / whole
 
-    def _tiles(self, rays_per_pixel: int, width: int, height: int) -> Iterator[Area]:
-        """Cut an area into pieces: short enough to cancel between, or bands."""
-        x = y = 0
-        while y < height:
-            pixels = (self._piece.units if self._cancellation.is_cancellable else _RAYS_PER_DISPATCH) // rays_per_pixel
-            if (x == 0 and pixels >= width * _TILE) or not self._cancellation.is_cancellable:
-                down = min(max(_TILE, pixels // width // _TILE * _TILE), height - y)
-                yield 0, y, width, down
-                y += down
-                continue
-            across, down = min(max(_TILE, pixels // _TILE // _TILE * _TILE), width - x), min(_TILE, height - y)
-            yield x, y, across, down
-            x += across
-            if x == width:
-                x, y = 0, y + down
+    def _pieces(self, counts: IntArray, per_ray: int) -> Iterator[tuple[int, int]]:
+        """Cut a list of tiles, given the rays of each, into runs: short enough to cancel between, or to be one dispatch."""
+        ends, begin = np.cumsum(counts, dtype=np.int64), 0
+        while begin < len(counts):
+            most = (self._piece.units if self._cancellation.is_cancellable else _RAYS_PER_DISPATCH) // per_ray
+            before = int(ends[begin - 1]) if begin else 0
+            end = max(begin + 1, int(np.searchsorted(ends, before + most, side="right")))
+            end = min(end, begin + _GROUPS_PER_DISPATCH)
+            yield begin, end
+            begin = end
+
+    def _upload_tiles(self, entries: IntArray) -> None:
+        if self._tile_buffer is not None:
+            self._tile_buffer.release()
+        self._tile_buffer = self._ctx.buffer(np.ascontiguousarray(entries, np.int32).tobytes())
+
+    def _bind_tiles(self) -> None:
+        if self._tile_buffer is not None:
+            self._tile_buffer.bind_to_storage_buffer(_TILES)
 
     def picture(self) -> FloatArray:
         """Return the mean over all rays of the area that was traced. Call it after the last pass.
@@ -176,6 +223,20 @@ class Tracer:
         Returns:
             ``(height, width, 4)`` float32 of the area: radiance, premultiplied, over the background; alpha is coverage.
         """
+        color = self._read_sum()
+        return np.divide(color, np.maximum(self._tiles.over_pixels(self._tiles.traced), 1), out=color)
+
+    def partial_picture(self) -> tuple[FloatArray, FloatArray]:
+        """Return the mean over the rays traced so far, and ``(height, width, 1)`` their share of all rays of each pixel.
+
+        The device may do other work before the next piece; the picture's layers and N-buffers must not change.
+        """
+        tiles = self._tiles
+        shares = np.minimum(tiles.traced / np.maximum(tiles.expected, 1), 1).astype(np.float32)
+        self._is_bound = False
+        return self.picture(), tiles.over_pixels(shares)
+
+    def _read_sum(self) -> FloatArray:
         image = self._sum
         if image is None:
             raise ValueError("no picture has been traced")
@@ -183,19 +244,12 @@ class Tracer:
         image.read_into(color)
         return color
 
-    def partial_picture(self) -> tuple[FloatArray, FloatArray]:
-        """Return the mean over the rays traced so far, and ``(height, width, 1)`` their share of all rays of each pixel.
-
-        The device may do other work before the next tile; the picture's layers and N-buffers must not change.
-        """
-        shares = self._shares[..., None].copy()
-        self._is_bound = False
-        return np.divide(color := self.picture(), np.where(shares > 0, shares, 1), out=color), shares
-
     def release(self) -> None:
         """Release the memory."""
         if self._sum is not None:
             self._sum.release()
+        if self._tile_buffer is not None:
+            self._tile_buffer.release()
         self._buffers.release()
         self._maps.release()
 
@@ -233,6 +287,35 @@ class Tracer:
             self._sum = self._ctx.texture(size, 4, dtype="f4")
         self._sum.bind_to_image(0, read=True, write=True)
         return self._sum
+
+
+class _TileRays:
+    """Rays of the tiles of an area.
+
+    Args:
+        area: left, top, width and height in pixels.
+        rays: rays that are expected for each pixel.
+
+    Attributes:
+        width: pixels.
+        height: pixels.
+        pixels: ``(rows, columns)`` pixels of each tile.
+        corners: ``(n, 2)`` first pixel of each tile in the picture, row by row.
+        traced: ``(rows, columns)`` rays per pixel so far.
+        expected: ``(rows, columns)`` rays per pixel at the end.
+    """
+
+    def __init__(self, area: Area, rays: int) -> None:
+        left, top, self.width, self.height = area
+        self.pixels = tile_pixels(self.width, self.height)
+        y, x = np.indices(self.pixels.shape) * TILE
+        self.corners = np.stack([left + x, top + y], axis=-1).reshape(-1, 2)
+        self.traced = np.zeros(self.pixels.shape, np.int32)
+        self.expected: IntArray = np.full(self.pixels.shape, rays, np.int32)
+
+    def over_pixels(self, values: Values) -> Values:
+        """Values of tiles as ``(height, width, 1)`` of their pixels."""
+        return over_pixels(values, self.width, self.height)
 
 
 def _clear(texture: moderngl.Texture) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
 
-from render.engines.shared.request import DrawRequest
+from render.engines.shared.request import ALL_RAYS, DrawRequest
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.movement import Movement
@@ -13,9 +13,10 @@ from render.model.arrays import FloatArray
 from render.postblur.focus_split import Blur
 from render.postblur.preview import Previewer
 from render.postblur.single_image import SingleImageBlur
+from render.trace.adaptive import RayBudget, whole_stops
 from render.trace.lens import LensTracer
 from render.trace.motion_tracer import ShutterSample
-from render.trace.rays import RayPattern, make_ray_pattern
+from render.trace.rays import RayPattern, make_adaptive_pattern, make_ray_pattern
 
 
 class Device:
@@ -129,6 +130,9 @@ class Device:
 
 
 def _pattern(request: DrawRequest) -> RayPattern:
-    settings = request.settings
-    pattern = make_ray_pattern(settings.rays, request.camera.iris, seed=settings.seed, tiled=settings.tiled)
+    settings, camera = request.settings, request.camera
+    if settings.is_adaptive and request.part == ALL_RAYS and camera.f_stop > 0:
+        budget = RayBudget(settings.rays, settings.noise, whole_stops(camera.exposure_scale))
+        return make_adaptive_pattern(budget, camera.iris, seed=settings.seed)
+    pattern = make_ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled)
     return pattern.part(*request.part)

@@ -42,6 +42,7 @@ from render.pictures.progressive.planner import ENOUGH_RAYS
 from render.pictures.progressive.request import PreviewRequest, ProgressivePicture, Stage
 from render.shot.film.finish import Finish, frame_number, gate_mm
 from render.shot.shot import Shot
+from render.trace.adaptive import whole_stops
 
 REFRESH_MS = 250.0
 """Time between two unfinished pictures: reading one takes time from the tracing."""
@@ -235,6 +236,9 @@ class ProgressiveRenderer:
         if kept is None or kept.scene is not job.scene or kept.settings != job.settings:
             return None
         if has_motion(job.camera, job.settings) and kept.revision != self._shot.edits.revision:
+            return None
+        stops = [whole_stops(camera.exposure_scale) for camera in (kept.camera, job.camera)]
+        if job.settings.is_adaptive and stops[0] != stops[1]:  # rays are distributed by the exposed picture
             return None
         has_flare = lens.ghosts > 0 or lens.star > 0  # whose sources are found by the exposure
         except_fields = () if has_flare else ("exposure_scale",)

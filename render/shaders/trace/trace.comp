@@ -13,8 +13,11 @@ layout(rgba32f, binding = 0) uniform image2D sum;
 #endif
 #include "lens/lens_rays.glsl"
 
-uniform ivec2 first_pixel;      // first pixel of this dispatch
-uniform ivec2 end_pixel;        // one past its last pixel
+// Tile of each work group: its first pixel, first ray and number of rays.
+layout(std430, binding = 6) readonly buffer Tiles { ivec4 tiles[]; };
+
+uniform int first_tile;         // tile of the first work group of this dispatch
+uniform ivec2 end_pixel;        // one past the last pixel of the area
 uniform ivec2 area_first;       // pixel of the picture that `sum` and the focal map begin with
 uniform vec2 offset;            // position of the picture's corner in the layers
 #ifdef FOCAL_MAP
@@ -22,9 +25,9 @@ uniform sampler2D focal_map;    // w_f and the pupil's relative radius of the pi
 #else
 uniform vec3 focus;             // w_f at the picture's pixel (x, y) is focus.x + focus.y·x + focus.z·y
 #endif
-uniform int first_ray;
-uniform int ray_count;
-uniform vec4 light;             // this wavelength's share in red, green, blue and coverage, over the number of rays
+uniform vec4 light;             // this wavelength's share in red, green, blue and coverage
+
+int first_ray, ray_count;       // of this work group
 
 const int ROUNDS = 3;
 #ifdef BOUND_BY_RAYS
@@ -126,7 +129,10 @@ float light_correction(float weights, float count)
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + first_pixel;
+    ivec4 tile = tiles[first_tile + int(gl_WorkGroupID.x)];
+    first_ray = tile.z;
+    ray_count = tile.w;
+    ivec2 pixel = tile.xy + ivec2(gl_LocalInvocationID.xy);
     if (any(greaterThanEqual(pixel, end_pixel))) return;
     vec2 place = vec2(pixel) + 0.5;
 #ifdef FOCAL_MAP

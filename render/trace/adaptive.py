@@ -1,10 +1,11 @@
 """Adaptive rays: first rays tell the error of each tile of 8x8 pixels, the others go where they lower the error most.
 
-The error is that of the picture which a viewer sees, clipped and encoded by the sRGB curve: the first rays are traced in two
-halves, whose encoded difference is twice the standard error of their mean. It is shared with the tiles around, since a tile whose
-first rays found nothing bright may have missed it. Squared errors fall as n to the power of -5/4, as those of stratified points do
-for a discontinuous function in four dimensions, pixel and pupil (Mitchell 1996, "Consequences of Stratified Sampling in Graphics"),
-so that their sum is least for rays in proportion to the squared error to the power of 4/9.
+The error is that of the picture which a viewer sees, clipped and encoded by the sRGB curve: the first rays are traced in
+two halves, whose encoded difference is twice the standard error of their mean. It is shared with the tiles around, since a
+tile whose first rays found nothing bright may have missed it. Squared errors fall as n to the power of -5/4, as those of
+stratified points do for a discontinuous function in four dimensions, pixel and pupil (Mitchell 1996, "Consequences of
+Stratified Sampling in Graphics"), so that their sum is least for rays in proportion to the squared error to the power of
+4/9.
 """
 
 from __future__ import annotations

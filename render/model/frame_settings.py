@@ -88,6 +88,6 @@ def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
         raise SettingsError(f"{name} must be one of {', '.join(known)}, got {value!r}")
 
 
-def _check_range(name: str, value: float, low: int, high: int) -> None:
+def _check_range(name: str, value: float, low: float, high: float) -> None:
     if not low <= value <= high:
         raise SettingsError(f"{name} must be from {low} to {high}, got {value}")

@@ -7,7 +7,10 @@ picture is the mean over the rays of each pixel. It has depth of field, tilted a
 every error that a lens model or prescription has.
 
 Settings:
-    rays        lens rays per pixel, 1 to 4096 (100). Noise falls with their square root.
+    rays        lens rays per pixel, 1 to 4096 (100), in the mean over the picture. Noise falls a little faster than their square root.
+    adaptive    from 32 rays on, more rays where the picture has more noise (True); without effect over several moments.
+    noise       wanted standard error of each 8x8 pixels, in values of the clipped and sRGB-encoded picture from 0 to 1, in place
+                of rays: 0.0005 to 0.1, or 0 for none (0).
     layers      peeled layers at most, 1 to 8 (4): how much of what is hidden from the pupil's centre a ray can still meet.
     supersample layer pixels per picture pixel along each axis, 1 to 4 (2). Limits the sharpness of edges.
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
@@ -20,7 +23,7 @@ Cost: the demo shot (380,498 triangles) at 960x540 and the default settings take
 proportional to rays, not to the number of lens surfaces. Accumulation takes 64 s for the same picture.
 
 Memory: layers take some 80 bytes for each layer pixel. Above 1 GiB the picture is traced in tiles, with the same pixels
-(`render.trace.tiling.plan`).
+(`render.trace.tiling.plan`), but that adaptive rays are distributed over each tile by itself.
 
 Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes at supersample 4, 40
 to 46 at 2. Shading is that of the view from the pupil's centre, so that glints do not change over the pupil.

@@ -30,7 +30,7 @@ _RAYS_PER_DISPATCH = 1 << 24
 """Rays of one dispatch. A picture is traced in pieces, so that no dispatch runs into a display driver's timeout."""
 _GROUPS_PER_DISPATCH = 65_535
 """Work groups of one dispatch that every driver takes."""
-_TILES = 6  # as the shader binds them
+_TILES = 1  # as the shader binds them
 _FIRST_UNIT = 0
 """First texture unit of the tracer."""
 _LAYER_UNITS = 11

@@ -14,7 +14,7 @@ layout(rgba32f, binding = 0) uniform image2D sum;
 #include "lens/lens_rays.glsl"
 
 // Tile of each work group: its first pixel, first ray and number of rays.
-layout(std430, binding = 6) readonly buffer Tiles { ivec4 tiles[]; };
+layout(std430, binding = 1) readonly buffer Tiles { ivec4 tiles[]; };
 
 uniform int first_tile;         // tile of the first work group of this dispatch
 uniform ivec2 end_pixel;        // one past the last pixel of the area

@@ -7,7 +7,7 @@ picture is the mean over the rays of each pixel. It has depth of field, tilted a
 every error that a lens model or prescription has.
 
 Settings:
-    rays        lens rays per pixel, 1 to 4096 (100), in the mean over the picture. Noise falls a little faster than their square root.
+    rays        lens rays per pixel, 1 to 4096 (100), in the mean over the picture. Noise falls with their square root.
     adaptive    from 32 rays on, more rays where the picture has more noise (True); without effect over several moments.
     noise       wanted standard error of each 8x8 pixels, in values of the clipped and sRGB-encoded picture from 0 to 1, in place
                 of rays: 0.0005 to 0.1, or 0 for none (0).

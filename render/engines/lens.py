@@ -14,8 +14,8 @@ Settings:
     layers      peeled layers at most, 1 to 8 (4): how much of what is hidden from the pupil's centre a ray can still meet.
     supersample layer pixels per picture pixel along each axis, 1 to 4 (2). Limits the sharpness of edges.
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
-    connections True carries what is small, bright and blurred to the pixels of its blurred image along single rays, through a thin
-                lens with a round iris; False leaves it to the rays (True).
+    connections True carries what is small, bright and blurred to the pixels of its blurred image along single rays, through a
+                thin lens with a round iris; False leaves it to the rays (True).
     tiled       True gives neighbouring pixels different rays: noise in place of repeated images (True).
     motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
 

@@ -73,7 +73,8 @@ class Picture:
             self.focal_map.use(unit)
             program["focal_map"] = unit
         set_uniforms(program, **layer_uniforms(self.layers, self.view), focus=self.focus.affine or (0.0, 0.0, 0.0))
-        set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=LEAST_RADIUS * max(2.0, self.scale))
+        least_radius = LEAST_RADIUS * max(2.0, self.scale)
+        set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=least_radius)
         set_uniforms(program, floor_share=FLOOR_SHARE)
         return unit + 1
 

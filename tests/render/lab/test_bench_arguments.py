@@ -22,6 +22,7 @@ from tests.render.kits.cli_shots import Command
         (("quality", "--before", "/"), 2, "--before must be a checkout of Pullfocus"),
         (("quality", "--rays", "25,x"), 2, "--rays must be whole numbers from 1 to"),
         (("quality", "--views", "1"), 2, "--views must be from 2 to"),
+        (("quality", "--noise-rays", "5000"), 2, "--noise-rays must be from 2 to 4096, got 5000"),
         (("quality", "--references", "no such folder"), 2, "the folder no such folder does not exist"),
         (("film", "--width", "0"), 2, "width"),
         (("motion", "--width", "0"), 2, "width"),

@@ -72,6 +72,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--width", metavar="PX", type=int, help=f"of the pictures; without it {WIDTH}")
     parser.add_argument("--rays", metavar="N,N", help="rays per pixel of the rows; without it 25,64,100,256")
+    parser.add_argument(
+        "--noise-rays", metavar="N", type=int, help=f"of the pictures that noise is against; without it {NOISE_RAYS}"
+    )
     parser.add_argument("--views", metavar="N", type=int, help=f"of the converged pictures; without it {VIEWS}")
     parser.add_argument(
         "--references",
@@ -95,15 +98,14 @@ def plan_from_arguments(arguments: argparse.Namespace) -> QualityPlan:
     plan = QUICK if arguments.quick else QualityPlan()
     width = plan.width if arguments.width is None else arguments.width
     check_picture_size(width, max(1, round(width * 9 / 16)))
-    views = plan.views if arguments.views is None else arguments.views
-    if not 2 <= views <= MAX_RAYS:
-        raise SettingsError(f"--views must be from 2 to {MAX_RAYS}, got {views}")
+    views = _samples("--views", arguments.views, plan.views)
+    noise_rays = _samples("--noise-rays", arguments.noise_rays, plan.noise_rays)
     check_before(arguments)
     return QualityPlan(
         tuple(arguments.scene or plan.subjects),
         width,
         plan.rays if arguments.rays is None else _rays(arguments.rays),
-        plan.noise_rays,
+        noise_rays,
         views,
         plan.glass_rays,
         plan.repeats,
@@ -114,6 +116,13 @@ def plan_from_arguments(arguments: argparse.Namespace) -> QualityPlan:
 
 
 QUICK = QualityPlan(width=64, rays=(4, 16), noise_rays=64, views=8, glass_rays=4, repeats=1)
+
+
+def _samples(name: str, typed: int | None, default: int) -> int:
+    count = default if typed is None else typed
+    if not 2 <= count <= MAX_RAYS:
+        raise SettingsError(f"{name} must be from 2 to {MAX_RAYS}, got {count}")
+    return count
 
 
 def _rays(typed: str) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""What a peeled layer hides in the next: for each tile of the picture, an inverse depth from which nothing is drawn."""
+"""Tiles of a picture that a peeled layer hides in the next: for each, an inverse depth from which nothing is drawn."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ void main()
     float w = gl_FragCoord.w, change = min(abs(dFdx(w)) + abs(dFdy(w)), 2.0 * LONGEST_REACH * w);   // before any discard
     float farthest = w - change - UNLIKE * w;   // of what a ray may take for this surface
 #endif
-#if defined(PEEL) || defined(MAY_BE_TRANSPARENT)
+#if defined(PEEL) || defined(FILL) || defined(MAY_BE_TRANSPARENT)
     bool hidden = false;
 #endif
 #ifdef PEEL
@@ -72,7 +72,7 @@ void main()
     // before any discard: texture look-ups need the neighbours' derivatives
     hidden = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing).opacity < LEAST_OPACITY || hidden;
 #endif
-#if defined(PEEL) || defined(MAY_BE_TRANSPARENT)
+#if defined(PEEL) || defined(FILL) || defined(MAY_BE_TRANSPARENT)
     if (hidden) discard;
 #endif
 }

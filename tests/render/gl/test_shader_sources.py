@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import shutil
 import subprocess
@@ -11,8 +12,11 @@ from pathlib import Path
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
+from render.gl.shaders import load_source
 from render.lab.reference.scenes import spheres_over_checkerboard
+from render.layers.materials import INPUTS
 from render.model.lens import Lens
+from render.trace.ray_buffers import _ROW_DEFINES
 from tests.render.kits.compiled_shaders import COMPILED, preprocess, shader_files
 from tests.render.kits.lenses import PLANAR
 
@@ -34,6 +38,44 @@ LEAST = {
     "MaxVaryingComponents": 60,
 }
 GUARDS = {"#ifndef CARRIED"}  # against a second inclusion
+
+_SURFACE: dict[str, int | float | str] = {
+    "OPAQUE": 0.999,
+    "MAX_HALF": 65000.0,
+    "MAX_LIGHTS": 96,
+    "MAX_SHADOW_MAPS": 12,
+    "LEAST_OPACITY": 1e-6,
+    "NORMAL_LOC": 1,
+    "TEXCOORD_0_LOC": 2,
+    "COLOR_0_LOC": 3,
+    "INST_M_LOC": 4,
+}
+_MAPS: dict[str, int | float | str] = {f"HAS_{name.upper()}": 1 for name in INPUTS}
+_MAPS |= {f"LOOKUP_{name.upper()}": number for number, name in enumerate(INPUTS)}
+_POLYNOMIAL = [
+    {"POLYNOMIAL_LENS": 1, **_ROW_DEFINES, "SLOPE_DEGREE": slope, "PUPIL_DEGREE": pupil}
+    for slope in (5, 7)
+    for pupil in (3, 5)
+]
+_TRACED = ("EIGHT_LAYERS", "MAY_BE_TRANSLUCENT", "FOCAL_MAP", "SHAPED_IRIS", "CARRIED_CAMERA", "MOVERS")
+OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] = {
+    "layers/depth.frag": [
+        (_SURFACE, ("PEEL", "FILL", "MAY_BE_TRANSPARENT")),
+        (_SURFACE | {"PEEL": 1}, ("REACH", "MOTION", "FILL")),
+        (_SURFACE | _MAPS | {"PEEL": 1, "MOTION": 1, "MOVES": 1, "MAY_BE_TRANSPARENT": 1}, ("REACH", "BENDS")),
+    ],
+    "layers/surface.frag": [
+        (_SURFACE | maps, ("UNLIT", "CLEARCOAT", "MOTION", "MAY_BE_TRANSPARENT")) for maps in ({}, _MAPS)
+    ],
+    "layers/surface.vert": [(_SURFACE, ()), (_SURFACE | {"MOVES": 1}, ("BENDS",))],
+    "trace/trace.comp": [
+        ({}, ("BOUND_BY_RAYS", *_TRACED)),
+        ({"BOUND_BY_RAYS": 1, "GRID_LENS": 1, "GRID_INSET": 0.9}, _TRACED),
+        *((table, _TRACED) for table in _POLYNOMIAL),
+        *((table | {"BOUND_BY_RAYS": 1}, ("SHAPED_IRIS", "CARRIED_CAMERA", "MOVERS")) for table in _POLYNOMIAL),
+    ],
+}
+"""Options that are always set together with constants, and those that are set or not, of each program."""
 
 pytestmark = pytest.mark.last
 
@@ -75,6 +117,18 @@ def test_each_compiled_variant_is_valid_glsl(renderer: FrameRenderer, validator:
             files.append(tmp_path / f"{number}.{stage}")
             files[-1].write_text(source.strip())
     assert len(files) > 20
+    assert complaints(validator, files) == []
+
+
+@pytest.mark.parametrize("name", sorted(OPTIONS))
+def test_combinations_of_options_are_valid(name: str, validator: list[str], tmp_path: Path) -> None:
+    """All combinations of the options of the largest programs, also those that no test draws with."""
+    files = []
+    for fixed, free in OPTIONS[name]:
+        for chosen in itertools.product((False, True), repeat=len(free)):
+            defines = fixed | {option: 1 for option, is_on in zip(free, chosen, strict=True) if is_on}
+            files.append(tmp_path / f"{len(files)}.{name.rpartition('.')[2]}")
+            files[-1].write_text(load_source(name, defines))
     assert complaints(validator, files) == []
 
 

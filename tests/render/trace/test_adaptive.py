@@ -20,7 +20,7 @@ from render.trace import adaptive, tracer
 from render.trace.adaptive import RayBudget, allocate, tile_errors, tile_pixels
 from render.trace.rays import make_ray_pattern
 
-SETTINGS = FrameSettings(96, 72, rays=64, supersample=1, shading="unlit")
+SETTINGS = FrameSettings(96, 72, rays=64, supersample=1, shading="unlit", connections=False)
 EXPOSED = replace(SETTINGS, adaptive=False)
 
 
@@ -149,6 +149,13 @@ def test_without_it_all_pixels_have_all_rays(renderer: FrameRenderer) -> None:
     device, view = renderer.device, PinholeView.from_camera(camera, 96, 72)
     with renderer.on_device():
         traced = device.tracer.picture(
-            device.peeler, camera, view, make_ray_pattern(64, camera.iris), layers=4, supersample=1, unlit=True
+            device.peeler,
+            camera,
+            view,
+            make_ray_pattern(64, camera.iris),
+            layers=4,
+            supersample=1,
+            unlit=True,
+            connections=False,
         )
     assert np.array_equal(plain, traced.color)

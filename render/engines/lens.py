@@ -12,6 +12,8 @@ Settings:
     noise       wanted standard error of each 8x8 pixels, in values of the clipped and sRGB-encoded picture from 0 to 1, in place
                 of rays: 0.0005 to 0.1, or 0 for none (0).
     layers      peeled layers at most, 1 to 8 (4): how much of what is hidden from the pupil's centre a ray can still meet.
+                Partly transparent surfaces do not count against it: a pixel has up to eight surfaces in all. Behind seven of
+                them only the nearest opaque one is seen.
     supersample layer pixels per picture pixel along each axis, 1 to 4 (2). Limits the sharpness of edges.
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
     connections True carries what is small, bright and blurred to the pixels of its blurred image along single rays, through a

@@ -101,6 +101,7 @@ class PeelKey:
     unlit: bool
     sampling: SurfaceSampling
     reachable: bool
+    sheets: int
 
     def matches(self, other: PeelKey) -> bool:
         """Whether a peeling with the other key gives the same layers."""
@@ -181,12 +182,14 @@ class Peeler:
         sampling: SurfaceSampling = PLAIN,
         moves: Mapping[int, Movement] | None = None,
         reachable: bool = False,
+        sheets: int = 0,
         cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
 
         Partly transparent surfaces hide nothing and are peeled one by one; the last layer skips them where an opaque surface is
-        behind, so that with too few layers only transparent surfaces are lost.
+        behind, so that with too few layers only transparent surfaces are lost. Of the layers beyond ``layers``, a pixel has only
+        those that have fewer than ``layers`` opaque surfaces in front.
 
         Args:
             view: the picture that the layers are drawn for, guard band included.
@@ -198,9 +201,11 @@ class Peeler:
             moves: movements of the batches (`render.layers.movement`), where the layers are to hold motion.
             reachable: leave out surfaces that no ray of the umbra's pupil can meet (`render.layers.reach`). Has no effect where
                 surfaces move.
+            sheets: at most this many surfaces in a pixel, up to `MAX_LAYERS`, where some may be partly transparent: those do not
+                count against ``layers``. No effect where it is less than ``layers``.
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        key = PeelKey(view, layers, umbra, unlit, sampling, reachable)
+        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets)
         kept = self._kept.pop(cache_slot, None)
         if kept is not None and not moves and kept[0].matches(key):
             self._kept[cache_slot] = kept
@@ -223,23 +228,26 @@ class Peeler:
         faded = _any_translucent(draws)
         if not faded and not any(id(draw.batch) in moves for draw in draws):
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
+        sheets = max(layers, min(key.sheets, MAX_LAYERS)) if faded else layers
         with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
-            targets = self._allocate_targets(view, layers, cache_slot, motion=moving.any)
+            targets = self._allocate_targets(view, sheets, cache_slot, motion=moving.any)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
-            layer = LayerPass(view, draws, slots[0], umbra, None, layers == 1, unlit, sampling)
+            layer = LayerPass(view, draws, slots[0], umbra, None, sheets == 1, unlit, sampling)
             if targets.motion is not None and moving.any:
                 layer = replace(layer, moving=moving, motion=targets.motion)
             count = 0
             while self._draw_and_query(layer):
                 count += 1
-                if count == layers:
+                if count == sheets:
                     break
                 if key.reachable and not moving.any:
                     slopes = targets.packed_slopes[(count - 1) // LAYERS_PER_PACK]
                     layer = replace(layer, reach=self._reach.bound(layer.slot, slopes, umbra, is_first=count == 1))
-                solid_first = count + 1 == layers
+                solid_first = count + 1 == sheets
                 layer = replace(layer, slot=slots[count], previous=layer.slot, number=count, solid_first=solid_first)
+                if count >= layers:
+                    layer = replace(layer, most_opaque=layers, first=slots[0])
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
         return Layers(view, targets, count, faded, moving.any, umbra=umbra)

@@ -33,7 +33,7 @@ _ANY_OPACITY = 1e-6
 _MAX_HALF = 65000.0
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
 DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materials use those below 8
-_PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT = 8, 11, 12, 13
+_PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT = 8, 11, 12, 13, 14
 
 
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
@@ -79,6 +79,8 @@ class LayerPass:
         moving: buffers of the moving draws; None where the layers keep no motion.
         motion: texture array that receives the motion; None where the layers keep none.
         reach: bound on what rays meet behind the previous layer (`render.layers.reach`); None where all surfaces are drawn.
+        most_opaque: draw nothing where the previous layers have this many opaque surfaces; 0 draws everywhere.
+        first: slot of the first layer, where ``most_opaque`` is not 0.
     """
 
     view: PinholeView
@@ -93,6 +95,8 @@ class LayerPass:
     moving: MovingDraws | None = None
     motion: moderngl.TextureArray | None = None
     reach: moderngl.Texture | None = None
+    most_opaque: int = 0
+    first: Slot | None = None
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
@@ -160,6 +164,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         layer.slot.w.use(_OWN_UNIT)
         if layer.reach is not None:
             layer.reach.use(_REACH_UNIT)
+        if layer.first is not None:
+            layer.first.w.use(_FIRST_UNIT)
         layer.slot.begin_depth()
         for draw, ranges in drawn:
             program = self._depth_program(
@@ -167,6 +173,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
                 least_opacity,
                 peel=layer.previous is not None,
                 reach=layer.reach is not None,
+                counted=layer.first is not None,
                 fill=fill,
                 moving=layer.moving,
             )
@@ -174,6 +181,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             self._set_motion(program, draw, layer)
             GL.glUniform1f(program.location("umbra"), layer.umbra)
             GL.glUniform1i(program.location("previous_channel"), previous.channel)
+            GL.glUniform1i(program.location("most_opaque"), layer.most_opaque)
+            GL.glUniform1i(program.location("packs"), 1 if layer.first is None or layer.first.w is previous.w else 2)
             GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             self._bind_draw(draw, program, view.camera_from_world, clip)
@@ -284,6 +293,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         *,
         peel: bool,
         reach: bool = False,
+        counted: bool = False,
         fill: bool = False,
         moving: MovingDraws | None = None,
     ) -> SourceProgram:
@@ -291,6 +301,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         defines: dict[str, object] = {"PEEL": 1} if peel else {}
         if reach:
             defines["REACH"] = 1
+        if counted:
+            defines["MOST_OPAQUE"] = 1
         if fill:
             defines["FILL"] = 1
         if moving is not None:

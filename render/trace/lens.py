@@ -20,7 +20,7 @@ from render.layers.window import LayerWindow, PeelStrip
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
-from render.model.limits import MAX_PICTURE_SIDE_PX
+from render.model.limits import MAX_LAYERS, MAX_PICTURE_SIDE_PX
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
 from render.trace.aovs import measure_aovs
@@ -132,7 +132,7 @@ class LensTracer:
             view: view of the picture, from the pupil's centre.
             pattern: ray pattern.
             wavelengths: number of wavelengths to trace, for a lens with colour errors.
-            layers: at most this many layers.
+            layers: at most this many layers, and more where partly transparent surfaces are in front of opaque ones.
             supersample: layer pixels per picture pixel along each axis.
             unlit: take the base colour as radiance.
             connections: carry highlights to the pixels of their blurred images (`render.trace.highlights.carrier`).
@@ -158,6 +158,7 @@ class LensTracer:
         bundle = merge_wavelengths(bundle, f_px, float(off_focus.max()))
         if peeler.is_opaque:
             layers = min(layers, layers_needed(pupil_px, nearest_w))
+        sheets = layers if peeler.is_opaque or pupil_px == 0 else MAX_LAYERS
         umbra = umbra_reach(pupil_px)
         plane = focus.affine
         sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1)
@@ -167,14 +168,16 @@ class LensTracer:
             whole = (
                 part.size == wide.size
             )  # rays come into a part from beside it, behind surfaces that it does not show
-            return peeler.peel(part, layers=layers, umbra=umbra, unlit=unlit, sampling=own, reachable=whole)
+            return peeler.peel(
+                part, layers=layers, umbra=umbra, unlit=unlit, sampling=own, reachable=whole, sheets=sheets
+            )
 
         reach_px = ray_reach_px(bundle, focus, wide, wide.fx / view.fx, nearest_w)
-        plan = plan_tiles(view, wide, reach_px, layers, self.budget, int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]))
+        plan = plan_tiles(view, wide, reach_px, sheets, self.budget, int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]))
         if plan is not None:
             return (
                 yield from self._trace_tiles(
-                    plan, peel, layers, bundle, focus, view, nearest_w, bound_by_rays, on_stage
+                    plan, peel, sheets, bundle, focus, view, nearest_w, bound_by_rays, on_stage
                 )
             )
         peeled = peel(wide)

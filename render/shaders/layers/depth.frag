@@ -2,7 +2,7 @@
 // Depth pass of a peel: the nearest surface behind the last layer's umbra. Only the depth buffer is written.
 // in:  surface.vert's outputs; the previous layer's w (1/m, negative where partly transparent) where PEEL is defined;
 //      the reach of lens rays (reach_spread.comp) where REACH is defined; the layer's own w where FILL is defined, which keeps
-//      filled pixels; where MOTION is defined, the motion of the surfaces of the previous layer and of this one
+//      filled pixels; where MOST_OPAQUE is defined, pixels with fewer opaque surfaces in front are drawn; where MOTION is defined, the motion of the surfaces of the previous layer and of this one
 // Peeling: Lee, Eisemann & Seidel 2010, section 3.1.
 
 #ifdef MAY_BE_TRANSPARENT
@@ -21,6 +21,16 @@ uniform float umbra;  // reach of an opaque surface's umbra in w, 1/m
 #ifdef REACH
 #include "trace/slopes.glsl"
 layout(binding = 13) uniform sampler2D reach;  // greatest w of what lens rays may meet here, 1/m (render/layers/reach.py)
+#endif
+#ifdef MOST_OPAQUE
+layout(binding = 14) uniform sampler2D first_w; // w of the first four layers
+uniform int most_opaque;
+uniform int packs;      // 2 where the previous layer is one of the second four
+
+int opaque_of(vec4 w)
+{
+    return int(dot(step(1e-30, w), vec4(1.0)));
+}
 #endif
 #ifdef MOTION
 #include "layers/drifting.glsl"
@@ -63,6 +73,11 @@ void main()
     hidden = gl_FragCoord.w >= abs(last_w) - shadowed;
 #ifdef REACH
     hidden = hidden || farthest > texelFetch(reach, ivec2(gl_FragCoord.xy) / REACH_BLOCK, 0).x;
+#endif
+#ifdef MOST_OPAQUE
+    int in_front = opaque_of(texelFetch(first_w, ivec2(gl_FragCoord.xy), 0));
+    if (packs > 1) in_front += opaque_of(texelFetch(previous_w, ivec2(gl_FragCoord.xy), 0));
+    hidden = hidden || in_front >= most_opaque;
 #endif
 #endif
 #ifdef FILL

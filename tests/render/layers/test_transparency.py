@@ -67,8 +67,17 @@ def test_eight_layers_hold_five_panes_and_what_is_behind(renderer: FrameRenderer
     np.testing.assert_allclose(seen, [2 * through] * 3 + [1], rtol=2e-3)
 
 
-@pytest.mark.parametrize("engine", ["lens", "pinhole"])
-@pytest.mark.parametrize("layers", [1, 2, 4, 8])
+@pytest.mark.parametrize(("count", "layers"), [(5, 1), (7, 1), (7, 4)])
+def test_panes_do_not_count_against_the_lens_layers(renderer: FrameRenderer, count: int, layers: int) -> None:
+    """As many as there are layers for in all, through a blurred lens; behind them the sky or a wall, and a wall behind that."""
+    solid = [pane(3.0, 1.0, radiance=2.0), pane(9.0, 1.0, radiance=7.0)]
+    for behind in ([], solid[:1], solid):
+        scene = panes(count, 0.5, *behind)
+        seen, right = (middle(renderer, scene, engine, layers=layers) for engine in ("lens", "accumulation"))
+        np.testing.assert_allclose(seen, right, rtol=2e-3)
+
+
+@pytest.mark.parametrize(("engine", "layers"), [("lens", 8), *(("pinhole", layers) for layers in (1, 2, 4, 8))])
 def test_where_layers_run_out_panes_are_lost_and_never_what_is_solid(
     renderer: FrameRenderer, engine: str, layers: int
 ) -> None:

@@ -148,7 +148,8 @@ class HighlightCarrier:
                 return self.nothing
             scope.callback(self._buffers.release)
             plans = self._plan(picture, means, texels)
-            most = CONNECTIONS_PER_RAY * bundle.count * view.width * view.height / len(bundle.rgb)
+            rays = min(bundle.count, bundle.pattern.whole)
+            most = CONNECTIONS_PER_RAY * rays * view.width * view.height / len(bundle.rgb)
             choice = choose_highlights(plans["excess"][:, :3], plans["box"], (0, 0, view.width, view.height), most)
             if len(choice.numbers) == 0:
                 return self.nothing

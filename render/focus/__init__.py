@@ -1,8 +1,10 @@
-"""Focus points, the focus that they request, and focus curves over time. Numpy alone: no USD, no GL."""
+"""Focus points, the focus that they request, and focus curves over time. Numpy alone: no USD, no GL.
+
+`files` writes and reads curves; it is imported by itself, since pictures do without it.
+"""
 
 from render.focus.best_stop import StopSolutions, stops_for
 from render.focus.curve import FocusCurve, PointTrack
-from render.focus.files import curve_to_csv, curve_to_dict, curve_to_json
 from render.focus.solve import (
     FocusSolution,
     FocusSolutions,
@@ -24,9 +26,6 @@ __all__ = [
     "PointState",
     "PointTrack",
     "StopSolutions",
-    "curve_to_csv",
-    "curve_to_dict",
-    "curve_to_json",
     "solve_distances",
     "solve_focus",
     "stops_for",

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pxr import Usd
 
 from render.errors import NotFoundError, SettingsError
 from render.focus import FocusCurve
-from render.focus.files import ReadCurve
 from render.focus.racks import Rack
 from render.shot.camera.attributes import author_settings, set_focus_mode, setting_label
 from render.shot.camera.lookup import CameraLookup
@@ -29,6 +28,9 @@ from usd_schemas.curves import EXACT
 from usd_schemas.racks import WeightRack
 from usd_schemas.settings.tables import FOCUS_SETTINGS
 from usd_schemas.topology import topology_under
+
+if TYPE_CHECKING:  # pictures do without readers of curves
+    from render.focus.files import ReadCurve
 
 FOCUS_POINTS = "focusPoint:"
 """Prefix of the names of all properties of focus points."""

@@ -27,6 +27,7 @@ NOT_NEEDED = (
     "render.cli.inspect",
     "render.demo",
     "render.drawing",
+    "render.focus.files",
     "render.lab",
     "scipy",
     "service",

@@ -10,8 +10,7 @@ import opentimelineio as otio
 import pytest
 
 from render.errors import SettingsError
-from render.focus import curve_to_csv, curve_to_json
-from render.focus.files import FORMATS, Rates, curve_to_text, read_curve
+from render.focus.files import FORMATS, Rates, curve_to_csv, curve_to_json, curve_to_text, read_curve
 from tests.render.kits.focus_curves import curve, full_curve, same
 
 ANY_RATES = Rates(25.0, 50.0)

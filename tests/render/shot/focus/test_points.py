@@ -8,7 +8,7 @@ import pytest
 from pxr import Gf, Sdf, Usd
 
 from render.errors import CameraError, SettingsError
-from render.focus import curve_to_json
+from render.focus.files import curve_to_json
 from render.optics.view import PinholeView
 from render.shot import Shot
 from render.shot.inspection import inspect_shot

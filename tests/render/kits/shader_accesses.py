@@ -210,13 +210,13 @@ def watch_accesses() -> None:
 
 def _is_bound(texture: Any, unit: int) -> bool:
     """Whether a texture is still bound where moderngl bound it; PyOpenGL may have bound another one since."""
-    if _is_released(texture):
-        return True
     is_array = isinstance(texture, moderngl.TextureArray)
     before = GL.glGetIntegerv(GL.GL_ACTIVE_TEXTURE)
     GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
     name = GL.glGetIntegerv(GL.GL_TEXTURE_BINDING_2D_ARRAY if is_array else GL.GL_TEXTURE_BINDING_2D)
     GL.glActiveTexture(before)
+    if _is_released(texture):
+        return bool(name == 0)  # its unit is empty from then on
     return bool(name == texture.glo)
 
 

@@ -27,7 +27,9 @@ def test_a_fault_while_drawing_costs_that_frame_alone(renderer: FrameRenderer, m
     scene, camera = spheres_over_checkerboard()
     before = renderer.render(scene, camera, SMALL).color
     with monkeypatch.context() as patched:
-        patched.setattr(LayerRenderer, "_draw", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("driver says no")))
+        patched.setattr(
+            LayerRenderer, "_draw_range", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("driver says no"))
+        )
         with pytest.raises(GraphicsError, match="driver says no"):
             renderer.render(scene, camera, replace(SMALL, supersample=2))  # whose layers are not there yet
     np.testing.assert_array_equal(renderer.render(scene, camera, SMALL).color, before)

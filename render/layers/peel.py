@@ -22,6 +22,7 @@ from render.layers.nearest import nearest_depth_m
 from render.layers.reach import ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.shadows import Sphere, sphere_around
+from render.layers.sharp_layer import SharpLayer, SharpResolver, SharpZone, allocate_sharp_layer
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, SurfaceTargets, check_layer_size
 from render.layers.umbra import HIDES_ALL, layers_needed, umbra_reach
@@ -51,6 +52,7 @@ class Layers:
         may_move: whether any of their surfaces may move; the targets hold the motion then.
         within: view of the whole picture's layers, of whose pixels these are a part; None where they are the whole.
         umbra: reach of an opaque surface's umbra that they were peeled with, 1/m.
+        sharp: surfaces nearly in focus, at a finer resolution, which are removed from the layers; None without.
     """
 
     view: PinholeView
@@ -60,6 +62,7 @@ class Layers:
     may_move: bool = False
     within: PinholeView | None = None
     umbra: float = HIDES_ALL
+    sharp: SharpLayer | None = None
 
     @property
     def whole(self) -> PinholeView:
@@ -102,10 +105,13 @@ class PeelKey:
     sampling: SurfaceSampling
     reachable: bool
     sheets: int
+    sharp: SharpZone | None = None
 
     def matches(self, other: PeelKey) -> bool:
         """Whether a peeling with the other key gives the same layers."""
-        return self.view.matches(other.view) and replace(self, view=other.view) == other
+        same_zone = self.sharp is other.sharp is None or (self.sharp is not None and self.sharp.matches(other.sharp))
+        same_view = self.view.matches(other.view)
+        return same_zone and same_view and replace(self, view=other.view, sharp=other.sharp) == other
 
 
 class Peeler:
@@ -121,6 +127,8 @@ class Peeler:
         self._kept: dict[str, tuple[PeelKey, Layers]] = {}
         self._surfaces: SurfaceTargets | None = None
         self._reach = ReachBounder(graphics.ctx, programs)
+        self._resolver = SharpResolver(graphics.ctx, programs)
+        self._sharp: SharpLayer | None = None
         self._scene: Scene | None = None
         self._shadow_region: Sphere | None = None
 
@@ -183,6 +191,7 @@ class Peeler:
         moves: Mapping[int, Movement] | None = None,
         reachable: bool = False,
         sheets: int = 0,
+        sharp: SharpZone | None = None,
         cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
@@ -203,9 +212,10 @@ class Peeler:
                 surfaces move.
             sheets: at most this many surfaces in a pixel, up to `MAX_LAYERS`, where some may be partly transparent: those do not
                 count against ``layers``. No effect where it is less than ``layers``.
+            sharp: what the sharp layer is to hold; None without one. One cache slot at most may hold a sharp layer.
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets)
+        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, sharp)
         kept = self._kept.pop(cache_slot, None)
         if kept is not None and not moves and kept[0].matches(key):
             self._kept[cache_slot] = kept
@@ -250,7 +260,31 @@ class Peeler:
                     layer = replace(layer, most_opaque=layers, first=slots[0])
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
-        return Layers(view, targets, count, faded, moving.any, umbra=umbra)
+        sharp = None if key.sharp is None or count == 0 else self._draw_sharp(key.sharp, targets, unlit)
+        return Layers(view, targets, count, faded, moving.any, umbra=umbra, sharp=sharp)
+
+    def _draw_sharp(self, zone: SharpZone, targets: LayerTargets, unlit: bool) -> SharpLayer:
+        """Draw the sharp layer, and remove from the layers what it holds."""
+        sharp = self._sharp
+        if sharp is None or sharp.zone.view.size != zone.view.size:
+            check_layer_size(self._ctx, *zone.view.size)
+            if sharp is not None:
+                sharp.release()
+                self._sharp = None
+            sharp = allocate_sharp_layer(self._ctx, zone)
+        sharp = self._sharp = replace(sharp, zone=zone)
+        self._bind_lighting(zone.view)
+        draws = self._renderer.visible_draws(zone.view)
+        layer = LayerPass(zone.view, draws, sharp.slot, HIDES_ALL, None, False, unlit, zone.sampling)
+        self._renderer.draw_opaque_depths(layer)
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+        self._ctx.memory_barrier()
+        if self._resolver.resolve(sharp, targets):
+            self._resolver.mask_held(sharp)
+            self._renderer.draw_opaque_colours(layer)
+            GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+            self._ctx.memory_barrier()
+        return sharp
 
     def peel_groups(
         self, view: PinholeView, *, unlit: bool = False, sampling: SurfaceSampling = PLAIN
@@ -312,6 +346,8 @@ class Peeler:
             if targets is not None:
                 targets.release()
         self._reach.release()
+        if self._sharp is not None:
+            self._sharp.release()
         self._lighting.release()
         self._renderer.delete()
 

@@ -156,8 +156,32 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self, layer: LayerPass, drawn: list[DrawnRanges], least_opacity: float, *, fill: bool = False
     ) -> None:
         """Draw fragments of at least ``least_opacity``; ``fill`` keeps to pixels in which the layer is empty."""
+        self._begin(layer.view.width, layer.view.height)
+        self._draw_depths(layer, drawn, least_opacity, fill=fill)
+        layer.slot.begin_colour(fill=fill)
+        self._draw_colours(layer, drawn, least_opacity)
+
+    def draw_opaque_depths(self, layer: LayerPass) -> None:
+        """Draw the depth of the nearest opaque surfaces, and nothing else."""
+        try:
+            self._begin(layer.view.width, layer.view.height)
+            self._draw_depths(layer, self._selection.ranges(layer.view, layer.draws, None, 0.0), OPAQUE)
+        finally:
+            self._end()
+
+    def draw_opaque_colours(self, layer: LayerPass) -> None:
+        """Shade the opaque surfaces whose depth equals the contents of the slot's depth buffer."""
+        try:
+            self._begin(layer.view.width, layer.view.height)
+            layer.slot.begin_colour(fill=True)
+            self._draw_colours(layer, self._selection.ranges(layer.view, layer.draws, None, 0.0), OPAQUE)
+        finally:
+            self._end()
+
+    def _draw_depths(
+        self, layer: LayerPass, drawn: list[DrawnRanges], least_opacity: float, *, fill: bool = False
+    ) -> None:
         view = layer.view
-        self._begin(view.width, view.height)
         clip = view.projection_matrix().astype(np.float32)
         previous = layer.previous or layer.slot  # the first layer's programs do not read it
         previous.w.use(_PREVIOUS_UNIT)
@@ -188,7 +212,10 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             self._bind_draw(draw, program, view.camera_from_world, clip)
             for share in self._splitter.split_depth(ranges):
                 self._draw_range(program, share)
-        layer.slot.begin_colour(fill=fill)
+
+    def _draw_colours(self, layer: LayerPass, drawn: list[DrawnRanges], least_opacity: float) -> None:
+        view = layer.view
+        clip = view.projection_matrix().astype(np.float32)
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
         for draw, ranges in drawn:

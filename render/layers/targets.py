@@ -61,6 +61,35 @@ class Slot:
         for packed in (1, 3):
             GL.glColorMaski(packed, *(channel == self.channel for channel in range(LAYERS_PER_PACK)))
 
+    def release(self) -> None:
+        """Delete the framebuffers."""
+        _delete_framebuffers(self.depth_framebuffer, self.framebuffer)
+
+
+class DepthTexture:
+    """Depth buffer of 32-bit floats that shaders can read."""
+
+    def __init__(self, width: int, height: int) -> None:
+        self._name = int(GL.glGenTextures(1))
+        GL.glBindTexture(GL.GL_TEXTURE_2D, self._name)
+        GL.glTexStorage2D(GL.GL_TEXTURE_2D, 1, GL.GL_DEPTH_COMPONENT32F, width, height)
+        for setting in (GL.GL_TEXTURE_MIN_FILTER, GL.GL_TEXTURE_MAG_FILTER):
+            GL.glTexParameteri(GL.GL_TEXTURE_2D, setting, GL.GL_NEAREST)
+        GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
+
+    def use(self, unit: int) -> None:
+        """Bind to a texture unit."""
+        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
+        GL.glBindTexture(GL.GL_TEXTURE_2D, self._name)
+
+    def attach(self) -> None:
+        """Attach to the bound framebuffer."""
+        GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_TEXTURE_2D, self._name, 0)
+
+    def release(self) -> None:
+        """Release the memory."""
+        GL.glDeleteTextures([self._name])
+
 
 @dataclass(frozen=True)
 class LayerTargets:
@@ -115,12 +144,14 @@ class LayerTargets:
             for texture in (*packed_w, *slopes, background):
                 texture.filter = _NEAREST
             depth = _depth_buffer(making, width, height)
-            depth_framebuffer = _framebuffer(making, depth)
+            depth_framebuffer = make_framebuffer(making, depth)
             slots = []
             for layer in range(layers):
                 pack, channel = divmod(layer, LAYERS_PER_PACK)
                 moved: tuple[Attachment, ...] = ((moves, layer),) if moves is not None else ()
-                framebuffer = _framebuffer(making, depth, (radiance, layer), packed_w[pack], None, slopes[pack], *moved)
+                framebuffer = make_framebuffer(
+                    making, depth, (radiance, layer), packed_w[pack], None, slopes[pack], *moved
+                )
                 slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel))
         return cls(width, height, radiance, packed_w, slopes, background, moves, tuple(slots), depth)
 
@@ -185,7 +216,7 @@ class SurfaceTargets:
             for texture in (w, ids):
                 texture.filter = _NEAREST
             depth = _depth_buffer(making, width, height)
-            slot = Slot(_framebuffer(making, depth), _framebuffer(making, depth, None, w, ids), w, 0)
+            slot = Slot(make_framebuffer(making, depth), make_framebuffer(making, depth, None, w, ids), w, 0)
         return cls(width, height, w, ids, slot, depth)
 
     def clear_ids(self) -> None:
@@ -232,12 +263,16 @@ def _depth_buffer(making: Construction, width: int, height: int) -> int:
     return name
 
 
-def _framebuffer(making: Construction, depth: int, *colours: Attachment) -> int:
-    """Framebuffer with a depth buffer and a texture for each fragment output; None discards an output."""
+def make_framebuffer(making: Construction, depth: int | DepthTexture, *colours: Attachment) -> int:
+    """Make a framebuffer with a depth buffer (a renderbuffer's name or a texture) and a texture for each fragment output; None
+    discards an output."""
     name: int = GL.glGenFramebuffers(1)
     making.callback(_delete_framebuffers, name)
     GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, name)
-    GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_RENDERBUFFER, depth)
+    if isinstance(depth, DepthTexture):
+        depth.attach()
+    else:
+        GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_RENDERBUFFER, depth)
     buffers = []
     for output, colour in enumerate(colours):
         place = GL.GL_COLOR_ATTACHMENT0 + output

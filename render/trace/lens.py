@@ -14,6 +14,7 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
+from render.layers.sharp_layer import SharpZone
 from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.layers.window import LayerWindow, PeelStrip
@@ -30,6 +31,7 @@ from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
+from render.trace.sharp_zone import make_sharp_zone
 from render.trace.tiling.picture import Area, TiledPicture
 from render.trace.tiling.plan import LayerBudget, TilePlan, plan_tiles, ray_reach_px
 from render.trace.tracer import Tracer
@@ -163,21 +165,25 @@ class LensTracer:
         plane = focus.affine
         sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1)
 
+        zone = make_sharp_zone(wide, view, bundle, focus, nearest_w)
+
         def peel(part: PinholeView) -> Layers:
+            sharp = None if zone is None else zone.within(wide, part)
             own = sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
             whole = (
                 part.size == wide.size
             )  # rays come into a part from beside it, behind surfaces that it does not show
             return peeler.peel(
-                part, layers=layers, umbra=umbra, unlit=unlit, sampling=own, reachable=whole, sheets=sheets
+                part, layers=layers, umbra=umbra, unlit=unlit, sampling=own, reachable=whole, sheets=sheets, sharp=sharp
             )
 
         reach_px = ray_reach_px(bundle, focus, wide, wide.fx / view.fx, nearest_w)
-        plan = plan_tiles(view, wide, reach_px, sheets, self.budget, int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]))
+        side_px, has_sharp = int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]), zone is not None
+        plan = plan_tiles(view, wide, reach_px, sheets, self.budget, side_px, has_sharp=has_sharp)
         if plan is not None:
             return (
                 yield from self._trace_tiles(
-                    plan, peel, sheets, bundle, focus, view, nearest_w, bound_by_rays, on_stage
+                    plan, peel, zone, sheets, bundle, focus, view, nearest_w, bound_by_rays, on_stage
                 )
             )
         peeled = peel(wide)
@@ -244,6 +250,7 @@ class LensTracer:
         self,
         plan: TilePlan,
         peel: PeelStrip,
+        zone: SharpZone | None,
         layers: int,
         bundle: RayBundle,
         focus: PictureFocus,
@@ -264,7 +271,9 @@ class LensTracer:
             for tile in plan.tiles:
                 area = plan.area(tile, view)
                 self._tiled = picture, area
-                peeled = self._window.move(plan.whole, plan.axis, tile.window, plan.window, plan.strip, layers, peel)
+                peeled = self._window.move(
+                    plan.whole, plan.axis, tile.window, plan.window, plan.strip, layers, peel, zone
+                )
                 on_stage("peel")
                 nbuffers = self._nbuffers.build(peeled, nearest_w)
                 on_stage("nbuffers")

@@ -33,8 +33,9 @@ _GROUPS_PER_DISPATCH = 65_535
 _TILES = 1  # as the shader binds them
 _FIRST_UNIT = 0
 """First texture unit of the tracer."""
-_LAYER_UNITS = 11
-"""Number of texture units for layers, N-buffers, focal map and movers, which have the last two; the ray buffers come after."""
+_LAYER_UNITS = 13
+"""Number of texture units for layers, N-buffers, focal map, and movers, which have the last two, or the sharp layer; the ray
+buffers come after."""
 
 
 @dataclass(frozen=True)
@@ -265,6 +266,8 @@ class Tracer:
             defines["BOUND_BY_RAYS"] = 1
         if by_map:
             defines["FOCAL_MAP"] = 1
+        if layers.sharp is not None:
+            defines["SHARP_LAYER"] = 1
         return self._programs.compute("trace/trace.comp", defines | self._buffers.defines(bundle))
 
     def _bind(

@@ -65,6 +65,11 @@ void main()
 
     float density = open_share(l, pupil_from_layers);
     if (density <= 0.0) discard;
-    float share = bins_in_way == uvec2(0u) ? 1.0 : share_past(pupil_ray(rays, l), uintBitsToFloat(texel.z));
+    LensRay ray = pupil_ray(rays, l);
+    float front = uintBitsToFloat(texel.z);
+#ifdef SHARP_LAYER
+    if (sharp_stops(ray.a, ray.b, front)) discard;
+#endif
+    float share = bins_in_way == uvec2(0u) ? 1.0 : share_past(ray, front);
     color = vec4(share * density * INVERSE_PI / area * light * excess.rgb, 0.0);
 }

@@ -40,7 +40,7 @@ void main()
         barrier();
         float w = inside ? stored_w(texel, layer) : 0.0;
         if (w == 0.0) inside = false;  // the layers behind are empty too
-        else if (is_highlight(texel, layer, w, focused)) atomicOr(bits[place >> 5], 1u << (place & 31u));
+        else if (w < REMOVED && is_highlight(texel, layer, w, focused)) atomicOr(bits[place >> 5], 1u << (place & 31u));
         barrier();
         if (place == 0u) marks[uint(layer) * blocks + block] = uvec2(bits[0], bits[1]);
         barrier();

@@ -14,6 +14,7 @@ import numpy as np
 
 from render.layers.limits import BLOCK_PX
 from render.layers.nbuffers import BINS_ABOVE_NEAREST, nbuffer_bytes
+from render.layers.sharp_layer import BYTES_PER_PX, FINER
 from render.layers.targets import layer_bytes_per_px
 from render.optics.view import PinholeView
 from render.trace.lens_table import BOUND, PolynomialTable
@@ -82,7 +83,14 @@ class TilePlan:
 
 
 def plan_tiles(
-    picture: PinholeView, whole: PinholeView, reach_px: float, layers: int, budget: LayerBudget, most_side_px: int
+    picture: PinholeView,
+    whole: PinholeView,
+    reach_px: float,
+    layers: int,
+    budget: LayerBudget,
+    most_side_px: int,
+    *,
+    has_sharp: bool = False,
 ) -> TilePlan | None:
     """Plan the tiles of a picture; None where its layers fit the budget.
 
@@ -93,12 +101,15 @@ def plan_tiles(
         layers: number of layers.
         budget: memory.
         most_side_px: limit of the device on the sides of textures.
+        has_sharp: whether there is a sharp layer (`render.layers.sharp_layer`), with which the sides are `FINER` times as long.
     """
-    if layers_bytes(*whole.size, layers) <= budget.bytes and max(whole.size) <= most_side_px:
+    if has_sharp:
+        most_side_px //= FINER
+    if layers_bytes(*whole.size, layers, has_sharp=has_sharp) <= budget.bytes and max(whole.size) <= most_side_px:
         return None
     axis = 0 if whole.width >= whole.height else 1
     length, across = whole.size[axis], whole.size[1 - axis]
-    per_line = layers_bytes(1 << 14, across, layers) >> 14
+    per_line = layers_bytes(1 << 14, across, layers, has_sharp=has_sharp) >> 14
     strip = min(length, max(BLOCK_PX, min(budget.strip_bytes // per_line, most_side_px) // BLOCK_PX * BLOCK_PX))
     unit = strip if strip < length else BLOCK_PX
     scale = whole.fx / picture.fx
@@ -118,9 +129,12 @@ def plan_tiles(
     return TilePlan(whole, axis, strip, window, tuple(tiles))
 
 
-def layers_bytes(width: int, height: int, layers: int) -> int:
-    """Memory of layers of this size and of their N-buffers, bytes."""
-    return width * height * layer_bytes_per_px(layers) + nbuffer_bytes(width, height)
+def layers_bytes(width: int, height: int, layers: int, *, has_sharp: bool = False) -> int:
+    """Memory of layers of this size, of their N-buffers, and of a sharp layer where they have one, bytes."""
+    own = width * height * layer_bytes_per_px(layers) + nbuffer_bytes(width, height)
+    if not has_sharp:
+        return own
+    return own + width * height * BYTES_PER_PX + nbuffer_bytes(FINER * width, FINER * height) // 2
 
 
 def ray_reach_px(bundle: RayBundle, focus: PictureFocus, whole: PinholeView, scale: float, nearest_w: float) -> float:

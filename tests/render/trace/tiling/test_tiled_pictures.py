@@ -138,12 +138,14 @@ def test_layers_of_tiles_keep_to_the_budget(budget: FrameRenderer) -> None:
     scene, tracer, peeler = confetti(300), budget.device.tracer, budget.device.peeler
     drawn(budget, scene, CAMERA, settings, ONE_PIECE)
     view = PinholeView.from_camera(CAMERA, settings.width, settings.height)
-    pattern = make_ray_pattern(1, CAMERA.iris)
-    for memory in (ONE_PIECE, LayerBudget(3_500_000, 500_000)):
+    pattern = make_ray_pattern(2, CAMERA.iris)
+    for memory in (ONE_PIECE, LayerBudget(6_000_000, 500_000)):
         tracer.budget = memory
         traced = tracer.picture(peeler, CAMERA, view, pattern, layers=4, supersample=2)
-        held = traced.layers.targets.bytes + traced.nbuffers.bytes
-        size = traced.layers.view.size
-        assert held == layers_bytes(*size, 4)
+        sharp, size = traced.layers.sharp, traced.layers.view.size
+        assert sharp is not None
+        held = traced.layers.targets.bytes + traced.nbuffers.bytes + sharp.bytes
+        counted = layers_bytes(*size, 4, has_sharp=True)
+        assert 0.6 * counted < held <= counted  # the sharp layer is no larger than what is in focus
         assert held <= memory.bytes
-    assert held < 0.5 * layers_bytes(*traced.layers.whole.size, 4)
+    assert held < 0.5 * layers_bytes(*traced.layers.whole.size, 4, has_sharp=True)

@@ -1,0 +1,69 @@
+"""Zone of a picture that is nearly in focus, for the sharp layer (`render.layers.sharp_layer`)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from render.layers.limits import BLOCK_PX
+from render.layers.sharp_layer import FINER, SharpZone
+from render.layers.surface_sampling import layer_sampling
+from render.optics.view import PinholeView
+from render.trace.layer_view import bound_sharp_rays
+from render.trace.picture_focus import PictureFocus
+from render.trace.rays import RayBundle
+
+SHARP_COC_PX = 1.5
+"""Circle of confusion, radius in picture pixels, up to which the layers' resolution shows along edges."""
+SLACK = 0.25
+"""Share of inverse depth by which the surfaces of a texel that is partly in the zone may leave it: ``SHARP_SLACK``."""
+_ALIGNED_PX = BLOCK_PX // FINER
+"""Alignment of the zone in texels of the layers: its N-buffers' blocks are the same in each window of a picture in tiles."""
+MOST_SCALE = 4
+"""Limit on the sharp layer's texels per picture pixel along each axis."""
+
+
+def make_sharp_zone(
+    layers: PinholeView, view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float
+) -> SharpZone | None:
+    """The zone of a picture; None where it has no plane of focus, a single ray per pixel, or layers that are as fine already.
+
+    Args:
+        layers: view of the layers.
+        view: view of the picture.
+        bundle: the lens.
+        focus: focal surface.
+        nearest_w: inverse depth of the nearest surface in view, 1/m.
+    """
+    plane, scale = focus.affine, layers.fx / view.fx
+    if plane is None or FINER * scale > MOST_SCALE * 1.01 or nearest_w <= 0 or bundle.pattern.whole == 1:
+        return None
+    w_f, pupil = focus.over_picture()
+    pupil_px = max(view.fx, view.fy) * bundle.reach_m * float(pupil.max())
+    half_width = min(SHARP_COC_PX / pupil_px, 10 * nearest_w) if pupil_px > 0 else 10 * nearest_w
+    nearest = min(1.01 * nearest_w, (1 + SLACK) * (float(w_f.max()) + half_width))
+    farthest = (1 - SLACK) * (float(w_f.min()) - half_width)
+    if nearest <= max(farthest, 0.0):
+        return None
+    extent = bound_sharp_rays(view, bundle, focus, min(half_width, 2 * nearest))
+    low = np.floor([layers.cx + extent.left * layers.fx, layers.cy + extent.top * layers.fy]).astype(int) - 2
+    high = np.ceil([layers.cx + extent.right * layers.fx, layers.cy + extent.bottom * layers.fy]).astype(int) + 2
+    low, high = np.maximum(low, 0) // _ALIGNED_PX * _ALIGNED_PX, np.minimum(high, layers.size)
+    size = high - low
+    sharp = replace(
+        layers,
+        width=FINER * int(size[0]),
+        height=FINER * int(size[1]),
+        fx=FINER * layers.fx,
+        fy=FINER * layers.fy,
+        cx=FINER * (layers.cx - int(low[0])),
+        cy=FINER * (layers.cy - int(low[1])),
+        near_m=max(layers.near_m, 1 / nearest),
+        far_m=layers.far_m if farthest <= 0 else min(layers.far_m, 1 / farthest),
+    )
+    sampling = layer_sampling(sharp, view, plane, bundle.reach_m, bundle.pattern.whole)
+    slopes = plane[1] / scale, plane[2] / scale
+    corner = plane[0] + slopes[0] * (scale * view.cx - layers.cx) + slopes[1] * (scale * view.cy - layers.cy)
+    first = int(low[0]), int(low[1])
+    return SharpZone(sharp, first, first, (corner, *slopes), half_width, sampling)

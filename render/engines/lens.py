@@ -14,7 +14,8 @@ Settings:
     layers      peeled layers at most, 1 to 8 (4): how much of what is hidden from the pupil's centre a ray can still meet.
                 Partly transparent surfaces do not count against it: a pixel has up to eight surfaces in all. Behind seven of
                 them only the nearest opaque one is seen.
-    supersample layer pixels per picture pixel along each axis, 1 to 4 (2). Limits the sharpness of edges.
+    supersample layer pixels per picture pixel along each axis, 1 to 4 (2). What is nearly in focus is drawn twice as fine up to
+                2, so that its edges have sixteen samples in a pixel (`render.layers.sharp_layer`).
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
     connections True carries what is small, bright and blurred to the pixels of its blurred image along single rays, through a
                 thin lens with a round iris; False leaves it to the rays (True).
@@ -24,7 +25,7 @@ Settings:
 Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 3.4 s on two CPU cores under llvmpipe; it is
 proportional to rays, not to the number of lens surfaces. Accumulation takes 64 s for the same picture.
 
-Memory: layers take some 80 bytes for each layer pixel. Above 1 GiB the picture is traced in tiles, whose number does not
+Memory: layers take some 80 bytes for each layer pixel, and the sharp layer up to 80 more. Above 1 GiB the picture is traced in tiles, whose number does not
 change the pixels (`render.trace.tiling.plan`), but that highlights are left to the rays, and that adaptive rays are distributed
 over each tile by itself.
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from render.model.frame_settings import MAX_MOTION, FrameSettings
+from render.model.frame_settings import MAX_MOTION, MOST_NOISE, FrameSettings
 from service.models.base import Model, PrimPath, TimeCode
 from service.models.engines import ENGINE_HELP, EngineName
 
@@ -24,6 +24,23 @@ class PictureQuery(Model):
     )
     engine: EngineName = Field(default=FrameSettings.engine, description=ENGINE_HELP, examples=[FrameSettings.engine])
     rays: int = Field(default=100, ge=1, description="Lens rays for each pixel.", examples=[100])
+    adaptive: bool = Field(
+        default=FrameSettings.adaptive,
+        description="More rays where the picture has more noise, so that `rays` is their mean.",
+        examples=[True],
+    )
+    noise: float = Field(
+        default=FrameSettings.noise,
+        ge=0,
+        le=MOST_NOISE,
+        description="Wanted standard error in values of the displayed picture from 0 to 1, in place of `rays`; 0 for none.",
+        examples=[0.01],
+    )
+    connections: bool = Field(
+        default=FrameSettings.connections,
+        description="Carries small bright things to the pixels of their blurred images, which leaves less noise.",
+        examples=[True],
+    )
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.", examples=[4])
     supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.", examples=[2])
     wavelengths: int = Field(

@@ -7,7 +7,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
-from render.model.frame_settings import MAX_MOTION, FrameSettings
+from render.model.frame_settings import MAX_MOTION, MOST_NOISE, FrameSettings
 from render.model.shutter_intervals import MAX_ND_STOPS
 from service.models.base import Model, PrimPath, TimeCode, shown_as
 from service.models.engines import EngineName
@@ -49,6 +49,9 @@ class LongExposureBegin(Model):
     )
     engine: EngineName = Field(default=FrameSettings.engine, description="As for a frame.")
     rays: int = Field(default=16, ge=1, description="Lens rays per pixel and interval.")
+    adaptive: bool = Field(default=FrameSettings.adaptive, description="Adaptive rays, as for a frame.")
+    noise: float = Field(default=FrameSettings.noise, ge=0, le=MOST_NOISE, description="Wanted error, as for a frame.")
+    connections: bool = Field(default=FrameSettings.connections, description="Carried highlights, as for a frame.")
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.")
     supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.")
     wavelengths: int = Field(default=3, ge=1, le=64, description="Wavelengths, as for a frame.")

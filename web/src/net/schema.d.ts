@@ -5341,6 +5341,13 @@ export interface components {
          */
         readonly LiveRequest: {
             /**
+             * Adaptive
+             * @description More rays where the picture has more noise, so that `rays` is their mean.
+             * @default true
+             * @example true
+             */
+            readonly adaptive?: boolean;
+            /**
              * Budgetms
              * @description Time for the first picture, milliseconds.
              * @default 100
@@ -5360,6 +5367,13 @@ export interface components {
              * @default []
              */
             readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            /**
+             * Connections
+             * @description Carries small bright things to the pixels of their blurred images, which leaves less noise.
+             * @default true
+             * @example true
+             */
+            readonly connections?: boolean;
             /**
              * Display
              * @description Display of the OpenColorIO configuration, in place of the shot's.
@@ -5431,6 +5445,13 @@ export interface components {
              * @example true
              */
             readonly moving?: boolean;
+            /**
+             * Noise
+             * @description Wanted standard error in values of the displayed picture from 0 to 1, in place of `rays`; 0 for none.
+             * @default 0
+             * @example 0.01
+             */
+            readonly noise?: number;
             /**
              * Rays
              * @description Lens rays for each pixel.
@@ -5583,10 +5604,22 @@ export interface components {
          */
         readonly LongExposureBegin: {
             /**
+             * Adaptive
+             * @description Adaptive rays, as for a frame.
+             * @default true
+             */
+            readonly adaptive?: boolean;
+            /**
              * Camera
              * @description Prim path; the shot's default camera when left out.
              */
             readonly camera?: string | null;
+            /**
+             * Connections
+             * @description Carried highlights, as for a frame.
+             * @default true
+             */
+            readonly connections?: boolean;
             /**
              * Engine
              * @description As for a frame.
@@ -5638,6 +5671,12 @@ export interface components {
              * @description Density of a neutral density filter; when left out, one that keeps the exposure of a single frame.
              */
             readonly ndStops?: number | null;
+            /**
+             * Noise
+             * @description Wanted error, as for a frame.
+             * @default 0
+             */
+            readonly noise?: number;
             /**
              * Rays
              * @description Lens rays per pixel and interval.
@@ -10090,10 +10129,14 @@ export interface operations {
     readonly getFrame: {
         readonly parameters: {
             readonly query: {
+                /** @description More rays where the picture has more noise, so that `rays` is their mean. */
+                readonly adaptive?: boolean;
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
                 /** @description Name of a client. A newer frame request of the same client for the same shot replaces those that still wait, which are answered 409 `superseded`. Left out: nothing is superseded. */
                 readonly client?: string | null;
+                /** @description Carries small bright things to the pixels of their blurred images, which leaves less noise. */
+                readonly connections?: boolean;
                 /** @description Display of the OpenColorIO configuration, in place of the shot's. */
                 readonly display?: string | null;
                 /** @description `lens` traces rays of the lens through peeled layers; `flag` blurs one picture in linear time, without noise; `scatter` draws each point of one picture as the iris, with the spherical aberration of the lens; `gather` blurs one picture point by point, the slow definition of flag; `linear` blurs one picture pixel by pixel; `importance` makes the picture of linear from what has changed since the frame before; `accumulation` renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp. */
@@ -10114,6 +10157,8 @@ export interface operations {
                 readonly motion?: number;
                 /** @description `moments` draws the scene at each moment, which is exact; `velocities` draws it once and moves it along straight lines, which is much quicker. */
                 readonly motionBy?: "moments" | "velocities";
+                /** @description Wanted standard error in values of the displayed picture from 0 to 1, in place of `rays`; 0 for none. */
+                readonly noise?: number;
                 /** @description Lens rays for each pixel. */
                 readonly rays?: number;
                 /** @description Seed of the sampling pattern. */

@@ -33,9 +33,10 @@ def pixels(answer) -> np.ndarray:
 @pytest.mark.parametrize(("file_format", "suffix"), [("png", ".png"), ("jpeg", ".jpg"), ("exr", ".exr")])
 def test_rest_and_the_command_line_give_the_same_bytes(client, room, room_file, tmp_path, file_format, suffix):
     out = tmp_path / f"out{suffix}"
-    arguments = ["record", str(room_file), str(out), "--frames", "12", "--imageWidth", "96", "--rays", "8"]
-    assert main([*arguments, "--supersample", "1", "--seed", "3"]) == 0
-    parameters = {"time": 12, "width": 96, "rays": 8, "supersample": 1, "seed": 3, "format": file_format}
+    arguments = ["record", str(room_file), str(out), "--frames", "12", "--imageWidth", "96", "--rays", "40"]
+    assert main([*arguments, "--supersample", "1", "--seed", "3", "--no-connections", "--noise", "0.05"]) == 0
+    parameters = {"time": 12, "width": 96, "rays": 40, "supersample": 1, "seed": 3, "format": file_format}
+    parameters |= {"connections": False, "noise": 0.05}
     answer = client.get(f"/v1/shots/{room}/frame", params=parameters)
     assert answer.status_code == 200, answer.text
     assert answer.headers["content-type"] == MEDIA_TYPES[file_format]

@@ -29,7 +29,8 @@ class _Parser(BaseException):
 
 def page() -> str:
     """Every command with its arguments."""
-    parsers = dict(_subparsers(parser_of("--version")))
+    names = [name for name, _ in _subparsers(parser_of("--version"))]
+    parsers = dict(_subparsers(parser_of(*names)))  # only commands that are typed have their arguments
     for entry in metadata.entry_points(group=ENTRY_POINT_GROUP):
         parsers[entry.name] = parser_of(entry.name)
     commands = "\n".join(_command(parser) for parser in parsers.values())

@@ -33,7 +33,7 @@ def test_a_trail_is_as_long_as_the_way_and_as_bright_as_the_time(renderer: Frame
     assert lit[-1] - lit[0] + 1 == pytest.approx(70, abs=2)
     middle = row[lit[0] + 22 : lit[0] + 48]
     assert middle == pytest.approx(0.4, abs=0.025)
-    assert moving.std(axis=0).max() == pytest.approx(0, abs=1e-6)  # every line at once
+    assert moving.std(axis=0).max() < 0.02  # every line at once: one moment of 50, as rays fall
 
 
 @pytest.mark.parametrize(("direction", "sign"), [("down", 1), ("up", -1)])

@@ -18,14 +18,15 @@ uniform float half_width;       // largest difference of w from that
 
 void main()
 {
-    ivec2 first = 2 * ivec2(gl_GlobalInvocationID.xy), pixel = offset + ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(first, textureSize(sharp_w, 0)))) return;
+    ivec2 corner = 2 * ivec2(gl_GlobalInvocationID.xy), pixel = offset + ivec2(gl_GlobalInvocationID.xy);
+    // at its border the sharp layer and the layers overlap, since a ray may find a surface from the texel beside
+    if (any(lessThan(corner, ivec2(2))) || any(greaterThanEqual(corner + 2, textureSize(sharp_w, 0)))) return;
     if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, imageSize(layers_w)))) return;
     vec4 stored = imageLoad(layers_w, pixel), kept = stored;
     uvec4 held = texelFetch(slopes, pixel, 0);
     for (int i = 0; i < 4; ++i) {
         ivec2 part = ivec2(i & 1, i >> 1);
-        float w = abs(texelFetch(sharp_w, first + part, 0).r);
+        float w = abs(texelFetch(sharp_w, corner + part, 0).r);
         if (w == 0.0) continue;
         kept = mix(kept, vec4(REMOVED), lessThanEqual(prediction_errors(stored, held, 0.5 * vec2(part) - 0.25, w), vec4(ALIKE)));
     }

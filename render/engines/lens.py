@@ -25,9 +25,9 @@ Settings:
 Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 3.4 s on two CPU cores under llvmpipe; it is
 proportional to rays, not to the number of lens surfaces. Accumulation takes 64 s for the same picture.
 
-Memory: layers take some 80 bytes for each layer pixel, and the sharp layer up to 80 more. Above 1 GiB the picture is traced in tiles, whose number does not
-change the pixels (`render.trace.tiling.plan`), but that highlights are left to the rays, and that adaptive rays are distributed
-over each tile by itself.
+Memory: layers take some 80 bytes for each layer pixel, and the sharp layer up to 80 more. Above 1 GiB the picture is traced in
+tiles, whose number does not change the pixels (`render.trace.tiling.plan`), but that highlights are left to the rays, and that
+adaptive rays are distributed over each tile by itself.
 
 Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes at supersample 4, 40
 to 46 at 2. Shading is that of the view from the pupil's centre, so that glints do not change over the pupil.

@@ -93,7 +93,7 @@ def spheres_over_checkerboard(seed: int = 0) -> tuple[Scene, Camera]:
     tilt[1:3, 1:3] = np.array([[1, 1], [-1, 1]]) / np.sqrt(2)
     sun = Light("distant", (2.0, 2.0, 2.0), tilt, angle_rad=0.01)
     paths = tuple(f"/World/prim{i}" for i in range(26))
-    return Scene(tuple(batches), (sun,), Dome((0.15, 0.2, 0.3), np.eye(4)), paths), _camera(4.0)
+    return Scene(tuple(batches), (sun,), Dome((0.15, 0.2, 0.3), np.eye(4)), paths), bench_camera(4.0)
 
 
 def posts_before_wall(seed: int = 0) -> tuple[Scene, Camera]:
@@ -113,7 +113,9 @@ def posts_before_wall(seed: int = 0) -> tuple[Scene, Camera]:
     batches.append(
         Batch(wall, Material(uses_display_color=True, base_color=(1, 1, 1)), upright[None], double_sided=True)
     )
-    return Scene(tuple(batches), (), Dome((0.9, 0.9, 0.9), np.eye(4), visible=False), ("/World/posts",)), _camera(3.0)
+    return Scene(tuple(batches), (), Dome((0.9, 0.9, 0.9), np.eye(4), visible=False), ("/World/posts",)), bench_camera(
+        3.0
+    )
 
 
 def point_light(depth_m: float, radius_m: float) -> Scene:
@@ -123,7 +125,8 @@ def point_light(depth_m: float, radius_m: float) -> Scene:
     return Scene((batch,), (), Dome((0, 0, 0), np.eye(4), visible=False), ("/light",))
 
 
-def _camera(focus_distance_m: float) -> Camera:
+def bench_camera(focus_distance_m: float) -> Camera:
+    """Camera of the generated scenes: at the origin, 35 mm at f/1.4, 24 by 18 mm of film."""
     return Camera(
         np.eye(4),
         focal_length_mm=35,

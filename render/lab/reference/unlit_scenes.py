@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from render.lab.reference.scenes import sphere, triangles_of
+from render.lab.reference.scenes import bench_camera, sphere, triangles_of
 from render.model.arrays import DoubleArray, IntArray
 from render.model.camera import Camera
 from render.model.scene import Batch, Dome, Material, Scene
@@ -33,7 +33,7 @@ def bars(seed: int = 0) -> tuple[Scene, Camera]:
             _quads(x - lean * tall, x + lean * tall, half, -tall, tall, -depth + rng.uniform(-0.2, 0.2, count))
         )
         colors.append(rng.uniform(0.02, 0.95, (count, 3)))
-    return _scene(np.concatenate(quads), np.concatenate(colors), (0.5, 0.6, 0.8)), _camera(3.0)
+    return _scene(np.concatenate(quads), np.concatenate(colors), (0.5, 0.6, 0.8)), bench_camera(3.0)
 
 
 def lights(seed: int = 0) -> tuple[Scene, Camera]:
@@ -55,7 +55,7 @@ def lights(seed: int = 0) -> tuple[Scene, Camera]:
         rings=10,
     )
     geometry = triangles_of(points, _outward(points), triangles, np.insert(colors, 3, 1.0, axis=1).astype(np.float32))
-    return _of(Batch(geometry, _WHITE, _HERE), (0.01, 0.012, 0.02)), _camera(3.0)
+    return _of(Batch(geometry, _WHITE, _HERE), (0.01, 0.012, 0.02)), bench_camera(3.0)
 
 
 def thicket(seed: int = 0) -> tuple[Scene, Camera]:
@@ -68,7 +68,7 @@ def thicket(seed: int = 0) -> tuple[Scene, Camera]:
     points, triangles, colors = _balls(places, radii, rng.uniform(0.02, 0.95, (count, 3)), rings=11)
     colors *= 0.6 + 0.4 * np.sin(40 * points[:, 1:2] / np.abs(points[:, 2:]))  # stripes across
     geometry = triangles_of(points, _outward(points), triangles, np.insert(colors, 3, 1.0, axis=1).astype(np.float32))
-    return _of(Batch(geometry, _WHITE, _HERE), (0.7, 0.8, 0.95)), _camera(2.5)
+    return _of(Batch(geometry, _WHITE, _HERE), (0.7, 0.8, 0.95)), bench_camera(2.5)
 
 
 UNLIT_SCENES: dict[str, Callable[[], tuple[Scene, Camera]]] = {"bars": bars, "lights": lights, "thicket": thicket}
@@ -129,16 +129,3 @@ def _scene(quads: DoubleArray, colors: DoubleArray, behind: tuple[float, float, 
 
 def _of(batch: Batch, behind: tuple[float, float, float]) -> Scene:
     return Scene((batch,), (), Dome(behind, np.eye(4)), ("/World/all",))
-
-
-def _camera(focus_distance_m: float) -> Camera:
-    return Camera(
-        np.eye(4),
-        focal_length_mm=35,
-        horizontal_aperture_mm=24,
-        vertical_aperture_mm=18,
-        f_stop=1.4,
-        focus_distance_m=focus_distance_m,
-        near_m=0.1,
-        path="/camera",
-    )

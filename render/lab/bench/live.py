@@ -13,7 +13,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
 import subprocess
 import sys
 import tempfile
@@ -261,9 +260,11 @@ def measure_before(checkout: Path, typed: Sequence[str]) -> list[DragRow]:
     Raises:
         GraphicsError: the process failed.
     """
+    from render.lab.bench.checkouts import script_command, script_environment
+
     done = subprocess.run(
-        [sys.executable, "-P", __file__, *typed],
-        env={**os.environ, "PYTHONPATH": str(checkout.resolve())},
+        [*script_command(Path(__file__)), *typed],
+        env=script_environment(checkout),
         stdout=subprocess.PIPE,
         text=True,
         check=False,

@@ -29,6 +29,11 @@ _SAMPLER = re.compile(
     r"^\s*(?:layout\s*\([^)]*\)\s*)?uniform\s+([iu]?sampler\w+)\s+(\w+)\s*(?:\[\d+\])?\s*;", re.MULTILINE
 )
 _COMPONENTS = {1: "r", 2: "rg", 4: "rgba"}
+_BINDINGS = {
+    moderngl.Texture: GL.GL_TEXTURE_BINDING_2D,
+    moderngl.TextureArray: GL.GL_TEXTURE_BINDING_2D_ARRAY,
+    moderngl.Texture3D: GL.GL_TEXTURE_BINDING_3D,
+}
 _SUFFIXES = {"f4": "32f", "f2": "16f", "u1": "8ui", "u2": "16ui", "u4": "32ui", "i2": "16i", "i4": "32i", "f1": "8"}
 
 
@@ -42,7 +47,7 @@ class Accesses:
     def __init__(self) -> None:
         self.images: dict[int, tuple[Any, bool, bool]] = {}
         self.blocks: dict[int, Any] = {}
-        self.textures: dict[tuple[int, bool], Any] = {}
+        self.textures: dict[tuple[int, type], Any] = {}  # by unit and kind: a unit has one binding of each kind
         self.written: dict[int, str] = {}
         self.read: dict[int, str] = {}
         self.faults: list[str] = []
@@ -117,7 +122,7 @@ class Accesses:
             return []
         value = program[sampler].value
         units = value if isinstance(value, (tuple, list)) else [value]
-        bound = [(unit, self.textures.get((unit, "Array" in kind))) for unit in units]
+        bound = [(unit, self.textures.get((unit, _sampled_kind(kind)))) for unit in units]
         return [(unit, texture) for unit, texture in bound if texture is not None and _is_bound(texture, unit)]
 
     def _check_image(self, name: str, image: str, layout: str, kind: str, texture: Any) -> None:
@@ -125,7 +130,7 @@ class Accesses:
         declared = [word for word in re.split(r"[\s,]+", layout) if re.fullmatch(r"(r|rg|rgba)\d+\w*", word)]
         if declared and declared[0] != form:
             self._fault(f"{name}: image {image} is declared as {declared[0]} and bound as {form}")
-        if ("Array" in kind) != isinstance(texture, moderngl.TextureArray):
+        if not isinstance(texture, _sampled_kind(kind)):
             self._fault(f"{name}: image {image} is a {kind}, and {type(texture).__name__} is bound")
 
     def _check_sampler(self, name: str, kind: str, sampler: str, texture: Any) -> None:
@@ -192,7 +197,7 @@ def watch_accesses() -> None:
         ACCESSES.images[unit] = this, read, write
 
     def use(this: Any, location: int = 0) -> None:
-        ACCESSES.textures[location, isinstance(this, moderngl.TextureArray)] = this
+        ACCESSES.textures[location, type(this)] = this
 
     around(moderngl.ComputeShader, "run", dispatch)
     around(moderngl.VertexArray, "render", draw)
@@ -200,6 +205,7 @@ def watch_accesses() -> None:
     around(moderngl.Buffer, "bind_to_storage_buffer", lambda this, unit=0, **_: ACCESSES.blocks.__setitem__(unit, this))
     for kind in (moderngl.Texture, moderngl.TextureArray):
         around(kind, "bind_to_image", bind_image)
+    for kind in _BINDINGS:
         around(kind, "use", use)
     for kind in (moderngl.Texture, moderngl.TextureArray, moderngl.Buffer):
         for method in ("read", "write"):
@@ -210,14 +216,20 @@ def watch_accesses() -> None:
 
 def _is_bound(texture: Any, unit: int) -> bool:
     """Whether a texture is still bound where moderngl bound it; PyOpenGL may have bound another one since."""
-    is_array = isinstance(texture, moderngl.TextureArray)
     before = GL.glGetIntegerv(GL.GL_ACTIVE_TEXTURE)
     GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
-    name = GL.glGetIntegerv(GL.GL_TEXTURE_BINDING_2D_ARRAY if is_array else GL.GL_TEXTURE_BINDING_2D)
+    name = GL.glGetIntegerv(_BINDINGS[type(texture)])
     GL.glActiveTexture(before)
     if _is_released(texture):
         return bool(name == 0)  # its unit is empty from then on
     return bool(name == texture.glo)
+
+
+def _sampled_kind(kind: str) -> type:
+    """Class of the textures that a sampler or image type of GLSL stands for."""
+    if "3D" in kind:
+        return moderngl.Texture3D
+    return moderngl.TextureArray if "Array" in kind else moderngl.Texture
 
 
 def _is_released(thing: Any) -> bool:

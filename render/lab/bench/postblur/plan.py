@@ -48,7 +48,7 @@ QUICK = PostBlurPlan(
     side=64,
     radii=(3, 7, 13, 19),
     repeats=Repeats(1, 1),
-    picture=FrameSettings(96, 72, rays=16, supersample=1, tiled=False),
+    picture=FrameSettings(96, 72, rays=16, supersample=3, tiled=False),
     demo=None,
 )
 

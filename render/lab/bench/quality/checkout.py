@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -15,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from render.errors import GraphicsError
+from render.lab.bench.checkouts import script_command, script_environment
 from render.lab.bench.quality import draw_pictures
 from render.model.arrays import FloatArray
 
@@ -55,8 +54,8 @@ class Checkout:
         self._path, self._file = path, folder / "drawn.npy"
         self.digest = code_digest(path)
         self._process = subprocess.Popen(
-            [sys.executable, "-P", draw_pictures.__file__],
-            env={**os.environ, "PYTHONPATH": str(path.resolve())},
+            script_command(Path(draw_pictures.__file__)),
+            env=script_environment(path),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

@@ -12,9 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import subprocess
-import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,6 +22,7 @@ from time import perf_counter
 
 from render.demo.shot import write_demo
 from render.errors import PullfocusError
+from render.lab.bench.checkouts import script_command, script_environment
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.lab.bench.start import recorder
@@ -116,9 +115,9 @@ class _Course:
     def run(self, kind: int) -> None:
         """Run once; ``kind`` is 0 for the first run, 1 for the second, 2 for later ones."""
         times, out = self._folder / "times.json", self._folder / "picture.png"
-        environment = os.environ | {"PYTHONPATH": str(self._checkout)}
+        environment = script_environment(self._checkout)
         environment |= {name: str(self._folder / f"{name}{self._round}") for name in CACHES}
-        command = [sys.executable, "-P", recorder.__file__, str(times), "record", *self._arguments[:1], str(out)]
+        command = [*script_command(Path(recorder.__file__)), str(times), "record", *self._arguments[:1], str(out)]
         began = perf_counter()
         done = subprocess.run(
             [*command, *self._arguments[1:]],

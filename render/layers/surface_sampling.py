@@ -1,9 +1,12 @@
-"""Footprint over which a picture filters the textures of surfaces.
+"""Footprint over which a picture filters the textures and the highlights of surfaces.
 
 Each of many rays represents its share of the pupil, so that out of focus it represents a patch of surface as wide as that
 share's own circle of confusion. Textures are filtered over that patch, as with ray differentials (Igehy 1999, "Tracing ray
 differentials", section 3): a hundred points of a strongly blurred brick wall give a hatching, a hundred patches give its blur.
-More rays have smaller patches and converge to the same picture. Cut-outs keep their edges, and highlights their size.
+More rays have smaller patches and converge to the same picture. Cut-outs keep their edges.
+
+Normals that vary within a sample blur its highlights (``layers/material.glsl``). A sample is a pixel of the pass, not of the
+finished picture, which averages several: the highlight of a thin rim would be widened away before it is averaged.
 """
 
 from __future__ import annotations
@@ -24,13 +27,11 @@ class SurfaceSampling:
 
     Attributes:
         detail: times finer than this pass's pixels: 1 for layers; more where many shifted views make one picture.
-        picture_px: side of the finished picture's pixels.
         patch_px_m: side of the patch that one ray stands for, per 1/m of w between the surface and the plane of focus.
         focus: w of that plane at the pass's corner, 1/m, and how it changes from pixel to pixel along x and y.
     """
 
     detail: float = 1.0
-    picture_px: float = 1.0
     patch_px_m: float = 0.0
     focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
@@ -64,4 +65,5 @@ def layer_sampling(
     scale = layers.fx / picture.fx
     slopes = focus[1] / scale, focus[2] / scale
     corner = focus[0] + slopes[0] * (scale * picture.cx - layers.cx) + slopes[1] * (scale * picture.cy - layers.cy)
-    return SurfaceSampling(1.0, scale, patch_px_m(max(layers.fx, layers.fy), pupil_m, rays), (corner, *slopes))
+    patch = patch_px_m(max(layers.fx, layers.fy), pupil_m, rays)
+    return SurfaceSampling(1.0, patch, (corner, *slopes))

@@ -33,10 +33,10 @@ def make_lens_points(camera: Camera, rays: int, seed: int = 0) -> DoubleArray:
 
 
 def choose_view_sampling(camera: Camera, view: PinholeView, rays: int, supersample: float) -> SurfaceSampling:
-    """Give the texture filter of the views. It is that of layers of the same supersample: the views' offsets sample between the
-    pixels, and each view stands for its share of the pupil."""
+    """Give the filter of the views. It is that of layers of the same supersample: the views' offsets sample between the pixels,
+    and each view stands for its share of the pupil."""
     patch = patch_px_m(max(view.fx, view.fy), pupil_radius_m(camera), rays)
-    return SurfaceSampling(supersample, 1.0, patch, view.across(focal_surface(camera).plane))
+    return SurfaceSampling(supersample, patch, view.across(focal_surface(camera).plane))
 
 
 class Accumulator:

@@ -30,7 +30,6 @@ layout(std140, binding = 1) uniform MaterialBlock {
 } material;
 
 uniform float detail;      // times finer than this pass's pixels that the finished picture samples surfaces
-uniform float picture_px;  // side of the finished picture's pixels, in this pass's
 uniform float patch_px_m;  // side of one ray's patch per 1/m of w from the plane of focus (surface_sampling.py)
 uniform vec3 focus;        // w of that plane at the pass's corner and its change along x and y
 
@@ -99,12 +98,12 @@ vec3 mapped_normal(vec3 tangent_normal, vec3 n, vec3 p, vec2 uv)
 }
 #endif
 
-// Normals that vary within a pixel of the picture blur the highlight by their variance, so that it does not sparkle: between pixels
+// Normals that vary within a sample blur the highlight by their variance, so that it does not sparkle: between pixels
 // by Tokuyoshi & Kaplanyan 2019 ("Improved geometric specular antialiasing", section 3.1, sigma² = 1/4, kappa = 0.18), within
 // a texel of the normal map by the length of its averaged normal (Toksvig 2005, "Mipmapping normal maps").
 float filtered_roughness(float roughness, vec3 n, float shortening)
 {
-    vec3 dx = dFdx(n) * picture_px, dy = dFdy(n) * picture_px;
+    vec3 dx = dFdx(n) / detail, dy = dFdy(n) / detail;
     float kernel = min(0.5 * (dot(dx, dx) + dot(dy, dy)), 0.18) + min(2.0 * shortening, 0.18);
     float alpha = roughness * roughness;
     return sqrt(sqrt(min(alpha * alpha + kernel, 1.0)));

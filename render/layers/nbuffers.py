@@ -81,7 +81,7 @@ def bind_layers(
         zone = layers.sharp.zone
         textures |= {"sharp_w": layers.sharp.w, "sharp_slopes": layers.sharp.slopes}
         textures |= {"sharp_radiance": layers.sharp.radiance, "sharp_ranges": nbuffers.sharp_ranges}
-        set_uniforms(program, sharp_offset=zone.first, sharp_focus=zone.focus, sharp_half_width=zone.half_width)
+        set_uniforms(program, sharp_offset=zone.first, sharp_w_range=zone.w_range)
         set_uniforms(program, sharp_last_level=nbuffers.sharp_ranges.layers - 1)
     for unit, (name, texture) in enumerate(textures.items(), start=first_unit):
         if name in program:

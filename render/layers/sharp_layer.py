@@ -16,19 +16,22 @@ import numpy as np
 
 from render.errors import GraphicsError
 from render.gl.compat import GL
-from render.gl.resources import Construction
+from render.gl.resources import Construction, Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.surface_sampling import SurfaceSampling
 from render.layers.targets import DepthTexture, LayerTargets, Slot, make_framebuffer, texture_bytes
+from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 
 FINER = 2
 """Texels of the sharp layer per texel of the layers along each axis."""
+SLACK = 0.25
+"""Share of inverse depth by which the surfaces of a texel that is partly in the zone may leave it."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
 _GROUP = 8
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SharpZone:
     """Contents of a sharp layer.
 
@@ -36,7 +39,8 @@ class SharpZone:
         view: view of its texels: `FINER` times the layers' resolution, between ``1 / near_m`` and ``1 / far_m``.
         first: its corner's texel in the layers of the whole picture.
         offset: its corner's texel in the layers that it belongs to, which may be a part of these.
-        focus: w in focus at the corner of the whole picture's layers, 1/m, and how it changes from texel to texel along x and y.
+        whole: size of the whole picture's layers.
+        focus: ``(rows, columns)`` float32 w in focus on a grid over the whole picture's layers, corners included, 1/m.
         half_width: largest difference from that, 1/m.
         sampling: how finely the finished picture samples surfaces.
     """
@@ -44,7 +48,8 @@ class SharpZone:
     view: PinholeView
     first: tuple[int, int]
     offset: tuple[int, int]
-    focus: tuple[float, float, float]
+    whole: tuple[int, int]
+    focus: FloatArray
     half_width: float
     sampling: SurfaceSampling
 
@@ -52,8 +57,15 @@ class SharpZone:
         """Whether both hold the same."""
         if other is None or not self.view.matches(other.view):
             return False
-        own = (self.first, self.offset, self.focus, self.half_width, self.sampling)
-        return own == (other.first, other.offset, other.focus, other.half_width, other.sampling)
+        own = (self.first, self.offset, self.whole, self.half_width, self.sampling)
+        others = (other.first, other.offset, other.whole, other.half_width, other.sampling)
+        return own == others and np.array_equal(self.focus, other.focus)
+
+    @property
+    def w_range(self) -> tuple[float, float]:
+        """Range of inverse depth in which rays may meet its surfaces, which go on beyond the centres of their texels, 1/m."""
+        farthest = 0.0 if np.isinf(self.view.far_m) else 1 / self.view.far_m
+        return (1 - SLACK) * farthest, (1 + SLACK) / self.view.near_m
 
     def within(self, layers: PinholeView, part: PinholeView) -> SharpZone | None:
         """Part of the zone that lies in a part of the layers; None where there is none.
@@ -72,7 +84,7 @@ class SharpZone:
         view = replace(self.view, width=width, height=height, cx=self.view.cx - x, cy=self.view.cy - y)
         offset = low[0] - corner[0], low[1] - corner[1]
         sampling = self.sampling.at_corner(x, y)
-        return SharpZone(view, (low[0], low[1]), offset, self.focus, self.half_width, sampling)
+        return SharpZone(view, (low[0], low[1]), offset, self.whole, self.focus, self.half_width, sampling)
 
 
 @dataclass(frozen=True)
@@ -154,8 +166,10 @@ class SharpResolver:
         zone, view = sharp.zone, sharp.zone.view
         resolve = self._programs.compute("layers/sharp_resolve.comp")
         remove = self._programs.compute("layers/sharp_remove.comp")
-        missing = self._ctx.buffer(np.zeros(1, np.uint32).tobytes())
-        try:
+        with Resources() as scope:
+            missing = scope.keep(self._ctx.buffer(np.zeros(1, np.uint32).tobytes()))
+            grid = scope.keep(self._ctx.texture(zone.focus.shape[::-1], 1, zone.focus.tobytes(), dtype="f4"))
+            grid.filter = _NEAREST
             missing.bind_to_storage_buffer(0)
             sharp.depth.use(0)
             textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
@@ -172,10 +186,10 @@ class SharpResolver:
                 depth_map=0,
                 w_range=(0.0 if np.isinf(view.far_m) else 1 / view.far_m, 1 / view.near_m),
             )
+            grid.use(4)
             for program in (resolve, remove):
-                set_uniforms(
-                    program, offset=zone.offset, first=zone.first, focus=zone.focus, half_width=zone.half_width
-                )
+                set_uniforms(program, offset=zone.offset, first=zone.first, half_width=zone.half_width)
+                set_uniforms(program, focus_grid=4, whole=zone.whole)
             sharp.w.bind_to_image(0, read=False, write=True)
             sharp.slopes.bind_to_image(1, read=False, write=True)
             sharp.radiance.bind_to_image(2, read=False, write=True)
@@ -189,8 +203,6 @@ class SharpResolver:
                 remove.run(-(-view.width // (_GROUP * FINER)), -(-view.height // (_GROUP * FINER)))
             self._ctx.memory_barrier()
             return bool(np.frombuffer(missing.read(), np.uint32)[0])
-        finally:
-            missing.release()
 
     def mask_held(self, sharp: SharpLayer) -> None:
         """Leave in the depth buffer only what `resolve` found missing."""

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from render.layers.limits import BLOCK_PX
-from render.layers.sharp_layer import FINER, SharpZone
+from render.layers.sharp_layer import FINER, SLACK, SharpZone
 from render.layers.surface_sampling import layer_sampling
+from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.layer_view import bound_sharp_rays
 from render.trace.picture_focus import PictureFocus
@@ -16,10 +17,9 @@ from render.trace.rays import RayBundle
 
 SHARP_COC_PX = 1.5
 """Circle of confusion, radius in picture pixels, up to which the layers' resolution shows along edges."""
-SLACK = 0.25
-"""Share of inverse depth by which the surfaces of a texel that is partly in the zone may leave it: ``SHARP_SLACK``."""
 _ALIGNED_PX = BLOCK_PX // FINER
 """Alignment of the zone in texels of the layers: its N-buffers' blocks are the same in each window of a picture in tiles."""
+_GRID = 65
 MOST_SCALE = 4
 """Limit on the sharp layer's texels per picture pixel along each axis."""
 
@@ -27,7 +27,7 @@ MOST_SCALE = 4
 def make_sharp_zone(
     layers: PinholeView, view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float
 ) -> SharpZone | None:
-    """The zone of a picture; None where it has no plane of focus, a single ray per pixel, or layers that are as fine already.
+    """The zone of a picture; None where it has a single ray per pixel, or layers that are as fine already.
 
     Args:
         layers: view of the layers.
@@ -37,7 +37,7 @@ def make_sharp_zone(
         nearest_w: inverse depth of the nearest surface in view, 1/m.
     """
     plane, scale = focus.affine, layers.fx / view.fx
-    if plane is None or FINER * scale > MOST_SCALE * 1.01 or nearest_w <= 0 or bundle.pattern.whole == 1:
+    if FINER * scale > MOST_SCALE * 1.01 or nearest_w <= 0 or bundle.pattern.whole == 1:
         return None
     w_f, pupil = focus.over_picture()
     pupil_px = max(view.fx, view.fy) * bundle.reach_m * float(pupil.max())
@@ -62,8 +62,15 @@ def make_sharp_zone(
         near_m=max(layers.near_m, 1 / nearest),
         far_m=layers.far_m if farthest <= 0 else min(layers.far_m, 1 / farthest),
     )
-    sampling = layer_sampling(sharp, view, plane, bundle.reach_m, bundle.pattern.whole)
-    slopes = plane[1] / scale, plane[2] / scale
-    corner = plane[0] + slopes[0] * (scale * view.cx - layers.cx) + slopes[1] * (scale * view.cy - layers.cy)
+    rays = bundle.pattern.whole if plane else 1
+    sampling = layer_sampling(sharp, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, rays)
     first = int(low[0]), int(low[1])
-    return SharpZone(sharp, first, first, (corner, *slopes), half_width, sampling)
+    return SharpZone(sharp, first, first, layers.size, _focus_grid(layers, view, focus), half_width, sampling)
+
+
+def _focus_grid(layers: PinholeView, view: PinholeView, focus: PictureFocus) -> FloatArray:
+    """w in focus ``(_GRID, _GRID)`` over the layers, corners included, 1/m."""
+    x, y = (np.linspace(0, side, _GRID) for side in layers.size)
+    places = np.stack(np.meshgrid(x, y), axis=-1) - [layers.cx, layers.cy]
+    w, _ = focus.at(places * [view.fx / layers.fx, view.fy / layers.fy] + [view.cx, view.cy])
+    return np.ascontiguousarray(w, np.float32)

@@ -10,11 +10,11 @@ uniform sampler2D sharp_w;
 uniform usampler2D slopes;
 uniform ivec2 offset;           // texel of these layers at the sharp layer's corner
 uniform ivec2 first;            // the same in the layers of the whole picture
-uniform vec3 focus;             // w in focus at the corner of the whole picture's layers, and its change along x and y
-uniform float half_width;       // largest difference of w from that
+uniform float half_width;       // largest difference of w from that in focus
 
 #include "trace/slopes.glsl"
 #include "layers/sharp_match.glsl"
+#include "layers/sharp_focus.glsl"
 
 void main()
 {
@@ -30,6 +30,6 @@ void main()
         if (w == 0.0) continue;
         kept = mix(kept, vec4(REMOVED), lessThanEqual(prediction_errors(stored, held, 0.5 * vec2(part) - 0.25, w), vec4(ALIKE)));
     }
-    float w_f = focus.x + dot(focus.yz, vec2(first + pixel - offset) + 0.5);
+    float w_f = w_in_focus(vec2(first + pixel - offset) + 0.5);
     imageStore(layers_w, pixel, mix(kept, stored, greaterThan(abs(stored - w_f), vec4(half_width))));
 }

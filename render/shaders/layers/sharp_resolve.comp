@@ -15,13 +15,13 @@ uniform sampler2D packed_w;     // layers 0 to 3
 uniform usampler2D slopes;
 uniform sampler2DArray radiance;
 uniform vec2 w_range;           // w of depth 0 and of depth 1
-uniform vec3 focus;             // w in focus at the corner of the whole picture's layers, and its change along x and y
-uniform float half_width;       // largest difference of w from that
+uniform float half_width;       // largest difference of w from that in focus
 uniform ivec2 offset;           // texel of these layers at the sharp layer's corner
 uniform ivec2 first;            // the same in the layers of the whole picture
 
 #include "trace/slopes.glsl"
 #include "layers/sharp_match.glsl"
+#include "layers/sharp_focus.glsl"
 
 const float FAR_PENALTY = 0.0005;   // of a texel's distance in texels, as a relative difference of w
 const float CONTRAST = 0.03;        // difference of display values between texels above which a texel is shaded
@@ -36,7 +36,7 @@ vec3 displayed(vec3 c)
 float out_of_focus(ivec2 pixel)
 {
     float depth = texelFetch(depth_map, clamp(pixel, ivec2(0), textureSize(depth_map, 0) - 1), 0).r;
-    float w_f = focus.x + dot(focus.yz, vec2(first) + (vec2(pixel) + 0.5) * 0.5);
+    float w_f = w_in_focus(vec2(first) + (vec2(pixel) + 0.5) * 0.5);
     return depth > 0.0 ? abs(mix(w_range.x, w_range.y, depth) - w_f) : 1e30;
 }
 

@@ -7,12 +7,10 @@ uniform sampler2D sharp_radiance;
 uniform sampler2DArray sharp_ranges;  // N-buffers of the sharp layer
 uniform int sharp_last_level;
 uniform ivec2 sharp_offset;         // texel of the layers at the sharp layer's corner
-uniform vec3 sharp_focus;           // w in focus at the layers' corner, and its change along x and y
-uniform float sharp_half_width;     // largest difference of the sharp layer's w from that
+uniform vec2 sharp_w_range;         // range of w in which rays may meet its surfaces
 
 const float SHARP_FINER = 2.0;
 const int MAX_SHARP_STEPS = 64;
-const float SHARP_SLACK = 0.25;     // share of w by which the surfaces of a texel that is partly in the zone may leave it
 
 vec2 sharp_range;                   // range of w in which this pixel's rays may meet the sharp layer; the second is 0 where none
 
@@ -70,8 +68,7 @@ SharpHit sharp_hit(vec2 a, vec2 b)
 // Whether the sharp layer stops a ray in front of inverse depth `front`.
 bool sharp_stops(vec2 a, vec2 b, float front)
 {
-    float w_f = sharp_focus.x + dot(sharp_focus.yz, a), most = sharp_half_width + dot(abs(sharp_focus.yz), vec2(8.0));
-    vec2 range = vec2(max(front, (w_f - most) * (1.0 - SHARP_SLACK)), (w_f + most) * (1.0 + SHARP_SLACK));
+    vec2 range = vec2(max(front, sharp_w_range.x), sharp_w_range.y);
     sharp_range = vec2(0.0);
     if (range.y <= range.x) return false;
     vec2 near = a + b * range.y, far = a + b * range.x;

@@ -117,9 +117,7 @@ uvec2 reachable_bins(PixelRays rays, vec2 range, float reach)
 // Find the range of w in which the pixel's rays may meet the sharp layer.
 void find_sharp_range(PixelRays rays, float reach)
 {
-    float w_f = sharp_focus.x + dot(sharp_focus.yz, rays.centre);
-    float most = sharp_half_width + dot(abs(sharp_focus.yz), vec2(8.0));
-    vec2 range = vec2(max((w_f - most) * (1.0 - SHARP_SLACK), 0.0), (w_f + most) * (1.0 + SHARP_SLACK));
+    vec2 range = sharp_w_range;
     for (int i = 0; i < ROUNDS && range.y > 0.0; ++i) {
         ivec2 from, to;
         footprint_between(rays, range, reach, from, to);

@@ -12,6 +12,7 @@ from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import rectangle
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
+from render.model.focal_surface import Controls, FocalPlane, FocalSurface
 from render.model.scene import Batch, Material, Scene
 
 SETTINGS = FrameSettings(120, 80, rays=256, shading="unlit", tiled=False)
@@ -61,6 +62,21 @@ def test_thin_bars_in_focus_are_those_of_twice_the_resolution(renderer: FrameRen
     """At a supersampling of four there is no sharp layer, and the layers are as fine."""
     scene = bars()
     coarse, fine = drawn(renderer, scene), drawn(renderer, scene, supersample=4.0)
+    assert psnr_db(coarse, fine) > 38
+
+
+def test_edges_on_a_bent_focal_surface_are_those_of_twice_the_resolution(renderer: FrameRenderer) -> None:
+    """Bars at 4 m on the left and at 2.5 m on the right, all in focus."""
+    left, right = (
+        [card((x, 0, -z), (0.001 * z, 1.0), 0.9, turn=0.1 * x) for x in z * np.linspace(*ends, 12)]
+        for z, ends in ((4.0, (-0.45, -0.05)), (2.5, (0.05, 0.45)))
+    )
+    scene = Scene((*left, *right, card((0, 0, -4.4), (9, 9), 0.2)))
+    places = np.array([[x, y] for x in (-0.4, -0.1, 0.1, 0.4) for y in (-0.3, 0.3)])
+    values = np.stack([np.where(places[:, 0] < 0, 1 / 4, 1 / 2.5), np.zeros(8)], axis=1)
+    controls = Controls(places, values, np.ones(8), np.zeros(8))
+    camera = replace(CAMERA, focal_surface=FocalSurface(FocalPlane(0.3), controls=controls))
+    coarse, fine = (renderer.render(scene, camera, replace(SETTINGS, supersample=s)).color for s in (2.0, 4.0))
     assert psnr_db(coarse, fine) > 38
 
 

@@ -52,12 +52,12 @@ class LibraryFilm:
 
 def film_names() -> list[str]:
     """Names of all stocks, in the library's order."""
-    return list(_library())
+    return list(_prims())
 
 
 def library_films() -> list[LibraryFilm]:
     """All stocks, in the library's order."""
-    return list(_library().values())
+    return [_film(name) for name in _prims()]
 
 
 def library_film(name: str) -> LibraryFilm:
@@ -71,26 +71,33 @@ def library_film(name: str) -> LibraryFilm:
         SchemaError: there is none; the message has the nearest names.
     """
     plain = name.strip().lower().replace("-", "_").replace(" ", "_")
-    films = _library()
-    if plain in films:
-        return films[plain]
-    having = [known for known in films if plain and f"_{plain}_" in f"_{known}_"]
+    names = film_names()
+    if plain in names:
+        return _film(plain)
+    having = [known for known in names if plain and f"_{plain}_" in f"_{known}_"]
     if len(having) == 1:
-        return films[having[0]]
-    suggestion = f"did you mean {' or '.join(having)}?" if having else hint(plain, films)
+        return _film(having[0])
+    suggestion = f"did you mean {' or '.join(having)}?" if having else hint(plain, names)
     raise SchemaError(f"there is no film stock named {name!r} in the library: {suggestion}")
 
 
 @cache
-def _library() -> dict[str, LibraryFilm]:
-    stage = Usd.Stage.Open(str(FILM_LIBRARY_FILE))
-    return {prim.GetName(): _film(prim) for prim in stage.GetDefaultPrim().GetChildren()}
+def _stage() -> Usd.Stage:
+    return Usd.Stage.Open(str(FILM_LIBRARY_FILE))  # prims live no longer than their stage
 
 
-def _film(prim: Usd.Prim) -> LibraryFilm:
+@cache
+def _prims() -> dict[str, Usd.Prim]:
+    return {prim.GetName(): prim for prim in _stage().GetDefaultPrim().GetChildren()}
+
+
+@cache
+def _film(name: str) -> LibraryFilm:
+    """Read one stock: all of them take a while."""
+    prim = _prims()[name]
     beside: dict[str, Any] = prim.GetCustomData()
     return LibraryFilm(
-        name=prim.GetName(),
+        name=name,
         title=beside["title"],
         description=prim.GetDocumentation(),
         kind=beside["kind"],

@@ -40,12 +40,12 @@ class LibraryLens:
 
 def lens_names() -> list[str]:
     """Names of all lenses, in the library's order."""
-    return list(_library())
+    return list(_prims())
 
 
 def library_lenses() -> list[LibraryLens]:
     """All lenses, in the library's order."""
-    return list(_library().values())
+    return [_lens(name) for name in _prims()]
 
 
 def library_lens(name: str) -> LibraryLens:
@@ -58,22 +58,29 @@ def library_lens(name: str) -> LibraryLens:
         SchemaError: there is none; the message has the nearest names.
     """
     plain = name.lower().replace("-", "_")
-    lenses = _library()
-    if plain not in lenses:
-        raise SchemaError(f"there is no lens named {name!r} in the library: {hint(plain, lenses)}")
-    return lenses[plain]
+    names = lens_names()
+    if plain not in names:
+        raise SchemaError(f"there is no lens named {name!r} in the library: {hint(plain, names)}")
+    return _lens(plain)
 
 
 @cache
-def _library() -> dict[str, LibraryLens]:
-    stage = Usd.Stage.Open(str(LIBRARY_FILE))
-    return {prim.GetName(): _lens(prim) for prim in stage.GetDefaultPrim().GetChildren()}
+def _stage() -> Usd.Stage:
+    return Usd.Stage.Open(str(LIBRARY_FILE))  # prims live no longer than their stage
 
 
-def _lens(prim: Usd.Prim) -> LibraryLens:
+@cache
+def _prims() -> dict[str, Usd.Prim]:
+    return {prim.GetName(): prim for prim in _stage().GetDefaultPrim().GetChildren()}
+
+
+@cache
+def _lens(name: str) -> LibraryLens:
+    """Read one lens: all of them take a while."""
+    prim = _prims()[name]
     camera, usd = LensCamera(prim), UsdGeom.Camera(prim)
     return LibraryLens(
-        name=prim.GetName(),
+        name=name,
         description=prim.GetDocumentation(),
         # To single precision's last digit: the attribute is a float.
         focal_length_mm=round(mm_from_tenths(float(usd.GetFocalLengthAttr().Get()), prim.GetStage()), 4),

@@ -116,7 +116,7 @@ def undistort_position(view: PinholeView, camera: Camera, x: float, y: float) ->
 
 def distort_positions(view: PinholeView, camera: Camera, places: DoubleArray) -> DoubleArray:
     """Return the pixel positions in the camera's picture of positions ``(n, 2)`` in an undistorted picture; NaN stays NaN."""
-    chief = chief_rays(camera)
+    chief = chief_rays(camera) if len(places) else None
     if chief is None:
         return places
     centre, focal = np.array([view.cx, view.cy]), np.array([view.fx, view.fy])

@@ -9,7 +9,7 @@ import pytest
 from pxr import Usd
 
 import usd_schemas
-from usd_schemas import LibraryFilm, SchemaError, film_names, library_film, library_films
+from usd_schemas import LibraryFilm, SchemaError, film_library, film_names, library_film, library_films
 from usd_schemas.film_library import FILM_LIBRARY_FILE
 from usd_schemas.validation import validate
 
@@ -22,6 +22,12 @@ def test_the_thirteen_stocks_are_there() -> None:
     assert kinds.count(("camera", "monochrome")) == 2
     assert kinds.count(("print", "negative")) == 2
     assert kinds.count(("print", "monochrome")) == 1
+
+
+def test_one_stock_is_read_without_the_others() -> None:
+    film_library._film.cache_clear()
+    library_film("velvia_50")
+    assert film_library._film.cache_info().currsize == 1
 
 
 def test_the_library_keeps_the_rules_of_the_schemas() -> None:

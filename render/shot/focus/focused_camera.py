@@ -169,7 +169,7 @@ def focus_camera(inputs: FocusInputs, track: FocusTrack, index: int) -> FocusedC
         camera=replace(camera, focal_surface=surface),
         focus=inputs.focus[index],
         points=inputs.points[index],
-        targets=inputs.targets.at(index),
+        targets=inputs.unshifted_targets.at(index),
         positions_m=inputs.positions_m[index],
         problems=inputs.problems[index],
         solution=solution,

@@ -112,12 +112,15 @@ class FocusInputs:
         return np.array([getattr(focus, name) for focus in self.focus], np.float64)
 
     @cached_property
-    def targets(self) -> FocusTargets:
-        """The points in the lens's terms. A point at fault has no position, and default numbers where its own have no meaning."""
+    def unshifted_targets(self) -> FocusTargets:
+        """The points in the lens's terms, for a lens without curvature of field, which takes long to trace.
+
+        A point at fault has no position, and default numbers where its own have no meaning.
+        """
         projected = [
             project_points(camera, positions) for camera, positions in zip(self.cameras, self.positions_m, strict=True)
         ]
-        targets = FocusTargets.from_columns(
+        return FocusTargets.from_columns(
             self.names,
             np.array([p.depths_m for p in projected]),
             kinds=[point.kind for point in self.points[0]],
@@ -128,6 +131,11 @@ class FocusInputs:
             frame_widths=np.array([c.horizontal_aperture_mm / c.focal_length_mm for c in self.cameras]),
             **self.numbers.columns,
         )
+
+    @cached_property
+    def targets(self) -> FocusTargets:
+        """`unshifted_targets` with the shifts of the lens's curvature of field."""
+        targets = self.unshifted_targets
         # for a lens focused on the point: the shift changes little between there and the solved focus
         shifts = map(field_shifts_w, self.cameras, targets.slopes, targets.aims_w)
         return replace(targets, field_shifts_w=np.array(list(shifts)).reshape(targets.depths_m.shape))

@@ -191,7 +191,7 @@ def _follow_points(inputs: FocusInputs, law: LensLaw) -> DoubleArray:
 
 
 def _points_w(inputs: FocusInputs) -> DoubleArray:
-    depths_m = inputs.targets.depths_m
+    depths_m = inputs.unshifted_targets.depths_m
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(depths_m > 0, 1 / depths_m, np.nan)
 

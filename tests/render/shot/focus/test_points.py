@@ -11,6 +11,7 @@ from render.errors import CameraError, SettingsError
 from render.focus.files import curve_to_json
 from render.optics.view import PinholeView
 from render.shot import Shot
+from render.shot.focus import inputs
 from render.shot.inspection import inspect_shot
 from tests.render.kits.focus_shot import CAMERA, FAR, FRAMES, NEAR, Units, open_bare, write_shot
 from usd_schemas import FocusData, FocusPoint, LensCamera, LensData
@@ -161,6 +162,18 @@ def test_the_first_point_takes_the_focus_and_the_hand_takes_it_back(shot):
     assert "by hand" in " ".join(f.message for f in shot.findings())
     shot.camera.set(CAMERA, focus_mode="points")
     assert shot.focus.read(CAMERA, 1).focus_distance_m == pytest.approx(10.0)
+
+
+def test_curvature_of_field_is_not_traced_for_a_focus_by_hand(shot, monkeypatch):
+    shot.focus.add_point(CAMERA, "far", ON_FAR)
+    calls = []
+    monkeypatch.setattr(inputs, "field_shifts_w", lambda camera, slopes, w: calls.append(len(w)) or np.zeros(len(w)))
+    shot.focus.set(CAMERA, mode="manual")
+    assert shot.camera_at(CAMERA, 1, 960, 540).focus_distance_m == pytest.approx(3.0)
+    assert calls == []
+    shot.focus.set(CAMERA, mode="points")
+    assert shot.camera_at(CAMERA, 1, 960, 540).focus_distance_m == pytest.approx(10.0)
+    assert calls == [1]
 
 
 def test_points_on_a_camera_whose_mode_is_not_authored_wait(tmp_path):

@@ -9,7 +9,8 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from render.cli.console import print_json, print_result
+from render.cli.console import print_json
+from render.cli.rich_output import print_result
 from render.errors import SettingsError
 from render.optics.framing import FieldOfView, FramingGuide, Gate, field_of_view, framing_guides
 from usd_schemas import LibraryBody, SchemaError, library_bodies, library_body

@@ -4,22 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from importlib import import_module, metadata
+from importlib import import_module
+from typing import Any
 
+from render.cli.command_list import COMMANDS
 from render.cli.parser import Parser
 from render.stage.opening import quiet_diagnostics
-
-_COMMANDS = (
-    ("record", "record", "render frames of a shot to EXR, PNG or JPEG files"),
-    ("inspect", "inspect", "cameras, frame range, settings that are not honoured, validation findings"),
-    ("focus-curve", "focus_curve", "write the focus over time for other tools, or import their curves as a USD layer"),
-    ("meter", "meter", "light meter readings in EV, lux and stops; --key writes them as keys of the exposure"),
-    ("lenses", "lenses", "the lens library; `lenses show NAME` has the numbers and a sheet of one"),
-    ("films", "films", "the film library; `films show NAME` has the numbers and a data sheet of one"),
-    ("bodies", "bodies", "camera bodies and film formats; `bodies show NAME` has fields of view and framing guides"),
-    ("demo", "demo", "write the demo shot"),
-)
-"""Name, module of `render.cli` that has its ``add_arguments``, and purpose of each command."""
 
 
 def run_command(typed: Sequence[str], added: Sequence[str]) -> None:
@@ -38,12 +28,19 @@ def run_command(typed: Sequence[str], added: Sequence[str]) -> None:
         run(parsed)
 
 
+class _ShowVersion(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *values: Any) -> None:
+        from importlib import metadata  # takes a while to import
+
+        parser.exit(message=f"{parser.prog} {metadata.version('pullfocus')}\n")
+
+
 def _argument_tree(typed: Sequence[str], added: Sequence[str]) -> argparse.ArgumentParser:
     """Make the parser. Only the module of the typed command is imported: each takes a while."""
     parser = Parser(prog="pullfocus", description="See a USD shot through a real lens.")
-    parser.add_argument("--version", action="version", version=f"%(prog)s {metadata.version('pullfocus')}")
+    parser.add_argument("--version", action=_ShowVersion, nargs=0, help="show the version and exit")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for name, module, purpose in _COMMANDS:
+    for name, (module, purpose) in COMMANDS.items():
         command = commands.add_parser(name, help=purpose)
         if name in typed:
             import_module(f"render.cli.{module}").add_arguments(command)

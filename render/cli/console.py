@@ -8,21 +8,15 @@ import re
 import sys
 from collections.abc import Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
-
-from rich.console import Console, RenderableType
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from render.errors import one_line
 
 if TYPE_CHECKING:
+    from render.cli.rich_output import FrameBar
     from render.stage.findings import Finding  # its package imports USD, which `pullfocus serve` does not load
 
 MAX_WARNINGS = 8
-_PIPED_WIDTH = 240
-"""Width of tables where standard output is no terminal."""
-
-_console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
 
 
 def print_message(message: str) -> None:
@@ -31,7 +25,11 @@ def print_message(message: str) -> None:
     Args:
         message: the line.
     """
-    _console.print(one_line(message))
+    line = one_line(message)
+    if FrameProgress.shown is None:
+        print(line, file=sys.stderr, flush=True)
+    else:
+        FrameProgress.shown.print_above(line)
 
 
 def print_findings(findings: Sequence[Finding], stage: str) -> None:
@@ -57,18 +55,6 @@ def print_json(result: Any) -> None:
     sys.stdout.write("\n")
 
 
-def print_result(result: RenderableType) -> None:
-    """Print a result for people on standard output; nothing is wrapped where that is no terminal.
-
-    Args:
-        result: a table, or text.
-    """
-    console = Console(file=sys.stdout, highlight=False, markup=False, emoji=False)
-    if not console.is_terminal:
-        console.width = _PIPED_WIDTH
-    console.print(result)
-
-
 def camel_case_keys(record: dict[str, Any]) -> dict[str, Any]:
     """Convert keys to camel case: ``focus_distance_m`` becomes ``focusDistanceM``.
 
@@ -92,30 +78,34 @@ class FrameProgress:
 
     Args:
         total: number of frames.
+
+    Attributes:
+        shown: the bar on the terminal; None where there is none.
     """
+
+    shown: ClassVar[FrameBar | None] = None
 
     def __init__(self, total: int) -> None:
         self._total = total
         self._done = 0
-        self._progress = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeRemainingColumn(),
-            console=_console,
-            disable=not _console.is_terminal,
-            transient=True,
-        )
-        self._task = self._progress.add_task("frames", total=total)
+        self._bar: FrameBar | None = None
+        if sys.stderr.isatty():
+            from render.cli.rich_output import FrameBar  # rich takes a while to import: only where there is a bar
+
+            self._bar = FrameBar(total)
 
     def __enter__(self) -> FrameProgress:
-        self._progress.start()
+        if self._bar is not None:
+            self._bar.start()
+        FrameProgress.shown = self._bar
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._progress.stop()
+        FrameProgress.shown = None
+        if self._bar is not None:
+            self._bar.stop()
 
     def begin(self, name: str) -> None:
         """Begin a frame.
@@ -123,7 +113,8 @@ class FrameProgress:
         Args:
             name: of its file.
         """
-        self._progress.update(self._task, description=name)
+        if self._bar is not None:
+            self._bar.describe(name)
 
     def update(self, fraction: float) -> None:
         """Show the progress within the frame.
@@ -131,7 +122,8 @@ class FrameProgress:
         Args:
             fraction: 0 to 1.
         """
-        self._progress.update(self._task, completed=self._done + fraction)
+        if self._bar is not None:
+            self._bar.update(self._done + fraction)
 
     def finish(self, name: str, seconds: float) -> None:
         """Finish a frame.
@@ -141,6 +133,7 @@ class FrameProgress:
             seconds: time that it took.
         """
         self._done += 1
-        self._progress.update(self._task, completed=self._done)
-        if not _console.is_terminal:
+        if self._bar is None:
             print_message(f"{self._done}/{self._total} {name} {seconds:.1f} s")
+        else:
+            self._bar.update(self._done)

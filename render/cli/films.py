@@ -9,7 +9,8 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from render.cli.console import print_json, print_message, print_result
+from render.cli.console import print_json, print_message
+from render.cli.rich_output import print_result
 from render.cli.tables.film import film_json, film_table, wedge_table
 from render.cli.tables.sheet_path import resolve_sheet_path
 from render.files import write_atomic

@@ -9,7 +9,8 @@ from pathlib import Path
 from rich import box
 from rich.table import Table
 
-from render.cli.console import print_json, print_message, print_result
+from render.cli.console import print_json, print_message
+from render.cli.rich_output import print_result
 from render.cli.tables.lens import lens_json, lens_table
 from render.cli.tables.sheet_path import resolve_sheet_path
 from render.errors import InputError, NotFoundError, SettingsError

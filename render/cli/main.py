@@ -8,11 +8,16 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from importlib import metadata
+from typing import TYPE_CHECKING
 
+from render.cli.command_list import COMMANDS
 from render.cli.console import print_message
 from render.cli.parser import WRONG_ARGUMENTS
 from render.errors import PullfocusError, SettingsError
+from render.gl.late_package import import_late
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 
@@ -23,6 +28,9 @@ and may raise `PullfocusError`."""
 PLANNED_COMMANDS = {
     "worker": "the render farm",
 }
+
+_LATE_PACKAGES = ("OpenImageIO", "xml.etree.ElementTree")
+"""Packages that not every command uses: their code runs when one of their names is first used."""
 
 _STOPPED = "stopped; what is written is whole"
 
@@ -63,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(typed: list[str]) -> int:
-    added = _added_commands()
+    added = {} if typed and typed[0] in COMMANDS else _added_commands()
     if typed and typed[0] in PLANNED_COMMANDS:
         raise SettingsError(
             f"`pullfocus {typed[0]}` comes later, with {PLANNED_COMMANDS[typed[0]]}", code="comes_later"
@@ -71,6 +79,8 @@ def _run(typed: list[str]) -> int:
     if typed and typed[0] in added:
         return added[typed[0]].load()(typed[1:])  # type: ignore[no-any-return]  # the contract of the group
     # Imported here because these commands import USD and GL, which the process of an added command (`serve`) does not load.
+    for name in _LATE_PACKAGES:
+        import_late(name)
     from render.cli.commands import run_command
 
     run_command(typed, list(added))
@@ -78,7 +88,11 @@ def _run(typed: list[str]) -> int:
     return DONE
 
 
-def _added_commands() -> dict[str, metadata.EntryPoint]:
+def _added_commands() -> dict[str, EntryPoint]:
+    from importlib import (
+        metadata,
+    )  # takes a while to import, and entry points to read: not for the commands of this package
+
     return {entry.name: entry for entry in metadata.entry_points(group=ENTRY_POINT_GROUP)}
 
 

@@ -13,11 +13,8 @@ from pxr import Sdf
 from render.cli.console import camel_case_keys, print_findings, print_json
 from render.cli.options import camera as camera_options
 from render.cli.options import contact_sheet, flare, grade, long_exposure, progressive, shared
-from render.cli.recording.contact_sheet import record_contact_sheet
 from render.cli.recording.frames import record_frames
 from render.cli.recording.job import RecordJob
-from render.cli.recording.long_exposure import record_long_exposure
-from render.cli.recording.progressive import record_progressively
 from render.engines import all_engines, check_settings
 from render.errors import SettingsError
 from render.files import check_replaceable, check_writable
@@ -241,12 +238,21 @@ def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: f
 
 
 def _record(job: RecordJob, options: RecordOptions, plan: Sequence[tuple[float, Path]]) -> list[dict[str, Any]]:
+    """Record in the way that the options ask for. The rarer ways are imported here, since each takes a while."""
     time, file = plan[0]
     if options.axes is not None:
+        from render.cli.recording.contact_sheet import record_contact_sheet
+
         return record_contact_sheet(job, options.axes, time, file)
     if options.long_exposure is not None:
+        from render.cli.recording.long_exposure import record_long_exposure
+
         return record_long_exposure(job, options.long_exposure, file)
-    return record_progressively(job, plan) if options.is_progressive else record_frames(job, plan)
+    if options.is_progressive:
+        from render.cli.recording.progressive import record_progressively
+
+        return record_progressively(job, plan)
+    return record_frames(job, plan)
 
 
 def _check_files(shot: Shot, files: Sequence[Path]) -> None:

@@ -191,7 +191,7 @@ class ClusterIndex:
 
     def draws_of(self, clusters: IndexArray) -> list[int]:
         """Indices of the draws that clusters belong to, ascending."""
-        return [int(i) for i in np.unique(self._owner[clusters])]
+        return np.flatnonzero(np.bincount(self._owner[clusters])).tolist()
 
     def rectangles(self, clusters: IndexArray, view: PinholeView) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
         """Rectangles of clusters in a view: low and high ``(n, 2)`` in pixels, and the least inverse depth ``(n,)``, 1/m.

@@ -43,7 +43,7 @@ class HiddenTiles:
         high = np.clip(np.floor(high_px / TILE_PX), 0, last).astype(np.int64)
         levels = np.ceil(np.log2(np.maximum((high - low).max(1, initial=0), 1))).astype(np.int64)
         limits = np.zeros(len(least_w), np.float32)
-        for level in np.unique(levels):
+        for level in sorted(set(levels.tolist())):
             here, tiles = np.flatnonzero(levels == level), self._levels[level]
             (left, top), (right, bottom) = (low[here] >> level).T, (high[here] >> level).T
             corners = tiles[top, left], tiles[top, right], tiles[bottom, left], tiles[bottom, right]

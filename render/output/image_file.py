@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import OpenImageIO
@@ -16,7 +16,7 @@ from render.output.metadata import Attribute
 
 _LAST_BYTES = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9"}
 
-Part = tuple[OpenImageIO.ImageSpec, NDArray[Any]]
+Part: TypeAlias = "tuple[OpenImageIO.ImageSpec, NDArray[Any]]"
 
 
 def describe(spec: OpenImageIO.ImageSpec, attributes: Iterable[Attribute]) -> OpenImageIO.ImageSpec:

@@ -12,17 +12,15 @@ from render.gl.resources import Resources
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.scene import Scene
-from render.optics.flare.diffraction import Star, star
-from render.optics.flare.ghost_sheets import ghost_sheets
 from render.optics.iris import transmission
 from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.spectrum import spectrum
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
-from render.pictures.bright_sources import find_bright_sources
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
+    from render.optics.flare.diffraction import Star
 
 _IRIS_SIDE = 512
 _GHOST_WIDTH_PX = 640  # at most: sources are no points, so that edges of ghosts are soft
@@ -65,6 +63,8 @@ def make_star(camera: Camera, width: int, height: int) -> Star:
         InputError: the prescription makes no lens.
         SettingsError: the lens does not reach the focus distance.
     """
+    from render.optics.flare.diffraction import star  # few pictures have flare
+
     view = PinholeView.from_camera(camera, width, height)
     radius_m = mount_lens(camera).entrance_pupil_radius_mm / 1000 if has_surfaces(camera) else pupil_radius_m(camera)
     pupil_nm = 2 * radius_m * _NM_PER_M
@@ -79,6 +79,8 @@ def make_star(camera: Camera, width: int, height: int) -> Star:
 
 def _draw_ghosts(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings) -> FloatArray | None:
     """Draw the ghosts, ``(height, width, 3)``; None where nothing in view is bright."""
+    from render.optics.flare.ghost_sheets import ghost_sheets  # few pictures have flare
+    from render.pictures.bright_sources import find_bright_sources
     from render.trace.ghost_pass import GhostPass  # with OpenGL
 
     sources = find_bright_sources(renderer, scene, camera, settings)

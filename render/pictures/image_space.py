@@ -18,10 +18,10 @@ from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.moment import Moment
 from render.optics.view import PinholeView
-from render.postblur.picture_errors import PictureErrors, make_picture_errors
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer
+    from render.postblur.picture_errors import PictureErrors
 
 
 def renders_in_image_space(camera: Camera, settings: FrameSettings) -> bool:
@@ -54,6 +54,8 @@ class ImageSpace:
         sheet = camera.lens.data_sheet
         if sheet is None or not renders_in_image_space(camera, settings):
             return cls(settings, settings)
+        from render.postblur.picture_errors import make_picture_errors  # only for a lens by its data sheet
+
         view = PinholeView.from_camera(camera, settings.width, settings.height)
 
         def errors_in(view: PinholeView) -> PictureErrors:

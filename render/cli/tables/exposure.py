@@ -9,7 +9,8 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from render.cli.console import finite, print_result
+from render.cli.console import finite
+from render.cli.rich_output import print_result
 from render.shot.exposure.metering import Metered
 from render.shot.exposure.readout import ExposureReadout
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from render.engines.shared.request import ALL_RAYS, DrawRequest
 from render.gl.context import GraphicsContext
@@ -10,13 +12,15 @@ from render.gl.shaders import ProgramCache
 from render.layers.movement import Movement
 from render.layers.peel import Peeler
 from render.model.arrays import FloatArray
-from render.postblur.focus_split import Blur
-from render.postblur.preview import Previewer
-from render.postblur.single_image import SingleImageBlur
 from render.trace.adaptive import RayBudget, whole_stops
 from render.trace.lens import LensTracer
 from render.trace.motion_tracer import ShutterSample
 from render.trace.rays import RayPattern, make_adaptive_pattern, make_ray_pattern
+
+if TYPE_CHECKING:
+    from render.postblur.focus_split import Blur
+    from render.postblur.preview import Previewer
+    from render.postblur.single_image import SingleImageBlur
 
 
 class Device:
@@ -30,7 +34,6 @@ class Device:
         programs: its compiled shaders.
         peeler: holds the loaded scene and its layers.
         tracer: traces lens rays through layers.
-        previewer: draws previews from layers of its own.
     """
 
     def __init__(self, graphics: GraphicsContext) -> None:
@@ -38,8 +41,19 @@ class Device:
         self.programs = ProgramCache(graphics.ctx)
         self.peeler = Peeler(graphics, self.programs)
         self.tracer = LensTracer(graphics.ctx, self.programs, graphics.cancellation)
-        self._blur = SingleImageBlur(graphics.ctx, self.programs)
-        self.previewer = Previewer(graphics, self.programs, self._blur)
+
+    @cached_property
+    def _blur(self) -> SingleImageBlur:
+        from render.postblur.single_image import SingleImageBlur  # takes a while, and the lens engine does without
+
+        return SingleImageBlur(self.graphics.ctx, self.programs)
+
+    @cached_property
+    def previewer(self) -> Previewer:
+        """Draws previews from layers of its own."""
+        from render.postblur.preview import Previewer  # takes a while, and whole pictures do without
+
+        return Previewer(self.graphics, self.programs, self._blur)
 
     def trace(self, request: DrawRequest) -> FloatArray:
         """Trace the request's part of the camera's rays; as `Engine.draw`."""
@@ -123,8 +137,9 @@ class Device:
 
     def release(self) -> None:
         """Give the memory back."""
-        self.previewer.release()
-        self._blur.release()
+        for made in (vars(self).get("previewer"), vars(self).get("_blur")):
+            if made is not None:
+                made.release()
         self.tracer.release()
         self.peeler.release()
 

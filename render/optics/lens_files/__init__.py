@@ -12,22 +12,18 @@ from pathlib import Path
 
 from render.errors import InputError
 from render.model.lens import Prescription
-from render.optics.lens_files.code_v import read_code_v
 from render.optics.lens_files.data_sheet import SUFFIX, MeasuredLens, data_sheet_text, read_data_sheet
 from render.optics.lens_files.lens_text import MAX_BYTES, LensText, decode
-from render.optics.lens_files.optical_bench import read_optical_bench
-from render.optics.lens_files.pbrt import read_pbrt
-from render.optics.lens_files.zemax import read_zemax
 
 Reader = Callable[[LensText], Prescription]
 
 LENS_FILE_SUFFIXES = (".dat", ".zmx", ".seq", ".txt", SUFFIX)
-_BY_SUFFIX: dict[str, Reader] = {".dat": read_pbrt, ".zmx": read_zemax, ".seq": read_code_v}
-_BY_CONTENT: tuple[tuple[str, Reader], ...] = (
-    (r"^[ \t]*\[lens data\]", read_optical_bench),
-    (r"^[ \t]*SURF[ \t]+\d+[ \t]*$", read_zemax),
-    (r"^[ \t]*(RDM|LEN|SO)\b", read_code_v),
-    (r"^[ \t]*([-+.\deE]+[ \t]+){3}[-+.\deE]+[ \t]*(#.*)?$", read_pbrt),
+_BY_SUFFIX = {".dat": "pbrt", ".zmx": "zemax", ".seq": "code_v"}
+_BY_CONTENT = (
+    (r"^[ \t]*\[lens data\]", "optical_bench"),
+    (r"^[ \t]*SURF[ \t]+\d+[ \t]*$", "zemax"),
+    (r"^[ \t]*(RDM|LEN|SO)\b", "code_v"),
+    (r"^[ \t]*([-+.\deE]+[ \t]+){3}[-+.\deE]+[ \t]*(#.*)?$", "pbrt"),
 )
 
 
@@ -94,17 +90,30 @@ def parse_lens_file(data: bytes, name: str) -> Prescription:
         InputError: as `read_lens_file`.
     """
     text = decode(data, name)
-    return _reader(text)(text)
+    return _reader(_format_of(text))(text)
 
 
-def _reader(text: LensText) -> Reader:
+def _reader(name: str) -> Reader:
+    """Import the reader of a format: together they take a while, and most processes read no lens file."""
+    if name == "pbrt":
+        from render.optics.lens_files.pbrt import read_pbrt as read
+    elif name == "zemax":
+        from render.optics.lens_files.zemax import read_zemax as read
+    elif name == "code_v":
+        from render.optics.lens_files.code_v import read_code_v as read
+    else:
+        from render.optics.lens_files.optical_bench import read_optical_bench as read
+    return read
+
+
+def _format_of(text: LensText) -> str:
     suffix = Path(text.name).suffix.lower()
     if suffix in _BY_SUFFIX:
         return _BY_SUFFIX[suffix]
     content = "\n".join(text.lines)
-    for pattern, reader in _BY_CONTENT:
+    for pattern, name in _BY_CONTENT:
         if re.search(pattern, content, re.MULTILINE | re.IGNORECASE):
-            return reader
+            return name
     expected = "pbrt's .dat, Zemax's .zmx, CODE V's .seq, Optical Bench's .txt or a data sheet's .lens"
     raise InputError(
         f"{text.name} is no lens file that is known: expected {expected}", code="bad_lens_file", path=text.name

@@ -17,7 +17,6 @@ from render.shot.focus.focused_camera import FocusedCamera
 from render.stage import Finding
 from usd_schemas import HydraDistortion, LensCamera
 from usd_schemas.binding import property_names
-from usd_schemas.validation.key_rules import counting, two_drivers
 
 _NOT_HONOURED = frozenset({"lens:entrancePupilOffset", *property_names(HydraDistortion)})
 """Schema properties that change nothing. Tests hold that each other one changes the picture as documented."""
@@ -102,6 +101,8 @@ def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
             "no_ghosts", path, f"{path} asks for ghosts, but its {lens.model} lens has no surfaces that could reflect"
         )
     yield from topology_findings(camera)
+    from usd_schemas.validation.key_rules import counting, two_drivers  # with all rules: not before the first picture
+
     for rule in (two_drivers, counting):
         for fault in rule(camera.prim):
             yield Finding("contradictory_keys", str(fault.path), fault.message)

@@ -217,7 +217,7 @@ def _check_angles(tilt: TiltShiftData, camera_path: str) -> None:
 
 def _key_times(views: Sequence[FocusPointView]) -> DoubleArray:
     keys = [key for view in views for attribute in NUMBERS for key in view.keys(attribute)]
-    return np.unique([key.time for key in keys if key.interpolation != "held"]).astype(np.float64)
+    return np.array(sorted({key.time for key in keys if key.interpolation != "held"}), np.float64)
 
 
 def _visible_shares(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
 
 import pytest
 
@@ -38,6 +40,21 @@ def test_a_package_loads_when_a_name_is_used(package: str) -> None:
 
     assert slow_to_load.loaded == 42
     assert not hasattr(slow_to_load, "missing")
+
+
+def test_threads_that_use_a_package_at_once_all_find_its_names(package: str) -> None:
+    import_late(package)
+    import slow_to_load
+
+    together = Barrier(4)
+
+    def use(_: int) -> int:
+        together.wait()
+        number: int = slow_to_load.loaded
+        return number
+
+    with ThreadPoolExecutor(4) as threads:
+        assert list(threads.map(use, range(4))) == [42] * 4
 
 
 def test_a_package_that_is_not_installed_is_an_import_error() -> None:

@@ -65,7 +65,7 @@ def test_thin_bars_in_focus_are_those_of_twice_the_resolution(renderer: FrameRen
     assert psnr_db(coarse, fine) > 38
 
 
-def test_edges_on_a_bent_focal_surface_are_those_of_twice_the_resolution(renderer: FrameRenderer) -> None:
+def test_edges_on_a_bent_focal_surface_have_twice_the_pixels(renderer: FrameRenderer) -> None:
     """Bars at 4 m on the left and at 2.5 m on the right, all in focus."""
     left, right = (
         [card((x, 0, -z), (0.001 * z, 1.0), 0.9, turn=0.1 * x) for x in z * np.linspace(*ends, 12)]

@@ -25,6 +25,7 @@ FALL = 1.25
 _FIRST_SHARE, _LEAST_FIRST = 4, 16
 _MOST_SHARE = 16
 _MOST_GROWTH = 4
+_LEAST_GROWTH = 1.25  # fewer rays more would hardly change a pixel, and cost a dispatch
 _NEIGHBOURS = 0.5  # weight of the mean squared error around a tile
 _BISECTIONS = 50
 
@@ -82,7 +83,8 @@ def allocate(errors: DoubleArray, traced: IntArray, pixels: IntArray, budget: Ra
         return np.maximum(traced, np.int32(budget.rays))
 
     def rays(scale: float) -> IntArray:
-        return np.maximum(traced, np.minimum(scale * weights, budget.most).astype(np.int32))
+        wanted = np.minimum(scale * weights, budget.most).astype(np.int32)
+        return np.where(wanted < _LEAST_GROWTH * traced, traced, wanted)
 
     low, high = 0.0, float(budget.most / weights[weights > 0].min())
     if (rays(high) * pixels).sum() <= total:

@@ -131,15 +131,18 @@ void find_sharp_range(PixelRays rays, float reach)
 #endif
 
 // Share of the light that passes the lens for this pixel, from the lens table, which is more accurate than counting a
-// few rays that pass or are blocked: the radiance is scaled to it. Not where the iris is shaped and clipped, which the
-// table does not know.
+// few rays that pass or are blocked: the radiance is scaled to it. Not where so few rays are expected to pass that all may be
+// blocked, whose light would be lost; nor where the iris is shaped and clipped, which the table does not know.
+const float LEAST_PASSING = 2.0;
+
 float light_correction(float weights, float count)
 {
 #ifdef POLYNOMIAL_LENS
 #ifdef SHAPED_IRIS
     if (row[REGION + 3] > 0.0) return 1.0;
 #endif
-    if (weights > 0.0) return row[LIGHT] * count / weights;
+    float expected = row[LIGHT] * count;
+    if (weights > 0.0 && expected >= LEAST_PASSING) return expected / weights;
 #endif
     return 1.0;
 }

@@ -46,6 +46,13 @@ def test_a_white_field_has_the_sheets_light(renderer: FrameRenderer) -> None:
     assert np.ptp(picture[..., :3], axis=-1).max() < 0.002
 
 
+def test_adaptive_rays_lose_no_light_towards_the_corners(renderer: FrameRenderer) -> None:
+    """Passes of few rays, all of which the lens may block, count as much as others."""
+    picture = renderer.render(WHITE, sheet_camera(SOFT_SHEET), replace(SHEET_SETTINGS, rays=64)).color
+    exact = renderer.render(WHITE, sheet_camera(SOFT_SHEET), replace(SHEET_SETTINGS, rays=64, adaptive=False)).color
+    np.testing.assert_allclose(picture[..., 1], exact[..., 1], atol=0.006)
+
+
 def test_cats_eyes_stand_in_the_corner_and_open_with_the_iris_closed(renderer: FrameRenderer) -> None:
     """Out of focus, a point is as wide across the radius and narrower along it."""
     sheet = DataSheet((0.0, 8.0, 20.0), light=(1.0, 0.9, 0.3), f_stop=2.8)

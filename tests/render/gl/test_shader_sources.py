@@ -17,7 +17,7 @@ from render.lab.reference.scenes import spheres_over_checkerboard
 from render.layers.materials import INPUTS
 from render.model.lens import Lens
 from render.trace.ray_buffers import _ROW_DEFINES
-from tests.render.kits.compiled_shaders import COMPILED, preprocess, shader_files
+from tests.render.kits.compiled_shaders import COMPILED, included_files, own_conditions, preprocess, shader_files
 from tests.render.kits.lenses import PLANAR
 
 VALIDATOR = "glslangValidator"
@@ -156,18 +156,23 @@ def test_the_validator_keeps_to_the_least_limits(validator: list[str], tmp_path:
 
 
 def test_each_branch_of_each_shader_is_compiled(pytestconfig: pytest.Config) -> None:
-    """Every condition of the preprocessor holds in one compiled variant and not in another, in every file."""
+    """Every condition of the preprocessor in every file holds in one compiled program and not in another."""
     options = pytestconfig.option
     if pytestconfig.args_source is not pytest.Config.ArgsSource.TESTPATHS or options.keyword or options.markexpr:
         pytest.skip("only a run of all tests compiles all variants")
-    missing = []
-    for name in shader_files():
-        sources = COMPILED.of_file(name)
-        seen = {branch for source in sources for branch in preprocess(source).branches}
-        missing += [f"{name}: never compiled"] * (not sources)
-        missing += [
-            f"{name}: {condition} is never {not holds}"
-            for condition, holds in sorted(seen)
-            if (condition, not holds) not in seen and condition not in GUARDS
-        ]
+    seen: dict[str, set[tuple[str, bool]]] = {}
+    for program in shader_files():
+        sources = COMPILED.of_file(program)
+        branches = {branch for source in sources for branch in preprocess(source).branches}
+        for file in included_files(program) if sources else ():
+            conditions = own_conditions(file)
+            seen.setdefault(file, set()).update(branch for branch in branches if branch[0] in conditions)
+        assert sources, f"{program} is never compiled"
+    missing = [
+        f"{file}: {condition} is never {holds}"
+        for file, branches in sorted(seen.items())
+        for condition in sorted(own_conditions(file) - GUARDS)
+        for holds in (False, True)
+        if (condition, holds) not in branches
+    ]
     assert missing == []

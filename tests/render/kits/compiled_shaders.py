@@ -13,6 +13,7 @@ from render.gl.shaders import SHADER_DIR, load_source
 from render.layers.renderer import SourceProgram
 
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(\w+)[ \t]*(.*?)[ \t]*(?://.*)?$")
+_INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 _WORD = re.compile(r"defined\s*\(\s*(\w+)\s*\)|([A-Za-z_]\w*)")
 
 
@@ -82,6 +83,18 @@ def shader_files() -> list[str]:
         for path in SHADER_DIR.rglob("*")
         if path.suffix in (".vert", ".frag", ".comp")
     )
+
+
+def included_files(name: str) -> set[str]:
+    """A shader file and those that it includes, directly or not."""
+    text = (SHADER_DIR / name).read_text(encoding="utf-8")
+    return {name}.union(*(included_files(one) for one in _INCLUDE.findall(text)))
+
+
+def own_conditions(name: str) -> set[str]:
+    """Conditions in a shader file itself, as `Preprocessed.branches` has them."""
+    directives = map(_DIRECTIVE.match, (SHADER_DIR / name).read_text(encoding="utf-8").splitlines())
+    return {f"#{one[1]} {one[2]}" for one in directives if one and one[1] in ("if", "ifdef", "ifndef", "elif")}
 
 
 @dataclass(frozen=True)

@@ -209,3 +209,27 @@ def test_the_sun_casts_a_small_shadow_in_a_large_world(renderer: FrameRenderer) 
     )
     assert open_ground > 0.3
     assert shadow < 0.05 * open_ground
+
+
+@pytest.mark.parametrize("workflow", ["metallic", "specular"])
+def test_maps_of_one_value_are_as_the_value_itself(renderer: FrameRenderer, workflow: str) -> None:
+    values: dict[str, tuple[float, float, float]] = {
+        "base_color": (0.6, 0.3, 0.2),
+        "emissive": (0.1, 0.2, 0.3),
+        workflow: (0.5, 0.5, 0.5),
+        "roughness": (0.4, 0.4, 0.4),
+    }
+    scalars = {"metallic", "roughness", "occlusion"}
+    plain = Material(**{name: value[0] if name in scalars else value for name, value in values.items()})  # type: ignore[arg-type]
+    lookups = {
+        name: TextureLookup(Image(np.tile(np.float16([*value, 1]), (2, 2, 1))), channel=0 if name in scalars else -1)
+        for name, value in {**values, "occlusion": (1.0, 1.0, 1.0), "normal": (0.0, 0.0, 1.0)}.items()
+    }
+    mapped = Material(specular=(0, 0, 0) if workflow == "specular" else None, lookups=lookups)
+    board = replace(WALL.geometry, uvs=np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32))
+    sun = Light("distant", (2.0, 1.0, 0.5), np.eye(4))
+    seen = [
+        centre_radiance(renderer, lit(sun, batches=(Batch(board, material, np.eye(4)[None]),)))
+        for material in (mapped, plain)
+    ]
+    np.testing.assert_allclose(*seen, rtol=3e-3)

@@ -44,8 +44,8 @@ float out_of_focus(ivec2 pixel)
 // from the texel beside, so that the sharp layer and the layers must overlap where a surface leaves the zone.
 bool is_held(ivec2 pixel)
 {
-    float least = 1e30;
-    for (int i = 0; i < 9; ++i) least = min(least, out_of_focus(pixel + 2 * (ivec2(i % 3, i / 3) - 1)));
+    float least = out_of_focus(pixel);
+    for (int i = 0; i < 9 && least > half_width; ++i) least = min(least, out_of_focus(pixel + 2 * (ivec2(i % 3, i / 3) - 1)));
     return least <= half_width;
 }
 
@@ -57,28 +57,29 @@ void main()
     vec2 at = vec2(offset) + (vec2(pixel) + 0.5) * 0.5;
     float found = 0.0;
     if (depth > 0.0 && is_held(pixel)) {
-        ivec2 own = offset + pixel / 2, last = textureSize(packed_w, 0) - 1, place = own;
+        ivec2 own = offset + pixel / 2, last = textureSize(packed_w, 0) - 1, side = 2 * (pixel & 1) - 1, place = own;
         float least = 1.0;
         vec3 darkest = vec3(1.0), brightest = vec3(0.0);
         int layer = -1;
         uint slope = 0u;
-        for (int i = 0; i < 9; ++i) {
-            ivec2 there = own + ivec2(i % 3, i / 3) - 1;
+        for (int i = 0; i < 4; ++i) {  // the four texels whose centres are nearest
+            ivec2 there = own + side * ivec2(i & 1, i >> 1);
             if (any(lessThan(there, ivec2(0))) || any(greaterThan(there, last))) continue;
             vec2 off = at - (vec2(there) + 0.5);
             uvec4 held = texelFetch(slopes, there, 0);
-            vec3 shown = displayed(texelFetch(radiance, ivec3(there, 0), 0).rgb);
+            vec4 errors = prediction_errors(texelFetch(packed_w, there, 0), held, off, w);
+            int nearest = 0;
+            for (int k = 1; k < 4; ++k) nearest = errors[k] < errors[nearest] ? k : nearest;
+            bool matches = errors[nearest] <= ALIKE;
+            vec3 shown = displayed(texelFetch(radiance, ivec3(there, matches ? nearest : 0), 0).rgb);
             darkest = min(darkest, shown);
             brightest = max(brightest, shown);
-            vec4 errors = prediction_errors(texelFetch(packed_w, there, 0), held, off, w);
-            for (int k = 0; k < 4; ++k) {
-                float error = errors[k] + FAR_PENALTY * dot(off, off);
-                if (errors[k] > ALIKE || error >= least) continue;
-                least = error;
-                place = there;
-                layer = k;
-                slope = held[k];
-            }
+            float error = errors[nearest] + FAR_PENALTY * dot(off, off);
+            if (!matches || error >= least) continue;
+            least = error;
+            place = there;
+            layer = nearest;
+            slope = held[nearest];
         }
         vec3 contrast = brightest - darkest;
         if (max(contrast.r, max(contrast.g, contrast.b)) > CONTRAST) layer = -1;

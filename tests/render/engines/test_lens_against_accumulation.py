@@ -25,7 +25,7 @@ from render.model.camera import Camera
 from render.model.scene import Scene
 from render.shot import Shot
 
-SETTINGS = FrameSettings(800, 600, rays=48, tiled=False)
+SETTINGS = FrameSettings(640, 480, rays=32, tiled=False)
 
 
 def compare(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings) -> tuple[float, float]:

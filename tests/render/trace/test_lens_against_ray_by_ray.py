@@ -28,7 +28,7 @@ SINGLET = Prescription(
     f_stop=2.8,
     name="singlet",
 )
-WIDTH, HEIGHT = 160, 120
+WIDTH, HEIGHT = 80, 60
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_the_engine_agrees_with_every_ray_on_its_own(
 ) -> None:
     scene, camera = posts_before_wall()
     camera = replace(camera, lens=lens, focal_length_mm=focal_length_mm, f_stop=f_stop)
-    gate_mm = 24.0 if lens.model != "prescription" else 8.0
+    gate_mm = 12.0 if lens.model != "prescription" else 4.0
     camera = replace(camera, horizontal_aperture_mm=gate_mm, vertical_aperture_mm=0.75 * gate_mm)
     slow = ray_by_ray_picture(scene, camera, width=WIDTH, height=HEIGHT, rays=rays)
     settings = FrameSettings(WIDTH, HEIGHT, rays=rays, layers=8, supersample=4, shading="unlit", tiled=False)

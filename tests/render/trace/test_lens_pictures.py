@@ -85,7 +85,7 @@ def test_a_closed_down_singlet_is_a_thin_lens(renderer: FrameRenderer) -> None:
 def test_flat_height_fields_change_nothing_and_bumps_do(renderer: FrameRenderer) -> None:
     scene, camera = spheres_over_checkerboard()
     camera = replace(camera, focal_length_mm=50.0, horizontal_aperture_mm=24.0, vertical_aperture_mm=18.0, f_stop=2.8)
-    settings = replace(SMALL, rays=256, wavelengths=1)
+    settings = replace(SMALL, wavelengths=1)
     sphere = renderer.render(scene, replace(camera, lens=Lens("spherical", prescription=SINGLET)), settings).color
     y, x = np.mgrid[-1:1:64j, -1:1:64j]
     wedge = 0.3 * x  # mm: a prism of 0.3 mm over 14 mm turns light by (n - 1)·0.3/14
@@ -169,7 +169,7 @@ def test_an_iris_shapes_the_bokeh_through_glass_too(renderer: FrameRenderer) -> 
     camera = camera_of(DOUBLE_GAUSS, focus_distance_m=1.5, f_stop=4.0)
     half = np.zeros((32, 32))
     half[:, 16:] = 1.0
-    settings = FrameSettings(640, 480, rays=256)
+    settings = FrameSettings(320, 240, rays=256)
     scene = glowing_point(0, 0, 40.0, 0.05)
     whole = spot_size(renderer.render(scene, camera, settings).color)
     cut = renderer.render(scene, replace(camera, iris=IrisShape(mask=half)), settings).color

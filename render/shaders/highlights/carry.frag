@@ -2,11 +2,10 @@
 // Light of a highlight in a pixel: along the one ray that joins them through the pupil.
 // in:  the highlight (plan.comp); layers (march.glsl), lens
 // out: radiance, added to the picture
-// The pupil's edge is averaged over the pixel and the texel, boxes of `scale` and of 1 layer pixel, at nine points with a ramp each
-// that has what is left of the boxes' variance.
 
 #include "trace/march.glsl"
 #include "highlights/connection.glsl"
+#include "highlights/opening.glsl"
 
 flat in vec4 excess;
 flat in uvec4 texel;
@@ -39,37 +38,20 @@ float share_past(LensRay ray, float front)
     return share;
 }
 
-// Share of the pixel and the texel whose rays pass the round pupil.
-float open_share(vec2 l, mat2 pupil_from_layers)
-{
-    float ramp = sqrt(1.0 + scale * scale / 9.0), steepness = length(transpose(pupil_from_layers) * (l / max(length(l), 1e-6)));
-    float width = ramp * steepness, share = 0.0;
-    for (int i = 0; i < 9; ++i) {
-        vec2 off = scale / 3.0 * (vec2(i % 3, i / 3) - 1.0);
-        share += clamp(0.5 + (1.0 - length(l + pupil_from_layers * off)) / width - width / 24.0, 0.0, 1.0);
-    }
-    return share / 9.0;
-}
-
 void main()
 {
     float w = excess.w;
-    vec2 q = vec2(ivec2(texel.xy) + layer_first) + 0.5;
     PixelRays rays = rays_from(gl_FragCoord.xy);
-    vec2 middle = met_at(pupil_ray(rays, vec2(0.0)), w);
-    mat2 layers_from_pupil = mat2(met_at(pupil_ray(rays, vec2(1.0, 0.0)), w) - middle, met_at(pupil_ray(rays, vec2(0.0, 1.0)), w) - middle);
-    float area = abs(determinant(layers_from_pupil));
-    if (!(area > 1e-6)) discard;
-    mat2 pupil_from_layers = inverse(layers_from_pupil);
-    vec2 l = pupil_from_layers * (q - middle);
-
-    float density = open_share(l, pupil_from_layers);
+    Joined joined = join(rays, vec2(ivec2(texel.xy) + layer_first) + 0.5, w);
+    if (!joined.found) discard;
+    float density = light_at(rays, joined.l, joined.from.weight, inverse(joined.layers_from_pupil));
     if (density <= 0.0) discard;
-    LensRay ray = pupil_ray(rays, l);
+    density *= INVERSE_PI / abs(determinant(joined.layers_from_pupil));
+    LensRay ray = on_layers(rays, joined.from, vec2(0.0));
     float front = uintBitsToFloat(texel.z);
 #ifdef SHARP_LAYER
     if (sharp_stops(ray.a, ray.b, front)) discard;
 #endif
     float share = bins_in_way == uvec2(0u) ? 1.0 : share_past(ray, front);
-    color = vec4(share * density * INVERSE_PI / area * light * excess.rgb, 0.0);
+    color = vec4(share * density * light * excess.rgb, 0.0);
 }

@@ -3,7 +3,8 @@
 // bins of inverse depth in front of it that may hold something in its way.
 // in:  texels (x | y << 16, layer); layers (march.glsl), means, lens
 // out: plans; the box is empty where the highlight is better left to the rays
-// A box is that of the images of points of the pupil, found by the iteration p ← p + (q - s(p)) / scale.
+// A box is that of the images of points of the pupil's rim, found by the iteration p ← p + (q - s(p)) / scale. It holds all of the
+// blurred image where that does not fold: the pupil's image on the layers has the same orientation everywhere.
 
 layout(local_size_x = 64) in;
 
@@ -26,19 +27,58 @@ uniform int count;
 uniform bool is_first;          // first wavelength: others widen its box
 uniform float blur_px;
 uniform float least_radius;     // layer pixels
+#ifdef GRID_LENS
+uniform vec3 grid_changes;      // bounds of the table's changes over the unit disc (render.trace.highlights.evenness)
+#endif
 
 const int SPOKES = 12;
 const float WIDEN = 1.04;       // of a polygon of SPOKES corners to the circle around it
 const int ROUNDS = 5;
 const float MOST_MISS = 0.5;    // picture pixels
 const int SLABS = 4;
+const int RINGS = 4;            // within the pupil
+const float ROOM = 0.05;        // of clearance
+const float LEAST_EVENNESS = 0.2;
 
 LensRay traced[SPOKES];
+
+// Note the area that the pupil has on the layers near an open point of it, relative to the pupil's.
+void note_area(PixelRays rays, vec2 l, float w, inout vec2 areas)
+{
+#ifdef POLYNOMIAL_LENS
+    vec2 stop = vec2(row[REGION], 0.0) + vec2(row[REGION + 1], row[REGION + 2]) * l;
+    float blocked = max(max(even4(FRONT_RIM, l.x, l.y * l.y), even4(REAR_RIM, l.x, l.y * l.y)), dot(stop, stop) - 1.0);
+    if (row[REGION + 3] > 0.0 && blocked > ROOM) return;
+#endif
+    float area = determinant(land(rays, l, w).by_pupil);
+    areas = vec2(min(areas.x, area), max(areas.y, area));
+}
+
+// Whether the open pupil's image at inverse depth w keeps its orientation everywhere, and about its scale. `areas`: those at its rim.
+bool is_even(vec2 middle, float w, vec2 areas)
+{
+#ifdef POLYNOMIAL_LENS
+    PixelRays rays = rays_from(middle);
+    for (int k = 0; k < RINGS * SPOKES; ++k) {
+        float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES), radius = sqrt(float(k / SPOKES) / float(RINGS));
+        note_area(rays, radius * vec2(cos(angle), sin(angle)), w, areas);
+    }
+    vec2 size = abs(areas);
+    return areas.x * areas.y > 0.0 && min(size.x, size.y) >= LEAST_EVENNESS * max(size.x, size.y);
+#elif defined(GRID_LENS)
+    // derivatives of the landing are off_focus·(c + e) + s with |s| <= x, |e| <= y and c = z
+    PixelRays rays = rays_from(middle);
+    float off_focus = abs(rays.pupil * (w - rays.w_f)), apart = grid_changes.x + off_focus * grid_changes.y, mean_size = off_focus * grid_changes.z;
+    return (mean_size - apart) > sqrt(LEAST_EVENNESS) * (mean_size + apart);
+#else
+    return true;
+#endif
+}
 
 // Box of the images of the pupil's rim; empty where some image is not found.
 vec4 box_of(vec2 q, float w)
 {
-    vec2 low = vec2(1e9), high = vec2(-1e9);
+    vec2 low = vec2(1e9), high = vec2(-1e9), areas = vec2(1e30, -1e30);
     for (int k = 0; k < SPOKES; ++k) {
         float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES);
         vec2 rim = vec2(cos(angle), sin(angle)), p = (q - offset) / scale, miss = vec2(1e9);
@@ -46,11 +86,15 @@ vec4 box_of(vec2 q, float w)
             PixelRays rays = rays_from(p);
             vec2 l = rim;
 #ifdef POLYNOMIAL_LENS
-            l = vec2(dot(rim, rays.outward), dot(rim, vec2(-rays.outward.y, rays.outward.x)));
+            l = in_plane(rays, rim);
 #endif
-            traced[k] = pupil_ray(rays, l);
+            traced[k] = on_layers(rays, table_ray(rays, l), vec2(0.0));
             miss = (q - met_at(traced[k], w)) / scale;
             p += miss;
+            if (traced[k].weight <= 0.0) return vec4(0.0);  // of a grid
+#ifdef POLYNOMIAL_LENS
+            if (round == ROUNDS - 1) note_area(rays, l, w, areas);
+#endif
         }
         if (!(max(abs(miss.x), abs(miss.y)) < MOST_MISS)) return vec4(0.0);
         low = min(low, p);
@@ -58,6 +102,7 @@ vec4 box_of(vec2 q, float w)
     }
     vec2 middle = 0.5 * (low + high), half_size = 0.5 * (high - low);
     if (min(half_size.x, half_size.y) * scale < least_radius) return vec4(0.0);
+    if (!is_even(middle, w, areas)) return vec4(0.0);
     half_size = half_size * WIDEN + 2.0;
     return vec4(middle - half_size, middle + half_size);
 }

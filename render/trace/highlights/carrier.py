@@ -2,14 +2,16 @@
 
 A ray that goes out to find a small lamp mostly misses it, and the lamp's blurred image is made of dots. The excess of such a
 texel over its surroundings is taken out of what rays see, and is added to each pixel of its blurred image along the one ray that
-joins pixel and texel through the pupil (``highlights/carry.frag``). The expectation of the picture stays the same. Lenses with
-errors, shaped irises, pictures in tiles and motion by velocities are left to the rays.
+joins pixel and texel through the pupil (``highlights/carry.frag``): through any iris, and through lens tables by Newton's method,
+wavelength by wavelength. The expectation of the picture stays the same. Blurred images that fold (caustics), pictures in tiles
+and motion by velocities are left to the rays.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TypeVar
 
 import moderngl
@@ -25,7 +27,11 @@ from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.focal_map import FocalMaps
 from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
+from render.trace.highlights.evenness import grid_changes
+from render.trace.highlights.iris_levels import bind_iris, iris_levels
+from render.trace.highlights.light_balance import balance_light
 from render.trace.highlights.search import Picture, find_highlights, measure_means
+from render.trace.lens_table import GridTable, PolynomialTable
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
@@ -135,9 +141,10 @@ class HighlightCarrier:
             focus: focal surface.
             view: projection of the picture.
         """
-        is_plain = bundle.table is None and bundle.pattern.iris_points is None
-        if bundle.pattern.whole == 1 or bundle.reach_m <= 0 or layers.count == 0 or not is_plain:
+        if bundle.pattern.whole == 1 or bundle.reach_m <= 0 or layers.count == 0:
             return self.nothing
+        if isinstance(bundle.table, PolynomialTable) and bundle.pattern.iris_points is None:
+            bundle = replace(bundle, table=balance_light(bundle.table))
         focal_map = None if focus.affine is not None else self._maps.draw(focus)
         picture = Picture(layers, nbuffers, bundle, focus, focal_map, view)
         with Resources() as scope:
@@ -170,6 +177,8 @@ class HighlightCarrier:
         unit = picture.bind(program)
         means.use(unit)
         set_uniforms(program, means=unit, count=len(texels))
+        if isinstance(picture.bundle.table, GridTable):
+            set_uniforms(program, grid_changes=grid_changes(picture.bundle.table))
         with Resources() as scope:
             places = scope.keep(self._ctx.buffer(_packed(texels).tobytes()))
             plans = scope.keep(self._ctx.buffer(reserve=_PLAN.itemsize * len(texels)))
@@ -194,8 +203,11 @@ class HighlightCarrier:
         )
         unit = picture.bind(program)
         set_uniforms(program, picture=(view.width, view.height))
-        self._buffers.bind(program, bundle, first_unit=unit)
         with Resources() as scope:
+            iris = bundle.pattern.iris_image
+            if iris is not None:
+                bind_iris(program, scope.keep(iris_levels(self._ctx, iris)), iris, unit)
+            self._buffers.bind(program, bundle, first_unit=unit + 1)
             canvas = scope.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4"))
             target = scope.keep(self._ctx.framebuffer(color_attachments=[canvas]))
             scope.callback(self._stop_drawing, self._ctx.detect_framebuffer())

@@ -24,6 +24,8 @@ LEAST_RADIUS = 0.625
 """Smallest circle of confusion of a highlight relative to a pixel of the picture. The edges of smaller ones are not accurate."""
 FLOOR_SHARE = 0.1
 """Share of the mean radiance of all layers added to that around a texel, so that what is dark need not be without noise."""
+PROBES, PLACES = 5, 9
+"""Counts of two loops of ``highlights/connection.glsl`` and ``opening.glsl``."""
 MOST_MARKS = 1 << 18
 _BLOCK = 8
 _MARKS, _IMAGE = 0, 2  # as the shaders bind them
@@ -76,7 +78,7 @@ class Picture:
         set_uniforms(program, **layer_uniforms(self.layers, self.view), focus=self.focus.affine or (0.0, 0.0, 0.0))
         least_radius = LEAST_RADIUS * max(2.0, self.scale)
         set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=least_radius)
-        set_uniforms(program, floor_share=FLOOR_SHARE)
+        set_uniforms(program, floor_share=FLOOR_SHARE, probes=PROBES, places=PLACES)
         return unit + 1
 
 

@@ -14,7 +14,10 @@ from render.lab.reference.scenes import rectangle
 from render.layers.peel import PICTURE
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
+from render.model.lens import IrisShape, Lens, SeidelErrors
 from render.model.scene import Batch, Dome, Material, Scene
+from tests.render.kits.data_sheets import SHEET
+from tests.render.kits.lenses import PLANAR
 
 SETTINGS = FrameSettings(128, 96, rays=64, adaptive=False)
 CAMERA = Camera(np.eye(4), 50.0, 32.0, 24.0, f_stop=1.4, focus_distance_m=0.8, near_m=0.1)
@@ -34,6 +37,12 @@ def bulbs(*others: Batch) -> Scene:
     wall = rectangle((0.0, 0.0, -6.0), (6.0, 0, 0), (0, 6.0, 0))
     batches = [plane(wall, WALL), *(plane(square, BULB) for square in lit), *others]
     return Scene(tuple(batches), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
+
+
+def one_bulb() -> Scene:
+    """Make a bright square on the axis, in the dark."""
+    square = rectangle((0.0, 0.0, -5.0), (0.02, 0, 0), (0, 0.02, 0))
+    return Scene((plane(square, BULB),), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
 
 
 def plane(geometry: object, material: Material) -> Batch:
@@ -77,12 +86,56 @@ def test_pictures_converge_to_the_one_by_rays_alone(renderer: FrameRenderer, oth
         assert errors[0] < errors[1] / 10
 
 
-def test_a_bulbs_blurred_image_has_the_light_of_its_texels(renderer: FrameRenderer) -> None:
-    square = rectangle((0.0, 0.0, -5.0), (0.02, 0, 0), (0, 0.02, 0))
-    scene = Scene((plane(square, BULB),), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
-    picture = renderer.render(scene, replace(CAMERA, focus_distance_m=0.5), SETTINGS).color
+MASK = np.ones((64, 64))
+MASK[16:48, 20:50] = 0.1
+NEAR = replace(CAMERA, focus_distance_m=0.5)
+COLOURS = SeidelErrors(w040=3, w131=4, w222=2, w220=2, axial_color_mm=0.2, reference_f_stop=1.4)
+CAMERAS = {
+    "round": NEAR,
+    "blades": replace(NEAR, iris=IrisShape(blades=6, rotation_rad=0.3)),
+    "mask": replace(NEAR, iris=IrisShape(mask=MASK)),
+    "weights": replace(NEAR, iris=IrisShape(radial_weights=(0.2, 0.5, 1.0))),
+    "squeeze": replace(NEAR, lens=Lens(squeeze=2.0)),
+    "colours": replace(NEAR, lens=Lens("seidel", seidel=COLOURS)),
+    "colours, blades": replace(NEAR, iris=IrisShape(blades=7), lens=Lens("seidel", seidel=COLOURS)),
+    "power": replace(NEAR, lens=Lens(pupil_power=(1.0, 0.997, 1.003, 1.0), expressive_blend=1.0)),
+}
+"""Lenses without distortion and vignetting: they bring all light of a bulb to the picture."""
+
+
+@pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
+def test_a_bulbs_blurred_image_has_the_light_of_its_texels(renderer: FrameRenderer, camera: Camera) -> None:
+    carried, by_rays = pictures(renderer, one_bulb(), camera, rays=256)
     texels = np.frombuffer(radiance_bytes(renderer), np.float16).astype(np.float64).reshape(-1, 4)
-    assert picture[..., :3].sum() == pytest.approx(texels[:, :3].sum() / SETTINGS.supersample**2, rel=1e-3)
+    expected = texels[:, :3].sum(axis=0) / SETTINGS.supersample**2
+    np.testing.assert_allclose(carried[..., :3].sum((0, 1)), expected, rtol=1e-3)
+    assert not np.array_equal(carried, by_rays)
+
+
+GLASS = Lens("prescription", "planar", PLANAR.prescription)
+TABLES = {
+    "glass": replace(NEAR, f_stop=4.0, lens=GLASS),
+    "glass, blades": replace(NEAR, f_stop=2.8, iris=IrisShape(blades=7), lens=GLASS),
+    "data sheet": replace(CAMERA, lens=Lens("dataSheet", data_sheet=SHEET)),
+}
+"""Lenses with distortion, and with rims that clip the pupil."""
+
+
+@pytest.mark.parametrize("camera", TABLES.values(), ids=TABLES)
+def test_highlights_through_glass_are_those_of_many_rays(renderer: FrameRenderer, camera: Camera) -> None:
+    scene = bulbs(card(DARK))
+    truth = renderer.render(scene, camera, replace(SETTINGS, rays=512, connections=False)).color
+    carried, by_rays = pictures(renderer, scene, camera, rays=64)
+    errors = [float(np.mean((picture - truth)[..., :3] ** 2)) for picture in (carried, by_rays)]
+    assert errors[0] < errors[1] / 8
+    np.testing.assert_allclose(carried[..., :3].mean((0, 1)), truth[..., :3].mean((0, 1)), rtol=1e-3)
+
+
+def test_blurred_images_that_fold_are_left_to_the_rays(renderer: FrameRenderer) -> None:
+    """As where spherical aberration is larger than the defocus, and of the other sign."""
+    lens = Lens("seidel", seidel=SeidelErrors(w040=-60, reference_f_stop=1.4))
+    carried, by_rays = pictures(renderer, one_bulb(), replace(CAMERA, lens=lens))
+    np.testing.assert_array_equal(carried, by_rays)
 
 
 def test_the_blurred_image_of_a_bulb_is_even(renderer: FrameRenderer) -> None:

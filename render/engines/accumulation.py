@@ -1,8 +1,8 @@
 """Engine ``accumulation``: one rendering of the scene for each lens ray. The slow reference.
 
 Computes: for each sample of the pupil the scene is drawn as a pinhole camera at that point sees it, sheared so that the plane of
-focus stays in place; the picture is the mean. Visibility is exact at pixel centres, through as many as
-`render.layers.peel.MAX_PINHOLE_LAYERS` partly transparent surfaces. The sensor offset of each sample anti-aliases.
+focus stays in place; the picture is the mean. Visibility is exact at pixel centres, through any number of
+partly transparent surfaces. The sensor offset of each sample anti-aliases.
 
 Settings:
     rays        renderings, 1 to 4096 (100). All pixels share one pattern, so that too few show as ghosts, not as noise.

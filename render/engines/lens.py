@@ -12,8 +12,8 @@ Settings:
     noise       wanted standard error of each 8x8 pixels, in values of the clipped and sRGB-encoded picture from 0 to 1, in place
                 of rays: 0.0005 to 0.1, or 0 for none (0).
     layers      peeled layers at most, 1 to 8 (4): how much of what is hidden from the pupil's centre a ray can still meet.
-                Partly transparent surfaces do not count against it: a pixel has up to eight surfaces in all. Behind seven of
-                them only the nearest opaque one is seen.
+                Partly transparent surfaces do not count against it: up to eight surfaces of a pixel have a layer each, and
+                further ones are merged into the last two (`render.layers.rest`).
     supersample layer pixels per picture pixel along each axis, 1 to 4 (2). What is nearly in focus is drawn twice as fine up to
                 2, so that its edges have sixteen samples in a pixel (`render.layers.sharp_layer`).
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).

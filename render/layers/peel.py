@@ -21,6 +21,7 @@ from render.layers.moving_draws import MovingDraws
 from render.layers.nearest import nearest_depth_m
 from render.layers.reach import ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
+from render.layers.rest import RestMerger
 from render.layers.shadows import Sphere, sphere_around
 from render.layers.sharp_layer import SharpLayer, SharpResolver, SharpZone, allocate_sharp_layer
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
@@ -36,7 +37,7 @@ __all__ = ["HIDES_ALL", "LayerGroup", "Layers", "Peeler", "layers_needed", "umbr
 PICTURE, PREVIEW, SKETCH = "picture", "preview", "sketch"
 """Cache slots of layers: for pictures, for their small previews, and for even smaller sketches."""
 MAX_PINHOLE_LAYERS = 64
-"""Limit on the surfaces composited behind one pixel of a pinhole's picture."""
+"""Limit on the layers of a pinhole's picture; what is behind them is merged into the last two (`render.layers.rest`)."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,7 @@ class Peeler:
         self._reach = ReachBounder(graphics.ctx, programs)
         self._resolver = SharpResolver(graphics.ctx, programs)
         self._sharp: SharpLayer | None = None
+        self._rest = RestMerger(graphics.ctx, programs)
         self._scene: Scene | None = None
         self._shadow_region: Sphere | None = None
 
@@ -197,8 +199,8 @@ class Peeler:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
 
         Partly transparent surfaces hide nothing and are peeled one by one; the last layer skips them where an opaque surface is
-        behind, so that with too few layers only transparent surfaces are lost. Of the layers beyond ``layers``, a pixel has only
-        those that have fewer than ``layers`` opaque surfaces in front.
+        behind. Those that have no layer left are merged into the last two (`render.layers.rest`). Of the layers beyond
+        ``layers``, a pixel has only those that have fewer than ``layers`` opaque surfaces in front.
 
         Args:
             view: the picture that the layers are drawn for, guard band included.
@@ -250,6 +252,7 @@ class Peeler:
             while self._draw_and_query(layer):
                 count += 1
                 if count == sheets:
+                    self._merge_rest(layer, targets, count - 1)
                     break
                 if key.reachable and not moving.any:
                     slopes = targets.packed_slopes[(count - 1) // LAYERS_PER_PACK]
@@ -291,7 +294,7 @@ class Peeler:
     ) -> Iterator[LayerGroup]:
         """Peel all surfaces that a pinhole sees, four layers at a time, until none is left.
 
-        Where `MAX_PINHOLE_LAYERS` are not enough, the last layer skips transparent surfaces, as in `peel`.
+        Where `MAX_PINHOLE_LAYERS` are not enough, the rest is merged into the last two, as in `peel`.
 
         Args:
             view: view from the pinhole.
@@ -310,8 +313,11 @@ class Peeler:
             for number in range(first, min(first + LAYERS_PER_PACK, layers)):
                 slot = targets.slots[number % len(targets.slots)]
                 solid = number + 1 == layers
-                if not self._draw_and_query(LayerPass(view, draws, slot, HIDES_ALL, previous, solid, unlit, sampling)):
+                layer = LayerPass(view, draws, slot, HIDES_ALL, previous, solid, unlit, sampling)
+                if not self._draw_and_query(layer):
                     break
+                if solid:
+                    self._merge_rest(layer, targets, number % len(targets.slots))
                 count, previous = count + 1, slot
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
@@ -346,6 +352,7 @@ class Peeler:
             if targets is not None:
                 targets.release()
         self._reach.release()
+        self._rest.release()
         if self._sharp is not None:
             self._sharp.release()
         self._lighting.release()
@@ -359,6 +366,12 @@ class Peeler:
         if self._scene is None:
             raise GraphicsError("no scene is loaded: call load() first")
         self._lighting.bind(view)
+
+    def _merge_rest(self, last: LayerPass, targets: LayerTargets, index: int) -> None:
+        """Merge the partly transparent surfaces that no layer holds into the last two; ``index`` is the last one's."""
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+        self._ctx.memory_barrier()
+        self._rest.merge(self._draw_and_query, last, targets, index)
 
     def _draw_and_query(self, layer: LayerPass) -> bool:
         """Draw a layer; true where any of its pixels was filled (occlusion query)."""

@@ -33,7 +33,7 @@ _ANY_OPACITY = 1e-6
 _MAX_HALF = 65000.0
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
 DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materials use those below 8
-_PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT = 8, 11, 12, 13, 14
+_PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT, _REST_UNIT = 8, 11, 12, 13, 14, 15
 
 
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
@@ -63,6 +63,19 @@ class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc
 
 
 @dataclass(frozen=True)
+class Rest:
+    """Part of a pixel's surfaces that a pass is kept to: those that a peeling has no layer for (`render.layers.rest`).
+
+    Attributes:
+        last: slot of the last layer: surfaces in front of it where it is opaque, behind it where not, none where it is empty.
+        light: RGBA32F; no surfaces where its alpha, the opacity of what is in front, is that of an opaque surface.
+    """
+
+    last: Slot
+    light: moderngl.Texture
+
+
+@dataclass(frozen=True)
 class LayerPass:
     """Parameters of one pass over the scene.
 
@@ -81,6 +94,7 @@ class LayerPass:
         reach: bound on what rays meet behind the previous layer (`render.layers.reach`); None where all surfaces are drawn.
         most_opaque: draw nothing where the previous layers have this many opaque surfaces; 0 draws everywhere.
         first: slot of the first layer, where ``most_opaque`` is not 0.
+        rest: draw those surfaces alone that a peeling has no layer for; None for a layer.
     """
 
     view: PinholeView
@@ -97,6 +111,7 @@ class LayerPass:
     reach: moderngl.Texture | None = None
     most_opaque: int = 0
     first: Slot | None = None
+    rest: Rest | None = None
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
@@ -185,7 +200,10 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         clip = view.projection_matrix().astype(np.float32)
         previous = layer.previous or layer.slot  # the first layer's programs do not read it
         previous.w.use(_PREVIOUS_UNIT)
-        layer.slot.w.use(_OWN_UNIT)
+        own = layer.slot if layer.rest is None else layer.rest.last
+        own.w.use(_OWN_UNIT)
+        if layer.rest is not None:
+            layer.rest.light.use(_REST_UNIT)
         if layer.reach is not None:
             layer.reach.use(_REACH_UNIT)
         if layer.first is not None:
@@ -199,6 +217,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
                 reach=layer.reach is not None,
                 counted=layer.first is not None,
                 fill=fill,
+                rest=layer.rest is not None,
                 moving=layer.moving,
             )
             GL.glUseProgram(program._program_id)
@@ -207,7 +226,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("previous_channel"), previous.channel)
             GL.glUniform1i(program.location("most_opaque"), layer.most_opaque)
             GL.glUniform1i(program.location("packs"), 1 if layer.first is None or layer.first.w is previous.w else 2)
-            GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
+            GL.glUniform1i(program.location("own_channel"), own.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             self._bind_draw(draw, program, view.camera_from_world, clip)
             for share in self._splitter.split_depth(ranges):
@@ -321,6 +340,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         reach: bool = False,
         counted: bool = False,
         fill: bool = False,
+        rest: bool = False,
         moving: MovingDraws | None = None,
     ) -> SourceProgram:
         """Program of the depth pass. For opaque draws it reads no material, so that early depth tests work."""
@@ -331,6 +351,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             defines["MOST_OPAQUE"] = 1
         if fill:
             defines["FILL"] = 1
+        if rest:
+            defines["REST"] = 1
         if moving is not None:
             defines |= moving.defines(draw)
         if draw.may_be_transparent:

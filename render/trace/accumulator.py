@@ -1,7 +1,7 @@
 """The accumulation buffer: the mean of pinhole views through points of the pupil (Haeberli & Akeley 1990).
 
-Each view is drawn from its own point of the pupil, so visibility is exact at pixel centres, through up to
-`render.layers.peel.MAX_PINHOLE_LAYERS` surfaces that are partly transparent. The sensor offset of each view anti-aliases. All
+Each view is drawn from its own point of the pupil, so visibility is exact at pixel centres, through any number of surfaces that
+are partly transparent. The sensor offset of each view anti-aliases. All
 pixels share one pattern.
 """
 

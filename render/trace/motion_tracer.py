@@ -24,6 +24,7 @@ from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
+from render.model.limits import MAX_LAYERS
 from render.optics.view import PinholeView
 from render.trace.bundles import BundleMaker, merge_wavelengths
 from render.trace.layer_view import MAX_BLUR_SHARE, MAX_SLOPE, RayExtent, bound_rays, extend_view, transform_extent
@@ -87,7 +88,7 @@ class MotionTracer:
             samples: moments of the interval.
             moves: movements of the scene's batches.
             wavelengths: number of wavelengths to trace, for a lens with colour errors.
-            layers: at most this many layers.
+            layers: at most this many layers, and more where partly transparent surfaces are in front of opaque ones.
             supersample: layer pixels per picture pixel along each axis.
             unlit: take the base colour as radiance.
             on_progress: called with the share that is done.
@@ -160,8 +161,9 @@ class _ShutterSweep:
         rays = sample.pattern.whole if plane else 1
         sampling = layer_sampling(wide, middle, plane or (0.0, 0.0, 0.0), pupil_m, rays)
         umbra = umbra_reach(pupil_px)
+        sheets = layers if peeler.is_opaque or pupil_px == 0 else MAX_LAYERS
         peeled = peeler.peel(
-            wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling, moves=moves, reachable=True
+            wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling, moves=moves, reachable=True, sheets=sheets
         )
         return peeled, nearest_w
 

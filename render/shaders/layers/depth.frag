@@ -2,7 +2,9 @@
 // Depth pass of a peel: the nearest surface behind the last layer's umbra. Only the depth buffer is written.
 // in:  surface.vert's outputs; the previous layer's w (1/m, negative where partly transparent) where PEEL is defined;
 //      the reach of lens rays (reach_spread.comp) where REACH is defined; the layer's own w where FILL is defined, which keeps
-//      filled pixels; where MOST_OPAQUE is defined, pixels with fewer opaque surfaces in front are drawn; where MOTION is defined, the motion of the surfaces of the previous layer and of this one
+//      filled pixels; where MOST_OPAQUE is defined, pixels with fewer opaque surfaces in front are drawn; where MOTION is defined,
+//      the motion of the surfaces of the previous layer and of this one; where REST is defined, w of the last layer and the light
+//      of what it does not hold (render/layers/rest.py)
 // Peeling: Lee, Eisemann & Seidel 2010, section 3.1.
 
 #ifdef MAY_BE_TRANSPARENT
@@ -50,9 +52,12 @@ float parting(float last_w)
 #endif
 #endif
 
-#ifdef FILL
+#if defined(FILL) || defined(REST)
 layout(binding = 11) uniform sampler2D own_w;
 uniform int own_channel;
+#endif
+#ifdef REST
+layout(binding = 15) uniform sampler2D rest_light;
 #endif
 
 void main()
@@ -61,7 +66,7 @@ void main()
     float w = gl_FragCoord.w, change = min(abs(dFdx(w)) + abs(dFdy(w)), 2.0 * LONGEST_REACH * w);   // before any discard
     float farthest = w - change - UNLIKE * w;   // of what a ray may take for this surface
 #endif
-#if defined(PEEL) || defined(FILL) || defined(MAY_BE_TRANSPARENT)
+#if defined(PEEL) || defined(FILL) || defined(REST) || defined(MAY_BE_TRANSPARENT)
     bool hidden = false;
 #endif
 #ifdef PEEL
@@ -83,11 +88,16 @@ void main()
 #ifdef FILL
     hidden = hidden || texelFetch(own_w, ivec2(gl_FragCoord.xy), 0)[own_channel] != 0.0;
 #endif
+#ifdef REST
+    float last_held = texelFetch(own_w, ivec2(gl_FragCoord.xy), 0)[own_channel];
+    hidden = hidden || (last_held > 0.0 ? gl_FragCoord.w <= last_held : gl_FragCoord.w >= -last_held);
+    hidden = hidden || texelFetch(rest_light, ivec2(gl_FragCoord.xy), 0).a >= OPAQUE;
+#endif
 #ifdef MAY_BE_TRANSPARENT
     // before any discard: texture look-ups need the neighbours' derivatives
     hidden = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing).opacity < LEAST_OPACITY || hidden;
 #endif
-#if defined(PEEL) || defined(FILL) || defined(MAY_BE_TRANSPARENT)
+#if defined(PEEL) || defined(FILL) || defined(REST) || defined(MAY_BE_TRANSPARENT)
     if (hidden) discard;
 #endif
 }

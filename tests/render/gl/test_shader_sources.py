@@ -62,6 +62,8 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
     "layers/depth.frag": [
         (_SURFACE, ("PEEL", "FILL", "MAY_BE_TRANSPARENT")),
         (_SURFACE | {"PEEL": 1}, ("REACH", "MOTION", "FILL")),
+        (_SURFACE | {"REST": 1, "MAY_BE_TRANSPARENT": 1}, ()),
+        (_SURFACE | {"PEEL": 1, "REST": 1, "MAY_BE_TRANSPARENT": 1}, ("MOST_OPAQUE", "MOTION")),
         (_SURFACE | _MAPS | {"PEEL": 1, "MOTION": 1, "MOVES": 1, "MAY_BE_TRANSPARENT": 1}, ("REACH", "BENDS")),
     ],
     "layers/surface.frag": [

@@ -27,7 +27,8 @@ proportional to rays, not to the number of lens surfaces. Accumulation takes 64 
 
 Memory: layers take some 80 bytes for each layer pixel, and the sharp layer up to 80 more. Above 1 GiB the picture is traced in
 tiles, whose number does not change the pixels (`render.trace.tiling.plan`), but that highlights are left to the rays, and that
-adaptive rays are distributed over each tile by itself.
+adaptive rays are distributed over each tile by itself. Above 1 GiB textures are held as finely as the view shows them, in all
+engines (`render.layers.texture_budget`).
 
 Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes at supersample 4, 40
 to 46 at 2. Shading is that of the view from the pupil's centre, so that glints do not change over the pupil.

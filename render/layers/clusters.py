@@ -193,6 +193,21 @@ class ClusterIndex:
         """Indices of the draws that clusters belong to, ascending."""
         return np.flatnonzero(np.bincount(self._owner[clusters])).tolist()
 
+    def members(self, clusters: IndexArray) -> tuple[IndexArray, IndexArray, IndexArray]:
+        """Draw, first triangle and instance of the draw of clusters."""
+        return self._owner[clusters], self._all.first[clusters], self._all.instance[clusters]
+
+    def is_whole(self, clusters: IndexArray) -> NDArray[np.bool_]:
+        """Whether clusters are all of their instance each."""
+        return self._all.whole[clusters]
+
+    def nearest_depths(self, clusters: IndexArray, view: PinholeView) -> DoubleArray:
+        """Least depth of clusters in a view, ``(n,)`` metres, no less than that of its near plane."""
+        low, high = self._all.low[clusters], self._all.high[clusters]
+        axis = (view.projection_matrix() @ view.camera_from_world)[3]
+        nearest = np.minimum(low * axis[:3], high * axis[:3]).sum(axis=1) + axis[3]
+        return np.asarray(np.maximum(nearest, view.near_m))
+
     def rectangles(self, clusters: IndexArray, view: PinholeView) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
         """Rectangles of clusters in a view: low and high ``(n, 2)`` in pixels, and the least inverse depth ``(n,)``, 1/m.
 

@@ -101,6 +101,15 @@ class SceneIndex:
         self._forget_unused()
         self._scene = scene
 
+    @property
+    def textures(self) -> list[HalfTexture]:
+        """Textures of the draws' materials."""
+        return list(self._textures.values())
+
+    def texture_of(self, material: Material, name: str) -> HalfTexture | None:
+        """Texture of an input of a drawn material; None where it has none."""
+        return self._materials[id(material)][0].maps.get(name)
+
     def locate(self, object_number: int) -> tuple[Batch, int]:
         """Batch and pose index of an object number that a layer holds."""
         for draw in self.draws:

@@ -19,10 +19,18 @@ _WRAPS: dict[Wrap, int] = {
     "black": GL.GL_CLAMP_TO_BORDER,
 }
 _GL_TEXTURE_MAX_ANISOTROPY = 0x84FE
+_TEXEL_BYTES = 8
 
 
 class HalfTexture(pyrender.Texture):  # type: ignore[misc]
-    """Half-float image with mipmaps, row 0 first. pyrender's own textures have eight bits."""
+    """Half-float image with mipmaps, row 0 first. pyrender's own textures have eight bits.
+
+    Attributes:
+        image: the image.
+        wraps: wrapping across and up the image.
+        anisotropy: largest number of samples of a look-up.
+        first_level: mip level of the image that the texture on the device begins with; the last is a mean of some texels.
+    """
 
     def __init__(self, image: Image, wrap_s: Wrap = "repeat", wrap_t: Wrap = "repeat", anisotropy: float = 1.0) -> None:
         height, width = image.pixels.shape[:2]
@@ -30,14 +38,49 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
         self.image = image
         self.wraps = (wrap_s, wrap_t)
         self.anisotropy = anisotropy
+        self.first_level = 0
+
+    @property
+    def is_held(self) -> bool:
+        """Whether it is on the device."""
+        return bool(self._in_context())
+
+    @property
+    def last_level(self) -> int:
+        """Mip level of a single texel."""
+        return int(np.log2(max(self.width, self.height)))
+
+    def level_of_side(self, side_px: int) -> int:
+        """First level whose sides are at most so long."""
+        return max(0, int(np.ceil(np.log2(max(self.width, self.height) / side_px))))
+
+    def bytes_from(self, level: int) -> int:
+        """Memory of the levels from one on, bytes."""
+        levels = range(level, self.last_level + 1)
+        return sum(_TEXEL_BYTES * max(1, self.width >> i) * max(1, self.height >> i) for i in levels)
+
+    def hold_from(self, level: int) -> None:
+        """Hold the image from a level on, now where it is on the device."""
+        if level == self.first_level:
+            return
+        self.first_level = level
+        if self._in_context():
+            self.delete()
+            self._add_to_context()
 
     def _add_to_context(self) -> None:
         with Construction() as making:
             self._texid = GL.glGenTextures(1)
             making.callback(self.delete)
             GL.glBindTexture(GL.GL_TEXTURE_2D, self._texid)
-            half_float_image(self.image.pixels)
-            GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+            if self.first_level == 0:
+                half_float_image(self.image.pixels)
+                GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+            elif self.first_level == self.last_level:
+                some = self.image.pixels[:: max(1, self.height // 512), :: max(1, self.width // 512)]
+                half_float_image(some.mean(axis=(0, 1), dtype=np.float32, keepdims=True).astype(np.float16))
+            else:
+                self._fill_reduced()
             GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR)
             GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR)
             GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_S, _WRAPS[self.wraps[0]])
@@ -45,6 +88,26 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
             GL.glTexParameterf(GL.GL_TEXTURE_2D, _GL_TEXTURE_MAX_ANISOTROPY, self.anisotropy)
             GL.glTexParameterfv(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_BORDER_COLOR, np.zeros(4, np.float32))
             GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
+
+    def _fill_reduced(self) -> None:
+        """Fill the bound texture with the image's levels from the first one held on. The device has all of them meanwhile."""
+        first, last, kind = self.first_level, self.last_level, GL.GL_TEXTURE_2D
+        GL.glTexStorage2D(
+            kind, last - first + 1, GL.GL_RGBA16F, max(1, self.width >> first), max(1, self.height >> first)
+        )
+        whole = GL.glGenTextures(1)
+        try:
+            GL.glBindTexture(kind, whole)
+            half_float_image(self.image.pixels)
+            GL.glGenerateMipmap(kind)
+            for level in range(first, last + 1):
+                width, height = max(1, self.width >> level), max(1, self.height >> level)
+                GL.glCopyImageSubData(
+                    whole, kind, level, 0, 0, 0, self._texid, kind, level - first, 0, 0, 0, width, height, 1
+                )
+        finally:
+            GL.glBindTexture(kind, self._texid)
+            GL.glDeleteTextures([whole])
 
 
 class PreviewSurface(pyrender.Material):  # type: ignore[misc]

@@ -23,9 +23,10 @@ from render.layers.reach import ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.rest import RestMerger
 from render.layers.shadows import Sphere, sphere_around
-from render.layers.sharp_layer import SharpLayer, SharpResolver, SharpZone, allocate_sharp_layer
+from render.layers.sharp_layer import FINER, SharpLayer, SharpResolver, SharpZone, allocate_sharp_layer
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, SurfaceTargets, check_layer_size
+from render.layers.texture_budget import TextureBudget
 from render.layers.umbra import HIDES_ALL, layers_needed, umbra_reach
 from render.model.arrays import DoubleArray
 from render.model.limits import MAX_LAYERS
@@ -116,12 +117,18 @@ class PeelKey:
 
 
 class Peeler:
-    """Peels scenes. Owns the render index, the renderer, the lighting and the layers' textures of one context."""
+    """Peels scenes. Owns the render index, the renderer, the lighting and the layers' textures of one context.
+
+    Attributes:
+        index: the render index.
+        textures: budget of the surfaces' textures.
+    """
 
     def __init__(self, graphics: GraphicsContext, programs: ProgramCache) -> None:
         self._ctx = graphics.ctx
         # on a CPU, anisotropic look-ups triple the time of a textured layer, and the layers are supersampled anyway
         self.index = SceneIndex(anisotropy=1.0 if graphics.is_software else 8.0)
+        self.textures = TextureBudget(self.index)
         self._renderer = LayerRenderer(self.index, graphics.ctx, programs, graphics.cancellation)
         self._lighting = Lighting(self._renderer, programs)
         self._targets: dict[str, LayerTargets] = {}
@@ -154,6 +161,7 @@ class Peeler:
         is_new, self._scene = scene is not self._scene, None  # until all of the scene is loaded
         if is_new:
             self.index.update(scene)
+            self.textures.prepare()
             self._renderer.upload()
             self._lighting.load(scene)
             self._kept = {}
@@ -234,6 +242,7 @@ class Peeler:
 
     def _draw_layers(self, key: PeelKey, moves: Mapping[int, Movement], cache_slot: str) -> Layers:
         view, layers, umbra, unlit, sampling = key.view, key.layers, key.umbra, key.unlit, key.sampling
+        self.textures.fit(view, sampling.detail * (1 if key.sharp is None else FINER))
         self._bind_lighting(view)
         draws = self._renderer.visible_draws(view)
         layers = min(layers, MAX_LAYERS)
@@ -301,6 +310,7 @@ class Peeler:
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
         """
+        self.textures.fit(view, sampling.detail)
         self._bind_lighting(view)
         draws = self._renderer.visible_draws(view)
         layers = MAX_PINHOLE_LAYERS if _any_translucent(draws) else 1

@@ -56,11 +56,6 @@ class TextureBudget:
         self.bytes = TEXTURE_BUDGET_BYTES
         self._densities: dict[int, tuple[Geometry, DoubleArray]] = {}
 
-    @property
-    def held_bytes(self) -> int:
-        """Memory of the textures as they are held now."""
-        return sum(texture.bytes_from(texture.first_level) for texture in self._index.textures)
-
     def prepare(self) -> None:
         """Choose the levels of new textures before they are uploaded, when no view is known."""
         textures = self._index.textures

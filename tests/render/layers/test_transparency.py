@@ -118,7 +118,7 @@ def test_twelve_panes_are_those_of_the_accumulation_buffer(renderer: FrameRender
     np.testing.assert_allclose(seen.mean(axis=(0, 1)), right.mean(axis=(0, 1)), rtol=2e-2)
 
 
-def test_panes_behind_an_opaque_edge_are_merged_into_what_is_behind_them(renderer: FrameRenderer) -> None:
+def test_panes_behind_an_opaque_edge_are_merged(renderer: FrameRenderer) -> None:
     """Six panes, then a card across half of the picture, then six panes and a wall: rays come behind the card's edge."""
     card = rectangle((-0.9, 0, -1.3), (0.9, 0, 0), (0, 9.0, 0))
     behind = [pane(1.6 + 0.1 * i, 0.25, radiance=0.5) for i in range(6)]

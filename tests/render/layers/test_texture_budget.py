@@ -120,7 +120,7 @@ def test_a_scene_that_fits_again_is_held_whole(renderer: FrameRenderer, budget: 
 
 
 def test_densities_of_texture_coordinates_are_singular_values() -> None:
-    """Of triangles with random coordinates, by numpy."""
+    """Triangles with random coordinates, against numpy."""
     rng = np.random.default_rng(3)
     positions = rng.normal(size=(12, 3)).astype(np.float32)
     uvs = rng.normal(size=(12, 2)).astype(np.float32)

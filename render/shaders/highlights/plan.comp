@@ -54,17 +54,25 @@ void note_area(PixelRays rays, vec2 l, float w, inout vec2 areas)
     areas = vec2(min(areas.x, area), max(areas.y, area));
 }
 
-// Whether the open pupil's image at inverse depth w keeps its orientation everywhere, and about its scale. `areas`: those at its rim.
-bool is_even(vec2 middle, float w, vec2 areas)
+// Whether areas of the pupil's image have the same orientation, and about the same size.
+bool are_even(vec2 areas)
+{
+    vec2 size = abs(areas);
+    return areas.x * areas.y > 0.0 && min(size.x, size.y) >= LEAST_EVENNESS * max(size.x, size.y);
+}
+
+// Whether the open pupil's image at inverse depth w is even within the rim. `areas`: the least and the largest.
+bool is_even_within(vec2 middle, float w, inout vec2 areas)
 {
 #ifdef POLYNOMIAL_LENS
     PixelRays rays = rays_from(middle);
-    for (int k = 0; k < RINGS * SPOKES; ++k) {
+    bool is_even = true;
+    for (int k = RINGS * SPOKES - 1; k >= 0 && is_even; --k) {  // from the outermost ring, which is uneven most often
         float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES), radius = sqrt(float(k / SPOKES) / float(RINGS));
         note_area(rays, radius * vec2(cos(angle), sin(angle)), w, areas);
+        is_even = areas.x > areas.y || are_even(areas);
     }
-    vec2 size = abs(areas);
-    return areas.x * areas.y > 0.0 && min(size.x, size.y) >= LEAST_EVENNESS * max(size.x, size.y);
+    return is_even;
 #elif defined(GRID_LENS)
     // derivatives of the landing are off_focus·(c + e) + s with |s| <= x, |e| <= y and c = z
     PixelRays rays = rays_from(middle);
@@ -75,34 +83,43 @@ bool is_even(vec2 middle, float w, vec2 areas)
 #endif
 }
 
-// Box of the images of the pupil's rim; empty where some image is not found.
+// Box of the images of the pupil's rim; empty where some image is not found, or where the pupil's image is uneven.
 vec4 box_of(vec2 q, float w)
 {
-    vec2 low = vec2(1e9), high = vec2(-1e9), areas = vec2(1e30, -1e30);
-    for (int k = 0; k < SPOKES; ++k) {
+    vec2 middle = (q - offset) / scale, low = vec2(1e9), high = vec2(-1e9), areas = vec2(1e30, -1e30);
+    for (int k = -1; k < SPOKES; ++k) {  // the pupil's centre, then its rim
         float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES);
-        vec2 rim = vec2(cos(angle), sin(angle)), p = (q - offset) / scale, miss = vec2(1e9);
+        vec2 place = k < 0 ? vec2(0.0) : vec2(cos(angle), sin(angle)), p = middle, miss = vec2(1e9);
         for (int round = 0; round < ROUNDS; ++round) {
             PixelRays rays = rays_from(p);
-            vec2 l = rim;
+            vec2 l = place;
 #ifdef POLYNOMIAL_LENS
-            l = in_plane(rays, rim);
+            l = in_plane(rays, place);
 #endif
-            traced[k] = on_layers(rays, table_ray(rays, l), vec2(0.0));
-            miss = (q - met_at(traced[k], w)) / scale;
+            LensRay ray = on_layers(rays, table_ray(rays, l), vec2(0.0));
+            if (ray.weight <= 0.0) return vec4(0.0);  // of a grid
+            traced[max(k, 0)] = ray;
+            miss = (q - met_at(ray, w)) / scale;
             p += miss;
-            if (traced[k].weight <= 0.0) return vec4(0.0);  // of a grid
 #ifdef POLYNOMIAL_LENS
-            if (round == ROUNDS - 1) note_area(rays, l, w, areas);
+            if (k >= 0 && round == ROUNDS - 1) note_area(rays, l, w, areas);
 #endif
         }
         if (!(max(abs(miss.x), abs(miss.y)) < MOST_MISS)) return vec4(0.0);
+        if (k < 0) {
+            if (!is_even_within(p, w, areas)) return vec4(0.0);
+            middle = p;
+            continue;
+        }
         low = min(low, p);
         high = max(high, p);
     }
-    vec2 middle = 0.5 * (low + high), half_size = 0.5 * (high - low);
+#ifdef POLYNOMIAL_LENS
+    if (!are_even(areas)) return vec4(0.0);
+#endif
+    vec2 half_size = 0.5 * (high - low);
     if (min(half_size.x, half_size.y) * scale < least_radius) return vec4(0.0);
-    if (!is_even(middle, w, areas)) return vec4(0.0);
+    middle = 0.5 * (low + high);
     half_size = half_size * WIDEN + 2.0;
     return vec4(middle - half_size, middle + half_size);
 }
@@ -157,8 +174,8 @@ void main()
     vec3 excess = (surface.rgb - held) * (stored > 0.0 ? 1.0 : surface.a);
     float front = w + UNLIKE * w + 2.0 * reach_at(texel, layer) * w;
 
-    vec4 box = box_of(q, w);
-    uvec2 bins = bins_in_front(front);
+    vec4 box = is_first || plans[i].box.z > plans[i].box.x ? box_of(q, w) : vec4(0.0);
+    uvec2 bins = box.z > box.x ? bins_in_front(front) : uvec2(0u);
     if (!is_first) {
         bool both = plans[i].box.z > plans[i].box.x && box.z > box.x;
         box = both ? vec4(min(box.xy, plans[i].box.xy), max(box.zw, plans[i].box.zw)) : vec4(0.0);

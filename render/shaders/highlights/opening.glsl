@@ -24,6 +24,12 @@ float edge_share(float inside, float width)
     return clamp(0.5 + inside / width, 0.0, 1.0);
 }
 
+// The same of the unit circle, whose curvature brings the mean over the boxes outward.
+float circle_share(vec2 at, float width)
+{
+    return edge_share(1.0 - length(at) - width * width / 24.0, width);
+}
+
 #ifdef POLYNOMIAL_LENS
 // Clearances of both rims near l, above 0 blocked, and their derivatives by l, one in each column.
 void rims_at(vec2 l, out vec2 clearance, out mat2 slopes)
@@ -80,7 +86,7 @@ float light_at(PixelRays rays, vec2 l, float weight, mat2 pupil_from_layers)
 #ifdef POLYNOMIAL_LENS
         if (clipped) {
             vec2 stop = vec2(row[REGION], 0.0) + region * at, past = clearance + (at - on) * slopes;
-            open = min(min(edge_share(1.0 - length(at), disc_width), edge_share(1.0 - length(stop), stop_width)),
+            open = min(min(circle_share(at, disc_width), circle_share(stop, stop_width)),
                        min(edge_share(-past.x, rim_width.x), edge_share(-past.y, rim_width.y)));
 #ifdef SHAPED_IRIS
             open *= iris_at(stop.x * along + stop.y * across, iris_width * max(region.x, region.y));
@@ -94,7 +100,7 @@ float light_at(PixelRays rays, vec2 l, float weight, mat2 pupil_from_layers)
 #elif defined(SHAPED_IRIS)
         open = iris_at(at, iris_width);
 #else
-        open = edge_share(1.0 - length(at) - disc_width * disc_width / 24.0, disc_width);
+        open = circle_share(at, disc_width);
 #endif
         share += open;
     }

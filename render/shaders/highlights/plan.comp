@@ -38,7 +38,8 @@ const float MOST_MISS = 0.5;    // picture pixels
 const int SLABS = 4;
 const int RINGS = 4;            // within the pupil
 const float ROOM = 0.05;        // of clearance
-const float LEAST_EVENNESS = 0.2;
+const float LEAST_EVENNESS = 0.2;   // least area of the pupil's image over its largest, of large images
+const float EVEN_RADIUS = 12.0;     // layer pixels; connections take a small image for even within a pixel
 
 LensRay traced[SPOKES];
 
@@ -54,11 +55,17 @@ void note_area(PixelRays rays, vec2 l, float w, inout vec2 areas)
     areas = vec2(min(areas.x, area), max(areas.y, area));
 }
 
+// Least share of areas of an image of some radius, layer pixels.
+float least_evenness(float radius)
+{
+    return max(LEAST_EVENNESS, 1.0 - radius / EVEN_RADIUS);
+}
+
 // Whether areas of the pupil's image have the same orientation, and about the same size.
-bool are_even(vec2 areas)
+bool are_even(vec2 areas, float least)
 {
     vec2 size = abs(areas);
-    return areas.x * areas.y > 0.0 && min(size.x, size.y) >= LEAST_EVENNESS * max(size.x, size.y);
+    return areas.x * areas.y > 0.0 && min(size.x, size.y) >= least * max(size.x, size.y);
 }
 
 // Whether the open pupil's image at inverse depth w is even within the rim. `areas`: the least and the largest.
@@ -70,14 +77,14 @@ bool is_even_within(vec2 middle, float w, inout vec2 areas)
     for (int k = RINGS * SPOKES - 1; k >= 0 && is_even; --k) {  // from the outermost ring, which is uneven most often
         float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES), radius = sqrt(float(k / SPOKES) / float(RINGS));
         note_area(rays, radius * vec2(cos(angle), sin(angle)), w, areas);
-        is_even = areas.x > areas.y || are_even(areas);
+        is_even = areas.x > areas.y || are_even(areas, LEAST_EVENNESS);
     }
     return is_even;
 #elif defined(GRID_LENS)
     // derivatives of the landing are off_focus·(c + e) + s with |s| <= x, |e| <= y and c = z
     PixelRays rays = rays_from(middle);
     float off_focus = abs(rays.pupil * (w - rays.w_f)), apart = grid_changes.x + off_focus * grid_changes.y, mean_size = off_focus * grid_changes.z;
-    return (mean_size - apart) > sqrt(LEAST_EVENNESS) * (mean_size + apart);
+    return (mean_size - apart) > sqrt(least_evenness(mean_size * focal_px.y)) * (mean_size + apart);
 #else
     return true;
 #endif
@@ -114,10 +121,10 @@ vec4 box_of(vec2 q, float w)
         low = min(low, p);
         high = max(high, p);
     }
-#ifdef POLYNOMIAL_LENS
-    if (!are_even(areas)) return vec4(0.0);
-#endif
     vec2 half_size = 0.5 * (high - low);
+#ifdef POLYNOMIAL_LENS
+    if (!are_even(areas, least_evenness(scale * min(half_size.x, half_size.y)))) return vec4(0.0);
+#endif
     if (min(half_size.x, half_size.y) * scale < least_radius) return vec4(0.0);
     middle = 0.5 * (low + high);
     half_size = half_size * WIDEN + 2.0;

@@ -22,9 +22,9 @@ Settings:
     tiled       True gives neighbouring pixels different rays: noise in place of repeated images (True).
     motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
 
-Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 17 s on two CPU cores under llvmpipe, most of it
-for drawing and shading the layers and the sharp layer. What the rays take is proportional to their number, not to that of the lens
-surfaces.
+Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 17 s on two CPU cores under llvmpipe, most of
+it for drawing and shading the layers and the sharp layer. What the rays take is proportional to their number, not to that of the
+lens surfaces.
 
 Memory: layers take some 80 bytes for each layer pixel, and the sharp layer up to 80 more. Above 1 GiB the picture is traced in
 tiles, whose number does not change the pixels (`render.trace.tiling.plan`), but that highlights are left to the rays, and that

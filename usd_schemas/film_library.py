@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
-from pxr import Usd
-
 from usd_schemas.errors import SchemaError
+from usd_schemas.library_prims import library_prims
 from usd_schemas.lookup import hint
 from usd_schemas.registration import FOLDER
 from usd_schemas.settings import FilmData, Pairs
@@ -52,12 +51,12 @@ class LibraryFilm:
 
 def film_names() -> list[str]:
     """Names of all stocks, in the library's order."""
-    return list(_prims())
+    return list(library_prims(FILM_LIBRARY_FILE))
 
 
 def library_films() -> list[LibraryFilm]:
     """All stocks, in the library's order."""
-    return [_film(name) for name in _prims()]
+    return [_film(name) for name in library_prims(FILM_LIBRARY_FILE)]
 
 
 def library_film(name: str) -> LibraryFilm:
@@ -82,19 +81,9 @@ def library_film(name: str) -> LibraryFilm:
 
 
 @cache
-def _stage() -> Usd.Stage:
-    return Usd.Stage.Open(str(FILM_LIBRARY_FILE))  # prims live no longer than their stage
-
-
-@cache
-def _prims() -> dict[str, Usd.Prim]:
-    return {prim.GetName(): prim for prim in _stage().GetDefaultPrim().GetChildren()}
-
-
-@cache
 def _film(name: str) -> LibraryFilm:
     """Read one stock: all of them take a while."""
-    prim = _prims()[name]
+    prim = library_prims(FILM_LIBRARY_FILE)[name]
     beside: dict[str, Any] = prim.GetCustomData()
     return LibraryFilm(
         name=name,

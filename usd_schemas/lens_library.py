@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-from pxr import Usd, UsdGeom
+from pxr import UsdGeom
 
 from usd_schemas.errors import SchemaError
+from usd_schemas.library_prims import library_prims
 from usd_schemas.lookup import hint
 from usd_schemas.registration import FOLDER
 from usd_schemas.settings import ApertureData, LensData
@@ -40,12 +41,12 @@ class LibraryLens:
 
 def lens_names() -> list[str]:
     """Names of all lenses, in the library's order."""
-    return list(_prims())
+    return list(library_prims(LIBRARY_FILE))
 
 
 def library_lenses() -> list[LibraryLens]:
     """All lenses, in the library's order."""
-    return [_lens(name) for name in _prims()]
+    return [_lens(name) for name in library_prims(LIBRARY_FILE)]
 
 
 def library_lens(name: str) -> LibraryLens:
@@ -65,19 +66,9 @@ def library_lens(name: str) -> LibraryLens:
 
 
 @cache
-def _stage() -> Usd.Stage:
-    return Usd.Stage.Open(str(LIBRARY_FILE))  # prims live no longer than their stage
-
-
-@cache
-def _prims() -> dict[str, Usd.Prim]:
-    return {prim.GetName(): prim for prim in _stage().GetDefaultPrim().GetChildren()}
-
-
-@cache
 def _lens(name: str) -> LibraryLens:
     """Read one lens: all of them take a while."""
-    prim = _prims()[name]
+    prim = library_prims(LIBRARY_FILE)[name]
     camera, usd = LensCamera(prim), UsdGeom.Camera(prim)
     return LibraryLens(
         name=name,

@@ -19,7 +19,7 @@ SHARP_COC_PX = 1.5
 """Circle of confusion, radius in picture pixels, up to which the layers' resolution shows along edges."""
 _ALIGNED_PX = BLOCK_PX // FINER
 """Alignment of the zone in texels of the layers: its N-buffers' blocks are the same in each window of a picture in tiles."""
-_GRID = 65
+_GRID = 65  # points along each side, at which w in focus is taken
 MOST_SCALE = 4
 """Limit on the sharp layer's texels per picture pixel along each axis."""
 

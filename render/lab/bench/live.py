@@ -260,6 +260,7 @@ def measure_before(checkout: Path, typed: Sequence[str]) -> list[DragRow]:
     Raises:
         GraphicsError: the process failed.
     """
+    # not at the top: as a script, this file runs on checkouts that lack the module
     from render.lab.bench.checkouts import script_command, script_environment
 
     done = subprocess.run(

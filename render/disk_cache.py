@@ -11,10 +11,10 @@ import hashlib
 import os
 import sys
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
-from functools import cache
+from functools import cache, cached_property
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,57 @@ _CHECKSUM_BYTES = 4
 _PACKAGE = Path(__file__).parent
 
 Arrays = Mapping[str, NDArray[Any]]
+
+
+class ArrayCache:
+    """Arrays of one kind: loaded where an earlier process kept them, else computed and kept.
+
+    A process keeps only its first few results on disk, those that the next process starts with: a drag of the focus makes many
+    more. The last few are also held in memory.
+    """
+
+    def __init__(self, kind: str, folders: Sequence[str], most: int = 4) -> None:
+        """Make the cache.
+
+        Args:
+            kind: name of what is kept, a word.
+            folders: of this package, with the code that computes the arrays; see `code_key`.
+            most: number of results that a process keeps on disk, and that are held in memory.
+        """
+        self._kind, self._folders, self._most = kind, folders, most
+        self._stored = 0
+        self._held: dict[str, Arrays] = {}
+
+    def get(self, compute: Callable[[], Arrays], *values: object) -> Arrays:
+        """Return arrays by name, read-only.
+
+        Args:
+            compute: computes them.
+            values: all that they depend on; see `content_key`.
+        """
+        key = content_key(self._code_key, values)
+        arrays = self._held.pop(key, None)
+        if arrays is None:
+            arrays = self._load(key, compute)
+            for array in arrays.values():
+                array.setflags(write=False)
+        self._held[key] = arrays  # last: held longest
+        while len(self._held) > self._most:
+            del self._held[next(iter(self._held))]
+        return arrays
+
+    def _load(self, key: str, compute: Callable[[], Arrays]) -> Arrays:
+        arrays = load_arrays(self._kind, key)
+        if arrays is None:
+            arrays = compute()
+            if self._stored < self._most:
+                self._stored += 1
+                store_arrays(self._kind, key, arrays)
+        return arrays
+
+    @cached_property
+    def _code_key(self) -> str:
+        return code_key(self._folders)
 
 
 def cache_folder() -> Path | None:
@@ -75,7 +126,7 @@ def code_key(folders: Sequence[str]) -> str:
     return content_key(np.__version__, [list(_source_files(_PACKAGE / folder)) for folder in folders])
 
 
-def load_arrays(kind: str, key: str) -> dict[str, NDArray[Any]] | None:
+def load_arrays(kind: str, key: str) -> Arrays | None:
     """Load an entry.
 
     Args:
@@ -189,6 +240,8 @@ def _unpack(content: bytes) -> dict[str, NDArray[Any]]:
     while length := buffer.read(1):
         name = buffer.read(length[0]).decode()
         arrays[name] = np.load(buffer, allow_pickle=False)
+    if not arrays:
+        raise ValueError("there are no arrays")
     return arrays
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from render.disk_cache import ArrayCache, Arrays
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
@@ -16,6 +17,7 @@ from render.trace.adaptive import RayBudget
 from render.trace.lens_table import GridTable, PolynomialTable
 
 IRIS_IMAGE_SIDE = 256
+_cache = ArrayCache("ray-pattern", ("model", "optics", "trace"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,11 +109,24 @@ def make_ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool =
     Raises:
         SettingsError: rays or seed is out of range, or the iris passes no light.
     """
+    if rays == 1:
+        arrays: Arrays = _pattern_arrays(rays, iris, seed, tiled)
+    else:
+        arrays = _cache.get(lambda: _pattern_arrays(rays, iris, seed, tiled), rays, iris, seed, tiled)
+    return RayPattern(arrays["points"], arrays.get("iris_points"), arrays.get("iris_image"))
+
+
+def _pattern_arrays(rays: int, iris: IrisShape, seed: int, tiled: bool) -> dict[str, FloatArray]:
+    """Compute the arrays of a `RayPattern`, by the names of its attributes."""
     samples = lens_samples(rays, iris, seed=seed, tiled=tiled)
     points = _by_ray(np.concatenate([_downward(samples.disc), samples.pixel], axis=-1))
     if samples.pupil is samples.disc:
-        return RayPattern(points)
-    return RayPattern(points, _by_ray(_downward(samples.pupil)), _relative_transmission(iris))
+        return {"points": points}
+    return {
+        "points": points,
+        "iris_points": _by_ray(_downward(samples.pupil)),
+        "iris_image": _relative_transmission(iris),
+    }
 
 
 def make_adaptive_pattern(budget: RayBudget, iris: IrisShape, *, seed: int = 0) -> RayPattern:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from render import disk_cache
-from render.disk_cache import cache_folder, code_key, content_key, load_arrays, store_arrays
+from render.disk_cache import ArrayCache, cache_folder, code_key, content_key, load_arrays, store_arrays
 from render.errors import OutputError
 from render.model.lens import Glass, HeightField, Surface
 
@@ -146,3 +147,41 @@ def test_a_change_of_the_code_changes_its_key(tmp_path: Path, monkeypatch: pytes
         disk_cache._source_files.cache_clear()
         keys.append(code_key(["optics"]))
     assert keys[0] != keys[1]
+
+
+def number(value: int) -> dict[str, np.ndarray]:
+    """Arrays that hold one number."""
+    return {"number": np.asarray(value)}
+
+
+def test_an_array_cache_computes_once_in_all_processes(folder: Path) -> None:
+    computed = []
+
+    def compute() -> dict[str, np.ndarray]:
+        computed.append(1)
+        return {"numbers": np.arange(3.0) / 7}
+
+    caches = [ArrayCache("numbers", ("optics",)) for _ in range(2)]
+    first, second = (cache.get(compute, 2.5, "a") for cache in caches)
+    assert len(computed) == 1
+    assert first["numbers"].tobytes() == second["numbers"].tobytes()
+    caches[1].get(compute, 2.5, "b")
+    ArrayCache("others", ("optics",)).get(compute, 2.5, "a")
+    assert len(computed) == 3
+
+
+def test_an_array_cache_keeps_its_first_entries_alone(folder: Path) -> None:
+    cache = ArrayCache("numbers", ("optics",), most=2)
+    for i in range(5):
+        assert cache.get(partial(number, i), i)["number"] == i
+    assert len(list(folder.iterdir())) == 2
+    assert cache.get(partial(number, 7), 4)["number"] == 4  # held in memory
+    assert cache.get(partial(number, 7), 2)["number"] == 7
+
+
+def test_an_array_cache_computes_anew_what_is_damaged(folder: Path) -> None:
+    for content in (b"", b"\0\0\0\0", b"hello, world"):
+        assert ArrayCache("numbers", ("optics",)).get(partial(number, 1), 1)["number"] == 1
+        (entry,) = folder.iterdir()
+        entry.write_bytes(content)
+    assert ArrayCache("numbers", ("optics",)).get(partial(number, 2), 1)["number"] == 2

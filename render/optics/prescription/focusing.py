@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from render.disk_cache import ArrayCache
 from render.errors import InputError, SettingsError
 from render.model.arrays import DoubleArray
 from render.model.lens import Prescription
@@ -17,6 +18,7 @@ from render.optics.prescription.focus_mechanism import FocusMechanism
 from render.optics.prescription.paraxial import FirstOrder, first_order, stop_index
 
 FocusCriterion = Literal["spot", "paraxial"]
+_cache = ArrayCache("spot-focus", ("model", "optics"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +81,20 @@ def focus_lens(
     mechanism = FocusMechanism.from_prescription(prescription)
     shift_mm = mechanism.paraxial_shift(nearness)
     if by == "spot":
-        shift_mm = mechanism.spot_shift(nearness, shift_mm, stop_radius_mm)
+        shift_mm = _spot_shift_mm(mechanism, nearness, shift_mm, stop_radius_mm)
     return _assemble(prescription, mechanism, shift_mm, stop_radius_mm)
+
+
+def _spot_shift_mm(mechanism: FocusMechanism, nearness: float, shift_mm: float, stop_radius_mm: float) -> float:
+    """Load or compute `FocusMechanism.spot_shift`."""
+    kept = _cache.get(
+        lambda: {"shift_mm": np.asarray(mechanism.spot_shift(nearness, shift_mm, stop_radius_mm))},
+        mechanism.prescription,
+        nearness,
+        shift_mm,
+        stop_radius_mm,
+    )
+    return float(kept["shift_mm"])
 
 
 def _check_complete(prescription: Prescription) -> None:

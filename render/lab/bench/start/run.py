@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import subprocess
+import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,6 +36,8 @@ PYTHON, EXIT = "python", "exit"
 STAGES = (PYTHON, "imports", *dict.fromkeys(stage for _, _, stage in recorder.WATCHED), recorder.OTHER, EXIT)
 """Stages in the order of the table: the interpreter's start and end, and those of the recorder."""
 _CHECKOUT = Path(__file__).resolve().parents[4]
+PACKAGES = ("usd_schemas", "render")
+"""Folders of a checkout that are compiled first."""
 CACHES = ("PULLFOCUS_CACHE", "XDG_CACHE_HOME", "MESA_SHADER_CACHE_DIR", "__GL_SHADER_DISK_CACHE_PATH")
 """Environment variables that move the caches of the product, of Mesa and of NVIDIA's driver."""
 
@@ -107,6 +110,14 @@ class _Course:
         self._checkout, self._arguments, self._folder = checkout, arguments, folder
         self._round = 0
         folder.mkdir()
+        compile_command = [
+            sys.executable,
+            "-m",
+            "compileall",
+            "-q",
+            *PACKAGES,
+        ]  # also where PYTHONDONTWRITEBYTECODE is set
+        subprocess.run(compile_command, cwd=checkout, stdin=subprocess.DEVNULL, capture_output=True, check=False)
 
     def empty_caches(self) -> None:
         """Give the next run caches without entries."""

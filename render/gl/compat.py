@@ -13,6 +13,8 @@ Why each adaptation is here:
 - pyrender imports its viewer (pyglet, tkinter, imageio), its fonts (freetype), and trimesh with all of SciPy: a second and more,
   for parts that are not used here. So its modules are imported one by one, and these packages run late: when one of their
   names is first used, which is never.
+- PyOpenGL imports 230 modules of OpenGL's versions and extensions; those that neither pyrender nor this package uses run
+  late too.
 - pyrender's scene keeps the parents of its nodes in a graph of networkx, which takes a fifth of a second to import; `_NodeTree`
   keeps them in a dict.
 """
@@ -23,6 +25,7 @@ import ctypes
 import os
 from collections.abc import Callable, Hashable, Iterator
 from functools import cache
+from importlib import import_module
 from types import SimpleNamespace
 
 os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
@@ -36,13 +39,44 @@ from render.gl.late_package import import_late
 
 _NOT_USED = ("trimesh", "trimesh.transformations", "networkx", "freetype", "PIL.Image")
 """Packages that modules of pyrender import at their top."""
+_NOT_USED_OF_GL = (
+    *(f"VERSION.GL_4_{minor}" for minor in range(4)),
+    "ARB.blend_func_extended",
+    "ARB.copy_buffer",
+    "ARB.draw_elements_base_vertex",
+    "ARB.enhanced_layouts",
+    "ARB.explicit_attrib_location",
+    "ARB.imaging",
+    "ARB.map_buffer_range",
+    "ARB.provoking_vertex",
+    "ARB.sampler_objects",
+    "ARB.shader_bit_encoding",
+    "ARB.texture_buffer_object",
+    "ARB.texture_multisample",
+    "ARB.texture_rgb10_a2ui",
+    "ARB.texture_swizzle",
+    "ARB.timer_query",
+    "ARB.uniform_buffer_object",
+    "ARB.vboimplementation",
+    "ARB.vertex_type_2_10_10_10_rev",
+    "vboimplementation",
+)
+"""Modules of OpenGL.GL that it imports all names of."""
+_USED_OF_GL_4 = ("base_instance", "copy_image", "texture_storage")
+"""Extensions that became part of these versions, and are used."""
 
 _had_infty = hasattr(np, "infty")
 if not _had_infty:
     np.infty = np.inf  # type: ignore[attr-defined]
 try:
-    for _name in (*_NOT_USED, "pyrender"):
+    for _name in (*_NOT_USED, "pyrender", "OpenGL.GL", *(f"OpenGL.GL.{name}" for name in _NOT_USED_OF_GL)):
         import_late(_name)
+    from OpenGL import GL
+
+    GL.glEnable  # noqa: B018 - runs the code of OpenGL.GL, before pyrender imports all of its names
+    for _name in _USED_OF_GL_4:
+        _extension = vars(import_module(f"OpenGL.GL.ARB.{_name}"))
+        vars(GL).update((name, _extension[name]) for name in _extension if name.lower().startswith("gl"))
     import pyrender
     import pyrender.light
     import pyrender.material
@@ -53,7 +87,7 @@ try:
     import pyrender.scene
     import pyrender.shader_program
     import pyrender.texture
-    from OpenGL import EGL, GL
+    from OpenGL import EGL
     from OpenGL.error import Error as OpenGLError
     from OpenGL.extensions import VERSION_EXTENSIONS, GLQuerier
     from OpenGL.plugins import FormatHandler

@@ -22,6 +22,8 @@ NOT_NEEDED = (
     "matplotlib",
     "networkx.classes",
     "numpy.ma",
+    "OpenGL.raw.GL.ARB.sampler_objects",
+    "OpenGL.raw.GL.ARB.tessellation_shader",
     "opentimelineio",
     "PIL.ImageMode",
     "pydantic",

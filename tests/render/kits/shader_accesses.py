@@ -11,12 +11,15 @@ Contents are not looked at. Draws of pyrender are not checked, only those of mod
 
 from __future__ import annotations
 
+import ctypes
 import re
 import traceback
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import moderngl
+from OpenGL.raw.GL.VERSION.GL_1_0 import glGetIntegerv
 
 from render.gl.compat import GL
 from tests.render.kits.compiled_shaders import preprocess
@@ -41,6 +44,52 @@ class UndefinedAccessError(AssertionError):
     """A program's access that OpenGL leaves undefined."""
 
 
+@dataclass(frozen=True)
+class Block:
+    """A storage buffer that a program declares."""
+
+    unit: int
+    name: str
+    reads: bool
+    writes: bool
+
+
+@dataclass(frozen=True)
+class Image:
+    """An image that a program declares: its type in GLSL, and its format where one is given."""
+
+    unit: int
+    name: str
+    reads: bool
+    writes: bool
+    kind: str
+    form: str | None
+
+
+@dataclass(frozen=True)
+class Declarations:
+    """Images, storage buffers and samplers, the last as type and name, that a program declares."""
+
+    images: list[Image]
+    blocks: list[Block]
+    samplers: list[tuple[str, str]]
+
+
+def declarations(source: str) -> Declarations:
+    """Read the declarations of a source without comments and inactive lines."""
+    images, blocks = [], []
+    for layout, before, after, kind, name in _IMAGE.findall(source):
+        unit = int(re.findall(r"binding\s*=\s*(\d+)", layout)[0])
+        forms = [word for word in re.split(r"[\s,]+", layout) if re.fullmatch(r"(r|rg|rgba)\d+\w*", word)]
+        words = f"{before} {after}".split()
+        images.append(
+            Image(unit, name, "writeonly" not in words, "readonly" not in words, kind, forms[0] if forms else None)
+        )
+    for unit, qualifiers, name in _BLOCK.findall(source):
+        blocks.append(Block(int(unit), name, "writeonly" not in qualifiers, "readonly" not in qualifiers))
+    return Declarations(images, blocks, _SAMPLER.findall(source))
+
+
 class Accesses:
     """Bindings of one process, and the accesses since the last barrier. Objects are told apart, not their names in OpenGL."""
 
@@ -52,31 +101,29 @@ class Accesses:
         self.read: dict[int, str] = {}
         self.faults: list[str] = []
 
-    def check(self, program: Any, name: str, source: str) -> None:
+    def check(self, program: Any, name: str, declared: Declarations) -> None:
         """Check one dispatch or draw, and record what it reads and writes."""
         reads, writes = [], []
-        for layout, before, after, kind, image in _IMAGE.findall(source):
-            unit = int(re.findall(r"binding\s*=\s*(\d+)", layout)[0])
-            qualifiers = f"{before} {after}".split()
-            if unit not in self.images:
-                self._fault(f"{name}: no image is bound to unit {unit} ({image})")
+        for image in declared.images:
+            if image.unit not in self.images:
+                self._fault(f"{name}: no image is bound to unit {image.unit} ({image.name})")
                 continue
-            texture, may_read, may_write = self.images[unit]
-            self._check_image(name, image, layout, kind, texture)
-            if ("writeonly" not in qualifiers and not may_read) or ("readonly" not in qualifiers and not may_write):
-                self._fault(f"{name}: image {image} is used in a way that its binding excludes")
-            reads += [texture] if "writeonly" not in qualifiers else []
-            writes += [texture] if "readonly" not in qualifiers else []
-        for unit, qualifiers, block in _BLOCK.findall(source):
-            buffer = self.blocks.get(int(unit))
+            texture, may_read, may_write = self.images[image.unit]
+            self._check_image(name, image, texture)
+            if (image.reads and not may_read) or (image.writes and not may_write):
+                self._fault(f"{name}: image {image.name} is used in a way that its binding excludes")
+            reads += [texture] if image.reads else []
+            writes += [texture] if image.writes else []
+        for block in declared.blocks:
+            buffer = self.blocks.get(block.unit)
             if buffer is None or _is_released(buffer):
-                self._fault(f"{name}: no buffer is bound to {unit} ({block})")
+                self._fault(f"{name}: no buffer is bound to {block.unit} ({block.name})")
                 continue
-            reads += [buffer] if "writeonly" not in qualifiers else []
-            writes += [buffer] if "readonly" not in qualifiers else []
+            reads += [buffer] if block.reads else []
+            writes += [buffer] if block.writes else []
         stored = {id(thing) for thing in writes}
         kinds: dict[int, str] = {}
-        for kind, sampler in _SAMPLER.findall(source):
+        for kind, sampler in declared.samplers:
             for unit, texture in self._sampled(program, kind, sampler):
                 if kinds.setdefault(unit, kind) != kind:
                     self._fault(f"{name}: a {kind} and a {kinds[unit]} share texture unit {unit}")
@@ -125,13 +172,12 @@ class Accesses:
         bound = [(unit, self.textures.get((unit, _sampled_kind(kind)))) for unit in units]
         return [(unit, texture) for unit, texture in bound if texture is not None and _is_bound(texture, unit)]
 
-    def _check_image(self, name: str, image: str, layout: str, kind: str, texture: Any) -> None:
+    def _check_image(self, name: str, image: Image, texture: Any) -> None:
         form = _COMPONENTS.get(texture.components, "?") + _SUFFIXES[texture.dtype]
-        declared = [word for word in re.split(r"[\s,]+", layout) if re.fullmatch(r"(r|rg|rgba)\d+\w*", word)]
-        if declared and declared[0] != form:
-            self._fault(f"{name}: image {image} is declared as {declared[0]} and bound as {form}")
-        if not isinstance(texture, _sampled_kind(kind)):
-            self._fault(f"{name}: image {image} is a {kind}, and {type(texture).__name__} is bound")
+        if image.form not in (None, form):
+            self._fault(f"{name}: image {image.name} is declared as {image.form} and bound as {form}")
+        if not isinstance(texture, _sampled_kind(image.kind)):
+            self._fault(f"{name}: image {image.name} is a {image.kind}, and {type(texture).__name__} is bound")
 
     def _check_sampler(self, name: str, kind: str, sampler: str, texture: Any) -> None:
         if _is_released(texture):
@@ -161,17 +207,17 @@ ACCESSES = Accesses()
 def watch_accesses() -> None:
     """Check each access of moderngl's programs from here on; `Accesses.raise_faults` raises what was found."""
     compute, program = moderngl.Context.compute_shader, moderngl.Context.program
-    sources: dict[int, tuple[Any, str, str]] = {}  # of each program; it is kept, so that its id stays its own
+    sources: dict[int, tuple[Any, str, Declarations]] = {}  # of each program; it is kept, so that its id stays its own
 
     def made_compute(ctx: Any, source: str) -> Any:
         made = compute(ctx, source)
-        sources[id(made)] = made, _title(source), preprocess(source).text
+        sources[id(made)] = made, _title(source), declarations(preprocess(source).text)
         return made
 
     def made_program(ctx: Any, vertex: str, fragment: str, **others: Any) -> Any:
         made = program(ctx, vertex, fragment, **others)
         text = "\n".join(preprocess(stage).text for stage in (vertex, fragment))
-        sources[id(made)] = made, _title(vertex), text
+        sources[id(made)] = made, _title(vertex), declarations(text)
         return made
 
     moderngl.Context.compute_shader, moderngl.Context.program = made_compute, made_program
@@ -216,13 +262,20 @@ def watch_accesses() -> None:
 
 def _is_bound(texture: Any, unit: int) -> bool:
     """Whether a texture is still bound where moderngl bound it; PyOpenGL may have bound another one since."""
-    before = GL.glGetIntegerv(GL.GL_ACTIVE_TEXTURE)
+    before = _integer(GL.GL_ACTIVE_TEXTURE)
     GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
-    name = GL.glGetIntegerv(_BINDINGS[type(texture)])
+    name = _integer(_BINDINGS[type(texture)])
     GL.glActiveTexture(before)
     if _is_released(texture):
         return bool(name == 0)  # its unit is empty from then on
     return bool(name == texture.glo)
+
+
+def _integer(name: int) -> int:
+    """A value of the context. PyOpenGL's own ``glGetIntegerv`` makes an array for each; this is asked at every dispatch."""
+    value = ctypes.c_int()
+    glGetIntegerv(name, ctypes.byref(value))
+    return value.value
 
 
 def _sampled_kind(kind: str) -> type:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -11,7 +12,7 @@ from hypothesis import HealthCheck, settings
 from render.frame import FrameRenderer
 from render.gl.compat import GL
 from render.layers.targets import Slot
-from tests.render.kits.compiled_shaders import record_programs
+from tests.render.kits.compiled_shaders import COMPILED, record_programs
 from tests.render.kits.shader_accesses import ACCESSES, watch_accesses
 
 # Every context of the tests, also of processes that they start, reports what OpenGL leaves undefined (render/gl/debug.py).
@@ -41,6 +42,23 @@ record_programs()
 watch_accesses()
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--compiled-shaders`` takes the programs of the processes of one run to the tests marked ``last`` of another."""
+    parser.addoption(
+        "--compiled-shaders",
+        type=Path,
+        metavar="FOLDER",
+        help="folder that each process writes the programs to that it compiled, and reads those of the others from",
+    )
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Read the programs that another run compiled."""
+    folder: Path | None = session.config.option.compiled_shaders
+    for file in sorted(folder.glob("*.json")) if folder else ():
+        COMPILED.read(file)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Tests marked ``last`` judge what the other tests did."""
     items.sort(key=lambda item: item.get_closest_marker("last") is not None)
@@ -65,8 +83,13 @@ def renderer(_session_renderer: FrameRenderer) -> Iterator[FrameRenderer]:
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """A run in which no test passed or failed has shown nothing: it ends as one that collected none."""
+    """Write the compiled programs; a run in which no test passed or failed has shown nothing: it ends as one without tests."""
+    folder: Path | None = session.config.option.compiled_shaders
+    if folder:
+        COMPILED.write(folder / f"{os.getpid()}.json")
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None:  # a worker of pytest-xdist: the process that started it reports
+        return
     ran = any(reporter.stats.get(outcome) for outcome in ("passed", "failed", "error", "xfailed", "xpassed"))
     if not ran and session.exitstatus == pytest.ExitCode.OK and not session.config.option.collectonly:
         session.exitstatus = pytest.ExitCode.NO_TESTS_COLLECTED

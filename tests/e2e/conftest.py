@@ -16,8 +16,8 @@ from playwright.sync_api import Browser, Page, expect, sync_playwright
 CHROMIUM = shutil.which("chromium")
 # As small as the page goes, so that its pictures are small too: a software rasteriser draws them.
 VIEWPORT = {"width": 900, "height": 560}
-# A minute is far more than any one step takes, and a busy machine is slow, not wrong.
-PATIENCE_MS = 120_000
+# Far more than any one step takes, and a busy machine is slow, not wrong.
+PATIENCE_MS = 300_000
 
 
 @pytest.fixture(scope="module")

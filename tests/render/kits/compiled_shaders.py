@@ -1,10 +1,12 @@
-"""Sources of the programs that the tests of this process compile, and the branches of shader files that they take."""
+"""Sources of the programs that the tests compile, and the branches of shader files that they take."""
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import moderngl
@@ -39,6 +41,18 @@ class CompiledShaders:
         self.sources["frag"].add(fragment)
         self.pairs.add((vertex, fragment))
 
+    def write(self, file: Path) -> None:
+        """Write the programs to a file that `read` reads."""
+        sources = {stage: sorted(found) for stage, found in self.sources.items()}
+        file.write_text(json.dumps({"sources": sources, "pairs": sorted(self.pairs)}), encoding="utf-8")
+
+    def read(self, file: Path) -> None:
+        """Add the programs that another process wrote."""
+        written = json.loads(file.read_text(encoding="utf-8"))
+        for stage, found in written["sources"].items():
+            self.sources[stage].update(found)
+        self.pairs.update((vertex, fragment) for vertex, fragment in written["pairs"])
+
     def of_file(self, name: str) -> list[str]:
         """Recorded sources of a shader file, which they are recognised by: its title is unique."""
         title = load_source(name).splitlines()[1]
@@ -46,7 +60,7 @@ class CompiledShaders:
 
 
 COMPILED = CompiledShaders()
-"""Programs that this process has compiled since `record_programs`."""
+"""Programs that this process has compiled since `record_programs`, and those that it has read."""
 
 
 def record_programs() -> None:

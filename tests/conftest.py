@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from render.demo.shot import write_demo
 from render.frame import FrameRenderer
 from render.gl.compat import GL
 from render.layers.targets import Slot
@@ -80,6 +81,12 @@ def renderer(_session_renderer: FrameRenderer) -> Iterator[FrameRenderer]:
     _session_renderer.graphics.raise_faults()
     ACCESSES.raise_faults()
     assert ctx.error == "GL_NO_ERROR"
+
+
+@pytest.fixture(scope="session")
+def demo_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Root layer of the demo shot, which is for reading alone: its folder is shared by all tests of a process."""
+    return write_demo(tmp_path_factory.mktemp("demo_shot"))
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

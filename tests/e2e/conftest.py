@@ -50,9 +50,15 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def page(browser: Browser, service: str) -> Iterator[Page]:
+def pixel_ratio() -> float:
+    """Device pixels to a pixel of the page. Pictures are as fine as the device shows; most tests need no fine ones."""
+    return 0.5
+
+
+@pytest.fixture
+def page(browser: Browser, service: str, pixel_ratio: float) -> Iterator[Page]:
     """The editor, open on the demo shot at its first frame; an error that the page does not catch fails the test."""
-    page = browser.new_page(base_url=service, viewport=VIEWPORT)
+    page = browser.new_page(base_url=service, viewport=VIEWPORT, device_scale_factor=pixel_ratio)
     page.set_default_timeout(PATIENCE_MS)
     expect.set_options(timeout=PATIENCE_MS)
     uncaught: list[str] = []

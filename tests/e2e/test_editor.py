@@ -43,6 +43,7 @@ def Camera "cam"
 """
 
 
+@pytest.mark.parametrize("pixel_ratio", [1.0], ids=["fine"])
 def test_a_click_pulls_the_focus_and_the_curve_has_it(page: Page, service: str, tmp_path: Path) -> None:
     wait_settled(page, time=1)
     before = focus_points(service, 1)

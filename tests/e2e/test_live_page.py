@@ -133,8 +133,8 @@ def test_a_marker_that_is_dragged_takes_the_focus_with_it(page: Page, service: s
     untouched(service)
 
 
-def test_without_a_websocket_pictures_come_one_by_one(browser: Browser, service: str) -> None:
-    page = browser.new_page(base_url=service, viewport=VIEWPORT)
+def test_without_a_websocket_pictures_come_one_by_one(browser: Browser, service: str, pixel_ratio: float) -> None:
+    page = browser.new_page(base_url=service, viewport=VIEWPORT, device_scale_factor=pixel_ratio)
     page.set_default_timeout(PATIENCE_MS)
     page.add_init_script(NO_SOCKET)
     page.goto("/?shot=demo&time=1")

@@ -20,8 +20,8 @@ from usd_schemas.view import LensCamera
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_demo(tmp_path_factory.mktemp("demo"))
+def path(demo_file: Path) -> Path:
+    return demo_file
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from render.demo.shot import write_demo
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db, ssim
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
@@ -25,7 +25,7 @@ from render.model.camera import Camera
 from render.model.scene import Scene
 from render.shot import Shot
 
-SETTINGS = FrameSettings(640, 480, rays=32, tiled=False)
+SETTINGS = FrameSettings(400, 300, rays=32, tiled=False)
 
 
 def compare(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings) -> tuple[float, float]:
@@ -45,8 +45,8 @@ def test_generated_scenes(renderer: FrameRenderer, make: Callable[[], tuple[Scen
 
 
 @pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Camera]:
-    shot = Shot.open(write_demo(tmp_path_factory.mktemp("demo")))
+def demo(demo_file: Path) -> tuple[Scene, Camera]:
+    shot = Shot.open(demo_file)
     return shot.scene_at(48.0), shot.camera_at(None, 48.0, 800, 450)
 
 

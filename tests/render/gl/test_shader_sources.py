@@ -19,7 +19,14 @@ from render.lab.reference.scenes import spheres_over_checkerboard
 from render.layers.materials import INPUTS
 from render.model.lens import Lens
 from render.trace.ray_buffers import _ROW_DEFINES
-from tests.render.kits.compiled_shaders import COMPILED, included_files, own_conditions, preprocess, shader_files
+from tests.render.kits.compiled_shaders import (
+    COMPILED,
+    CompiledShaders,
+    included_files,
+    own_conditions,
+    preprocess,
+    shader_files,
+)
 from tests.render.kits.lenses import PLANAR
 
 VALIDATOR = "glslangValidator"
@@ -183,3 +190,14 @@ def test_each_branch_of_each_shader_is_compiled(pytestconfig: pytest.Config) -> 
         if (condition, holds) not in branches
     ]
     assert missing == []
+
+
+def test_programs_of_other_processes_count_too(tmp_path: Path) -> None:
+    one, other, both = CompiledShaders(), CompiledShaders(), CompiledShaders()
+    one.add_compute("a")
+    other.add_compute("b")
+    other.add_pair("c", "d")
+    for number, compiled in enumerate((one, other)):
+        compiled.write(tmp_path / f"{number}.json")
+        both.read(tmp_path / f"{number}.json")
+    assert both == CompiledShaders({"vert": {"c"}, "frag": {"d"}, "comp": {"a", "b"}}, {("c", "d")})

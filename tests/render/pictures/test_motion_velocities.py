@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from pxr import Gf, UsdGeom
 
-from render.demo.shot import write_demo
 from render.engines import check_settings
 from render.errors import SettingsError
 from render.film import Grade
@@ -299,9 +298,9 @@ def test_the_reference_has_no_velocities() -> None:
         FrameSettings(motion=4, motion_by="guess")
 
 
-def test_the_demo_shot_moves_alike_both_ways(renderer: FrameRenderer, tmp_path: Path) -> None:
+def test_the_demo_shot_moves_alike_both_ways(renderer: FrameRenderer, demo_file: Path) -> None:
     """Robots that walk, an umbrella that sways, a camera that travels and racks its focus; lit, `bench motion` measures it."""
-    shot = Shot.open(write_demo(tmp_path / "demo"))
+    shot = Shot.open(demo_file)
     settings = FrameSettings(240, 135, shading="unlit", rays=32, motion=8)
     lens = shot.camera_at(None, 48, settings.width, settings.height)
     exact, fast = (

@@ -56,7 +56,7 @@ def test_a_tilted_plane_against_the_accumulation_buffer(renderer: FrameRenderer)
     """The same shear that keeps an upright plane in place keeps a tilted one (Haeberli & Akeley 1990)."""
     w0 = 1 / CAMERA.focus_distance_m
     tilted = replace(CAMERA, focal_surface=FocalSurface(FocalPlane(w0, 0.2 * w0, -1.5 * w0)))
-    settings = FrameSettings(400, 300, rays=32, tiled=False)
+    settings = FrameSettings(640, 480, rays=48, tiled=False)
     traced = renderer.render(SCENE, tilted, settings).color
     reference = renderer.render(SCENE, tilted, replace(settings, engine="accumulation")).color
     assert psnr_db(traced, reference) >= 40
@@ -76,8 +76,8 @@ def test_a_surface_that_is_no_plane_against_every_ray_on_its_own(renderer: Frame
         2.5,
     )
     camera = replace(camera, focal_surface=FocalSurface(FocalPlane(1 / 5.0), points))
-    slow = ray_by_ray_picture(scene, camera, width=100, height=75, rays=64)
-    settings = FrameSettings(100, 75, rays=64, layers=8, supersample=4, shading="unlit", tiled=False)
+    slow = ray_by_ray_picture(scene, camera, width=160, height=120, rays=64)
+    settings = FrameSettings(160, 120, rays=64, layers=8, supersample=4, shading="unlit", tiled=False)
     assert psnr_db(renderer.render(scene, camera, settings).color, slow) >= 40
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from render.cli.command_list import COMMANDS
 from render.cli.console import print_message
+from render.cli.late_dataclasses import compile_methods_late
 from render.cli.parser import WRONG_ARGUMENTS
 from render.errors import PullfocusError, SettingsError
 from render.gl.late_package import import_late
@@ -79,6 +80,7 @@ def _run(typed: list[str]) -> int:
     if typed and typed[0] in added:
         return added[typed[0]].load()(typed[1:])  # type: ignore[no-any-return]  # the contract of the group
     # Imported here because these commands import USD and GL, which the process of an added command (`serve`) does not load.
+    compile_methods_late()
     for name in _LATE_PACKAGES:
         import_late(name)
     from render.cli.commands import run_command

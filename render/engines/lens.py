@@ -17,8 +17,9 @@ Settings:
     supersample layer pixels per picture pixel along each axis, 1 to 4 (2). What is nearly in focus is drawn twice as fine up to
                 2, so that its edges have sixteen samples in a pixel (`render.layers.sharp_layer`).
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
-    connections True carries what is small, bright and blurred to the pixels of its blurred image along single rays, through any
-                iris and any lens whose blurred image there does not fold; False leaves it to the rays (True).
+    connections True carries what is small, bright and blurred to the pixels of its blurred image, through any iris and any lens:
+                along single rays, or cell by cell of the pupil where that image is uneven or folds, as near the focus of real
+                glass; False leaves it to the rays (True).
     tiled       True gives neighbouring pixels different rays: noise in place of repeated images (True).
     motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
 

@@ -1,6 +1,6 @@
 // How much light passes the pupil around a point, as the tracer's rays have it in the mean: iris, rims, and weights of the table.
-// Averaged over a pixel and a texel, boxes of `scale` and of 1 layer pixel: at nine points, each with a ramp for edges (or a coarser
-// level of the iris's image) that has what is left of the boxes' variance.
+// Averaged over a cell of the pupil, or over a pixel and a texel, boxes of `scale` and of 1 layer pixel: at nine points, each with a
+// ramp for edges (or a coarser level of the iris's image) that has what is left of the boxes' variance.
 
 uniform int places;             // 9; not a constant, as `probes`
 #ifdef SHAPED_IRIS
@@ -60,15 +60,15 @@ float relative_weight(PixelRays rays, float weight)
 }
 #endif
 
-// Density of the light at pupil point l relative to an even disc's, averaged over pixel and texel; `weight`: the table's.
-float light_at(PixelRays rays, vec2 l, float weight, mat2 pupil_from_layers)
+// Share of a box around pupil point l that is open. The box has the columns of `pupil_from_box` as its sides, `side` times as long; the
+// ramp of an edge is `ramp` times as long. `in_disc`: what is beyond the disc is blocked; else nothing of the box is beyond it.
+float open_share(PixelRays rays, vec2 l, mat2 pupil_from_box, float side, float ramp, bool in_disc)
 {
-    float ramp = sqrt(1.0 + scale * scale / 9.0), share = 0.0;
-    mat2 steepness = transpose(pupil_from_layers);
-    float disc_width = ramp * length(steepness * (l / max(length(l), 1e-6)));
+    mat2 steepness = transpose(pupil_from_box);
+    float disc_width = ramp * length(steepness * (l / max(length(l), 1e-6))), share = 0.0;
     vec2 on = l / max(1.0, length(l));
 #ifdef SHAPED_IRIS
-    float iris_width = ramp * max(length(pupil_from_layers[0]), length(pupil_from_layers[1]));
+    float iris_width = ramp * max(length(pupil_from_box[0]), length(pupil_from_box[1]));
 #endif
 #ifdef POLYNOMIAL_LENS
     bool clipped = row[REGION + 3] > 0.0;
@@ -81,12 +81,12 @@ float light_at(PixelRays rays, vec2 l, float weight, mat2 pupil_from_layers)
     vec2 rim_width = ramp * max(vec2(length(steepness * slopes[0]), length(steepness * slopes[1])), 1e-6);
 #endif
     for (int i = 0; i < places; ++i) {
-        vec2 at = l + pupil_from_layers * (scale / 3.0 * (vec2(i % 3, i / 3) - 1.0));
-        float open = 1.0;
+        vec2 at = l + pupil_from_box * (side / 3.0 * (vec2(i % 3, i / 3) - 1.0));
+        float open = in_disc ? circle_share(at, disc_width) : 1.0;
 #ifdef POLYNOMIAL_LENS
         if (clipped) {
             vec2 stop = vec2(row[REGION], 0.0) + region * at, past = clearance + (at - on) * slopes;
-            open = min(min(circle_share(at, disc_width), circle_share(stop, stop_width)),
+            open = min(min(open, circle_share(stop, stop_width)),
                        min(edge_share(-past.x, rim_width.x), edge_share(-past.y, rim_width.y)));
 #ifdef SHAPED_IRIS
             open *= iris_at(stop.x * along + stop.y * across, iris_width * max(region.x, region.y));
@@ -99,15 +99,25 @@ float light_at(PixelRays rays, vec2 l, float weight, mat2 pupil_from_layers)
         open = iris_at(at.x * along + at.y * across, iris_width);
 #elif defined(SHAPED_IRIS)
         open = iris_at(at, iris_width);
-#else
-        open = circle_share(at, disc_width);
 #endif
         share += open;
     }
-    share /= float(places);
+    return share / float(places);
+}
+
+// Weight of a ray from the table, relative to that of an even disc's.
+float light_weight(PixelRays rays, float weight)
+{
 #ifdef POLYNOMIAL_LENS
-    return share * relative_weight(rays, max(weight, 0.0));
+    return relative_weight(rays, max(weight, 0.0));
 #else
-    return share * weight;
+    return weight;
 #endif
+}
+
+// Density of the light at pupil point l relative to an even disc's, averaged over pixel and texel; `weight`: the table's.
+float light_at(PixelRays rays, vec2 l, float weight, mat2 pupil_from_layers)
+{
+    float ramp = sqrt(1.0 + scale * scale / 9.0);
+    return open_share(rays, l, pupil_from_layers, scale, ramp, true) * light_weight(rays, weight);
 }

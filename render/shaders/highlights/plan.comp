@@ -4,7 +4,8 @@
 // in:  texels (x | y << 16, layer); layers (march.glsl), means, lens
 // out: plans; the box is empty where the highlight is better left to the rays
 // A box is that of the images of points of the pupil's rim, found by the iteration p ← p + (q - s(p)) / scale. It holds all of the
-// blurred image where that does not fold: the pupil's image on the layers has the same orientation everywhere.
+// blurred image where that does not fold: the pupil's image on the layers has the same orientation everywhere. Where that folds, or is
+// uneven, the highlight is scattered, and its plan says into how many cells the pupil is divided (scatter.comp).
 
 layout(local_size_x = 64) in;
 
@@ -16,7 +17,8 @@ struct Plan {
     vec4 excess;        // radiance times opacity; w (1/m)
     vec4 box;           // first and last place, picture pixels
     uvec2 bins;
-    uvec2 front;        // bits of the inverse depth from which on surfaces are in the way
+    uint front;         // bits of the inverse depth from which on surfaces are in the way
+    uint cells;         // of the pupil across and down, + UNEVEN where the blurred image is uneven
     uvec2 base;         // what rays are to see, four halves; opacity is the texel's own
     uvec2 exact;        // what the texel holds
 };
@@ -41,16 +43,34 @@ const float ROOM = 0.05;        // of clearance
 const float LEAST_EVENNESS = 0.2;   // least area of the pupil's image over its largest, of large images
 const float EVEN_RADIUS = 12.0;     // layer pixels; connections take a small image for even within a pixel
 
+const uint UNEVEN = 0x10000u;
+const float CELL_PX = 0.75;     // size of a cell's image in the mean, picture pixels
+const float RIM_CELL_PX = 2.0;  // at the rim, where images of cells are longest
+const float LEAST_CELLS = 6.0, MOST_CELLS = 128.0;
+const float INNER_RING = 0.6;
+
 LensRay traced[SPOKES];
 
-// Note the area that the pupil has on the layers near an open point of it, relative to the pupil's.
-void note_area(PixelRays rays, vec2 l, float w, inout vec2 areas)
+// Blurred image of a highlight: box in picture pixels, empty where the highlight is left to the rays; cells as in its plan.
+struct Blurred { vec4 box; uint cells; };
+const Blurred LEFT = Blurred(vec4(0.0), 0u);
+
+// Whether a rim blocks a point of the pupil clearly; not of a grid.
+bool is_blocked(PixelRays rays, vec2 l)
 {
 #ifdef POLYNOMIAL_LENS
     vec2 stop = vec2(row[REGION], 0.0) + vec2(row[REGION + 1], row[REGION + 2]) * l;
     float blocked = max(max(even4(FRONT_RIM, l.x, l.y * l.y), even4(REAR_RIM, l.x, l.y * l.y)), dot(stop, stop) - 1.0);
-    if (row[REGION + 3] > 0.0 && blocked > ROOM) return;
+    return row[REGION + 3] > 0.0 && blocked > ROOM;
+#else
+    return false;
 #endif
+}
+
+// Note the area that the pupil has on the layers near an open point of it, relative to the pupil's.
+void note_area(PixelRays rays, vec2 l, float w, inout vec2 areas)
+{
+    if (is_blocked(rays, l)) return;
     float area = determinant(land(rays, l, w).by_pupil);
     areas = vec2(min(areas.x, area), max(areas.y, area));
 }
@@ -69,10 +89,9 @@ bool are_even(vec2 areas, float least)
 }
 
 // Whether the open pupil's image at inverse depth w is even within the rim. `areas`: the least and the largest.
-bool is_even_within(vec2 middle, float w, inout vec2 areas)
+bool is_even_within(PixelRays rays, float w, inout vec2 areas)
 {
 #ifdef POLYNOMIAL_LENS
-    PixelRays rays = rays_from(middle);
     bool is_even = true;
     for (int k = RINGS * SPOKES - 1; k >= 0 && is_even; --k) {  // from the outermost ring, which is uneven most often
         float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES), radius = sqrt(float(k / SPOKES) / float(RINGS));
@@ -82,7 +101,6 @@ bool is_even_within(vec2 middle, float w, inout vec2 areas)
     return is_even;
 #elif defined(GRID_LENS)
     // derivatives of the landing are off_focus·(c + e) + s with |s| <= x, |e| <= y and c = z
-    PixelRays rays = rays_from(middle);
     float off_focus = abs(rays.pupil * (w - rays.w_f)), apart = grid_changes.x + off_focus * grid_changes.y, mean_size = off_focus * grid_changes.z;
     return (mean_size - apart) > sqrt(least_evenness(mean_size * focal_px.y)) * (mean_size + apart);
 #else
@@ -90,10 +108,31 @@ bool is_even_within(vec2 middle, float w, inout vec2 areas)
 #endif
 }
 
-// Box of the images of the pupil's rim; empty where some image is not found, or where the pupil's image is uneven.
-vec4 box_of(vec2 q, float w)
+// Widen the box of a blurred image that may fold by the images of two rings of the pupil, as the pixel in the box's middle has them, and
+// find how long the pupil's image is along and across, layer pixels: at most, in units of the pupil's radius.
+float measure_rings(vec2 q, float w, vec2 middle, inout vec2 low, inout vec2 high)
+{
+    PixelRays rays = rays_from(middle);
+    float longest = 0.0;
+    for (int k = 0; k < 2 * SPOKES; ++k) {
+        float angle = 6.283185307 * float(k) / float(SPOKES), radius = k < SPOKES ? RIM : INNER_RING;
+        vec2 l = radius * vec2(cos(angle), sin(angle));
+        if (is_blocked(rays, l)) continue;
+        Landing landing = land(rays, l, w);
+        if (landing.from.weight <= 0.0) continue;
+        vec2 place = middle + (q - rays.centre - landing.place) / scale;
+        low = min(low, place);
+        high = max(high, place);
+        longest = max(longest, max(length(landing.by_pupil[0]), length(landing.by_pupil[1])));
+    }
+    return longest;
+}
+
+// Blurred image of a texel at layer place q.
+Blurred blurred_image(vec2 q, float w)
 {
     vec2 middle = (q - offset) / scale, low = vec2(1e9), high = vec2(-1e9), areas = vec2(1e30, -1e30);
+    bool is_even = true;
     for (int k = -1; k < SPOKES; ++k) {  // the pupil's centre, then its rim
         float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES);
         vec2 place = k < 0 ? vec2(0.0) : vec2(cos(angle), sin(angle)), p = middle, miss = vec2(1e9);
@@ -104,7 +143,7 @@ vec4 box_of(vec2 q, float w)
             l = in_plane(rays, place);
 #endif
             LensRay ray = on_layers(rays, table_ray(rays, l), vec2(0.0));
-            if (ray.weight <= 0.0) return vec4(0.0);  // of a grid
+            if (ray.weight <= 0.0) return LEFT;  // of a grid
             traced[max(k, 0)] = ray;
             miss = (q - met_at(ray, w)) / scale;
             p += miss;
@@ -112,10 +151,10 @@ vec4 box_of(vec2 q, float w)
             if (k >= 0 && round == ROUNDS - 1) note_area(rays, l, w, areas);
 #endif
         }
-        if (!(max(abs(miss.x), abs(miss.y)) < MOST_MISS)) return vec4(0.0);
+        if (!(max(abs(miss.x), abs(miss.y)) < MOST_MISS)) return LEFT;
         if (k < 0) {
-            if (!is_even_within(p, w, areas)) return vec4(0.0);
             middle = p;
+            is_even = is_even_within(rays_from(middle), w, areas);
             continue;
         }
         low = min(low, p);
@@ -123,12 +162,23 @@ vec4 box_of(vec2 q, float w)
     }
     vec2 half_size = 0.5 * (high - low);
 #ifdef POLYNOMIAL_LENS
-    if (!are_even(areas, least_evenness(scale * min(half_size.x, half_size.y)))) return vec4(0.0);
+    is_even = is_even && are_even(areas, least_evenness(scale * min(half_size.x, half_size.y)));
 #endif
-    if (min(half_size.x, half_size.y) * scale < least_radius) return vec4(0.0);
+    uint cells = 0u;
+#if defined(POLYNOMIAL_LENS) || defined(GRID_LENS)
+    float across = max(half_size.x, half_size.y) * 2.0 / CELL_PX;
+    if (!is_even) {
+        float longest = measure_rings(q, w, middle, low, high);
+        half_size = 0.5 * (high - low);
+        across = max(max(half_size.x, half_size.y) * 2.0 / CELL_PX, 2.0 * longest / (scale * RIM_CELL_PX));
+        if (across > MOST_CELLS) return LEFT;
+    }
+    cells = uint(clamp(ceil(across), LEAST_CELLS, MOST_CELLS)) | (is_even ? 0u : UNEVEN);
+#endif
+    if (min(half_size.x, half_size.y) * scale < least_radius) return LEFT;
     middle = 0.5 * (low + high);
     half_size = half_size * WIDEN + 2.0;
-    return vec4(middle - half_size, middle + half_size);
+    return Blurred(vec4(middle - half_size, middle + half_size), cells);
 }
 
 // Occupied bins in front of `front` under the cone of the traced rays, slab by slab.
@@ -181,13 +231,16 @@ void main()
     vec3 excess = (surface.rgb - held) * (stored > 0.0 ? 1.0 : surface.a);
     float front = w + UNLIKE * w + 2.0 * reach_at(texel, layer) * w;
 
-    vec4 box = is_first || plans[i].box.z > plans[i].box.x ? box_of(q, w) : vec4(0.0);
+    Blurred image = is_first || plans[i].box.z > plans[i].box.x ? blurred_image(q, w) : LEFT;
+    vec4 box = image.box;
+    uint cells = image.cells;
     uvec2 bins = box.z > box.x ? bins_in_front(front) : uvec2(0u);
     if (!is_first) {
         bool both = plans[i].box.z > plans[i].box.x && box.z > box.x;
         box = both ? vec4(min(box.xy, plans[i].box.xy), max(box.zw, plans[i].box.zw)) : vec4(0.0);
+        cells = max(cells & ~UNEVEN, plans[i].cells & ~UNEVEN) | ((cells | plans[i].cells) & UNEVEN);
         bins |= plans[i].bins;
     }
-    plans[i] = Plan(vec4(excess, w), box, bins, uvec2(floatBitsToUint(front), 0u), base,
+    plans[i] = Plan(vec4(excess, w), box, bins, floatBitsToUint(front), cells, base,
                     uvec2(packHalf2x16(surface.rg), packHalf2x16(surface.ba)));
 }

@@ -3,8 +3,9 @@
 A ray that goes out to find a small lamp mostly misses it, and the lamp's blurred image is made of dots. The excess of such a
 texel over its surroundings is taken out of what rays see, and is added to each pixel of its blurred image along the one ray that
 joins pixel and texel through the pupil (``highlights/carry.frag``): through any iris, and through lens tables by Newton's method,
-wavelength by wavelength. The expectation of the picture stays the same. Blurred images that fold (caustics), pictures in tiles
-and motion by velocities are left to the rays.
+wavelength by wavelength. Where a table's blurred image is uneven or folds (caustics), the pupil is divided into cells, and each
+sends its light to the pixels under its image (`render.trace.highlights.scattering`). The expectation of the picture stays the
+same. Pictures in tiles and motion by velocities are left to the rays.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlight
 from render.trace.highlights.evenness import grid_changes
 from render.trace.highlights.iris_levels import bind_iris, iris_levels
 from render.trace.highlights.light_balance import balance_light
+from render.trace.highlights.scattering import UNEVEN, Scatterer
 from render.trace.highlights.search import Picture, find_highlights, measure_means
 from render.trace.lens_table import GridTable, PolynomialTable
 from render.trace.picture_focus import PictureFocus
@@ -43,7 +45,8 @@ _PLAN = np.dtype(
         ("excess", "f4", 4),
         ("box", "f4", 4),
         ("bins", "u4", 2),
-        ("front", "u4", 2),
+        ("front", "u4"),
+        ("cells", "u4"),
         ("base", "u4", 2),
         ("exact", "u4", 2),
     ]
@@ -127,6 +130,7 @@ class HighlightCarrier:
         self._cancellation, self._piece = cancellation, PieceSize(1 << 16)
         self._maps = FocalMaps(ctx, programs)
         self._buffers = RayBuffers(ctx)
+        self._scatterer = Scatterer(ctx, programs, cancellation, self._buffers)
         self.nothing = CarriedHighlights(ctx, programs)
 
     def carry(
@@ -157,11 +161,12 @@ class HighlightCarrier:
             plans = self._plan(picture, means, texels)
             rays = min(bundle.count, bundle.pattern.whole)
             most = CONNECTIONS_PER_RAY * rays * view.width * view.height / len(bundle.rgb)
-            choice = choose_highlights(plans["excess"][:, :3], plans["box"], (0, 0, view.width, view.height), most)
+            corners, cells = (0, 0, view.width, view.height), plans["cells"]
+            choice = choose_highlights(plans["excess"][:, :3], plans["box"], cells, corners, most)
             if len(choice.numbers) == 0:
                 return self.nothing
             texels, plans = texels[choice.numbers], plans[choice.numbers]
-            light = self._draw(picture, texels, plans, choice.connections)
+            light = self._light(picture, texels, plans, choice.connections)
         taken = np.concatenate([_packed(texels), plans["base"], plans["exact"]], axis=1)
         return CarriedHighlights(self._ctx, self._programs, layers, taken, light)
 
@@ -191,7 +196,22 @@ class HighlightCarrier:
                 program.run(-(-len(texels) // _GROUP))
                 self._ctx.memory_barrier()
                 self._cancellation.poll()
-            return np.frombuffer(plans.read(), _PLAN)
+            read = np.frombuffer(plans.read(), _PLAN).copy()
+        read["cells"] = np.where(read["cells"] & UNEVEN, read["cells"] & (UNEVEN - 1), 0)
+        return read
+
+    def _light(
+        self, picture: Picture, texels: NDArray[np.uint32], plans: NDArray[np.void], connections: NDArray[np.float64]
+    ) -> FloatArray:
+        """Light of highlights, ``(height, width, 3)``."""
+        scattered = plans["cells"] > 0
+        light = np.zeros((picture.view.height, picture.view.width, 3), np.float32)
+        if not scattered.all():
+            even = ~scattered
+            light += self._draw(picture, texels[even], plans[even], connections[even])
+        if scattered.any():
+            light += self._scatterer.scatter(picture, _packed(texels[scattered])[:, 0], plans[scattered])
+        return light
 
     def _draw(
         self, picture: Picture, texels: NDArray[np.uint32], plans: NDArray[np.void], connections: NDArray[np.float64]
@@ -257,5 +277,5 @@ def _packed(texels: NDArray[np.uint32]) -> NDArray[np.uint32]:
 def _instances(texels: NDArray[np.uint32], plans: NDArray[np.void]) -> NDArray[np.void]:
     instances = np.zeros(len(texels), _INSTANCE)
     instances["box"], instances["excess"], instances["bins"] = plans["box"], plans["excess"], plans["bins"]
-    instances["texel"][:, :2], instances["texel"][:, 2] = texels[:, :2], plans["front"][:, 0]
+    instances["texel"][:, :2], instances["texel"][:, 2] = texels[:, :2], plans["front"]
     return instances

@@ -13,7 +13,9 @@ import numpy as np
 from render.errors import GraphicsError
 from render.gl.compat import GL
 from render.gl.context import GraphicsContext
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
+from render.layers.glints import GlintSampler, finer_sampling, finer_view
 from render.layers.index import Draw, SceneIndex
 from render.layers.lighting import Lighting
 from render.layers.movement import Movement
@@ -137,6 +139,7 @@ class Peeler:
         self._reach = ReachBounder(graphics.ctx, programs)
         self._resolver = SharpResolver(graphics.ctx, programs)
         self._sharp: SharpLayer | None = None
+        self._glints = GlintSampler(graphics.ctx, programs)
         self._rest = RestMerger(graphics.ctx, programs)
         self._scene: Scene | None = None
         self._shadow_region: Sphere | None = None
@@ -272,8 +275,32 @@ class Peeler:
                     layer = replace(layer, most_opaque=layers, first=slots[0])
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
+        if key.sharp is not None and count > 0 and not unlit:
+            self._sample_glints(key, key.sharp, targets, count)
         sharp = None if key.sharp is None or count == 0 else self._draw_sharp(key.sharp, targets, unlit)
         return Layers(view, targets, count, faded, moving.any, umbra=umbra, sharp=sharp)
+
+    def _sample_glints(self, key: PeelKey, zone: SharpZone, targets: LayerTargets, count: int) -> None:
+        """Give texels out of focus that hold glints the mean of several samples."""
+        with Resources() as scope:
+            samples = self._glints.mark(scope, targets, zone, count)
+            if samples is None:
+                return
+            view = finer_view(key.view)
+            layer = LayerPass(
+                view,
+                self._renderer.visible_draws(view),
+                samples.slot,
+                HIDES_ALL,
+                unlit=key.unlit,
+                sampling=finer_sampling(key.sampling),
+            )
+            self._renderer.draw_opaque_depths(layer)
+            self._glints.mask(samples)
+            self._renderer.draw_opaque_colours(layer)
+            GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+            self._ctx.memory_barrier()
+            self._glints.average(samples, targets, view, zone, count)
 
     def _draw_sharp(self, zone: SharpZone, targets: LayerTargets, unlit: bool) -> SharpLayer:
         """Draw the sharp layer, and remove from the layers what it holds."""

@@ -42,6 +42,7 @@ class SharpZone:
         whole: size of the whole picture's layers.
         focus: ``(rows, columns)`` float32 w in focus on a grid over the whole picture's layers, corners included, 1/m.
         half_width: largest difference from that, 1/m.
+        coc_px: radius of the circle of confusion there, texels of the layers.
         sampling: how finely the finished picture samples surfaces.
     """
 
@@ -51,14 +52,15 @@ class SharpZone:
     whole: tuple[int, int]
     focus: FloatArray
     half_width: float
+    coc_px: float
     sampling: SurfaceSampling
 
     def matches(self, other: SharpZone | None) -> bool:
         """Whether both hold the same."""
         if other is None or not self.view.matches(other.view):
             return False
-        own = (self.first, self.offset, self.whole, self.half_width, self.sampling)
-        others = (other.first, other.offset, other.whole, other.half_width, other.sampling)
+        own = (self.first, self.offset, self.whole, self.half_width, self.coc_px, self.sampling)
+        others = (other.first, other.offset, other.whole, other.half_width, other.coc_px, other.sampling)
         return own == others and np.array_equal(self.focus, other.focus)
 
     @property
@@ -66,6 +68,12 @@ class SharpZone:
         """Range of inverse depth in which rays may meet its surfaces, which go on beyond the centres of their texels, 1/m."""
         farthest = 0.0 if np.isinf(self.view.far_m) else 1 / self.view.far_m
         return (1 - SLACK) * farthest, (1 + SLACK) / self.view.near_m
+
+    def draw_focus(self, ctx: moderngl.Context) -> moderngl.Texture:
+        """Texture of the w in focus, for ``layers/sharp_focus.glsl``; the caller releases it."""
+        grid = ctx.texture(self.focus.shape[::-1], 1, self.focus.tobytes(), dtype="f4")
+        grid.filter = _NEAREST
+        return grid
 
     def within(self, layers: PinholeView, part: PinholeView) -> SharpZone | None:
         """Part of the zone that lies in a part of the layers; None where there is none.
@@ -84,7 +92,7 @@ class SharpZone:
         view = replace(self.view, width=width, height=height, cx=self.view.cx - x, cy=self.view.cy - y)
         offset = low[0] - corner[0], low[1] - corner[1]
         sampling = self.sampling.at_corner(x, y)
-        return SharpZone(view, (low[0], low[1]), offset, self.whole, self.focus, self.half_width, sampling)
+        return replace(self, view=view, first=(low[0], low[1]), offset=offset, sampling=sampling)
 
 
 @dataclass(frozen=True)
@@ -168,8 +176,7 @@ class SharpResolver:
         remove = self._programs.compute("layers/sharp_remove.comp")
         with Resources() as scope:
             missing = scope.keep(self._ctx.buffer(np.zeros(1, np.uint32).tobytes()))
-            grid = scope.keep(self._ctx.texture(zone.focus.shape[::-1], 1, zone.focus.tobytes(), dtype="f4"))
-            grid.filter = _NEAREST
+            grid = scope.keep(zone.draw_focus(self._ctx))
             missing.bind_to_storage_buffer(0)
             sharp.depth.use(0)
             textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {

@@ -65,7 +65,8 @@ def make_sharp_zone(
     rays = bundle.pattern.whole if plane else 1
     sampling = layer_sampling(sharp, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, rays)
     first = int(low[0]), int(low[1])
-    return SharpZone(sharp, first, first, layers.size, _focus_grid(layers, view, focus), half_width, sampling)
+    coc_px = half_width * pupil_px * scale
+    return SharpZone(sharp, first, first, layers.size, _focus_grid(layers, view, focus), half_width, coc_px, sampling)
 
 
 def _focus_grid(layers: PinholeView, view: PinholeView, focus: PictureFocus) -> FloatArray:

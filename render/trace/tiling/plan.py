@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from render.layers.glints import BYTES_PER_PX as GLINT_BYTES_PER_PX
 from render.layers.limits import BLOCK_PX
 from render.layers.nbuffers import BINS_ABOVE_NEAREST, nbuffer_bytes
 from render.layers.sharp_layer import BYTES_PER_PX, FINER
@@ -114,7 +115,8 @@ def plan_tiles(
     unit = strip if strip < length else BLOCK_PX
     scale = whole.fx / picture.fx
     least = _multiple(int(np.ceil(2 * reach_px + _GROUP * scale + 2 * _GUARD)) + unit, unit)
-    room = max(0, budget.bytes - strip * per_line) // per_line // unit * unit
+    glint_bytes = across * GLINT_BYTES_PER_PX if has_sharp else 0  # while the strip is drawn
+    room = max(0, budget.bytes - strip * (per_line + glint_bytes)) // per_line // unit * unit
     window = min(_multiple(length, unit), max(least, min(room, most_side_px // unit * unit)))
     axis_px = (whole.cx - scale * picture.cx, whole.cy - scale * picture.cy)[axis]
     tiles: list[Tile] = []

@@ -15,7 +15,8 @@ Settings:
                 Partly transparent surfaces do not count against it: up to eight surfaces of a pixel have a layer each, and
                 further ones are merged into the last two (`render.layers.rest`).
     supersample layer pixels per picture pixel along each axis, 1 to 4 (2). What is nearly in focus is drawn twice as fine up to
-                2, so that its edges have sixteen samples in a pixel (`render.layers.sharp_layer`).
+                2, so that its edges have sixteen samples in a pixel (`render.layers.sharp_layer`), and glints out of focus take
+                the mean of four samples in a layer pixel (`render.layers.glints`).
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
     connections True carries what is small, bright and blurred to the pixels of its blurred image, through any iris and any lens:
                 along single rays, or cell by cell of the pupil where that image is uneven or folds, as near the focus of real

@@ -17,7 +17,7 @@ from render.errors import GraphicsError
 from render.gl.compat import GL
 from render.gl.resources import Construction, Resources
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.layers.sharp_layer import SharpZone
+from render.layers.sharp_layer import FocusZone
 from render.layers.surface_sampling import SurfaceSampling
 from render.layers.targets import DepthTexture, LayerTargets, Slot, make_framebuffer
 from render.optics.view import PinholeView
@@ -76,12 +76,15 @@ class GlintSampler:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx, self._programs = ctx, programs
 
-    def mark(self, scope: Resources, targets: LayerTargets, zone: SharpZone, layers: int) -> GlintSamples | None:
+    def mark(
+        self, scope: Resources, targets: LayerTargets, first: tuple[int, int], zone: FocusZone, layers: int
+    ) -> GlintSamples | None:
         """Mark the texels of layers that need more samples; None where there are none.
 
         Args:
             scope: owner of the textures.
             targets: the layers.
+            first: their first texel in the layers of the whole picture.
             zone: zone of focus; surfaces within it are not marked.
             layers: number of layers that hold surfaces.
 
@@ -103,8 +106,7 @@ class GlintSampler:
         for unit, (name, texture) in enumerate(textures.items()):
             texture.use(unit)
             set_uniforms(program, **{name: unit})
-        first = zone.first[0] - zone.offset[0], zone.first[1] - zone.offset[1]
-        set_uniforms(program, layer_count=min(layers, 4), first=first, whole=zone.whole)
+        set_uniforms(program, layer_count=min(layers, 4), first=first, whole=zone.whole.size)
         set_uniforms(program, half_width=zone.half_width, least_texels=np.pi * zone.coc_px**2)
         marks.bind_to_image(0, read=False, write=True)
         program.run(-(-size[0] // _GROUP), -(-size[1] // _GROUP))
@@ -142,7 +144,7 @@ class GlintSampler:
             GL.glDisable(GL.GL_DEPTH_TEST)
 
     def average(
-        self, samples: GlintSamples, targets: LayerTargets, view: PinholeView, zone: SharpZone, layers: int
+        self, samples: GlintSamples, targets: LayerTargets, view: PinholeView, zone: FocusZone, layers: int
     ) -> None:
         """Replace the radiance of marked texels by the mean of their samples.
 

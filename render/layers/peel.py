@@ -25,7 +25,7 @@ from render.layers.reach import ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.rest import RestMerger
 from render.layers.shadows import Sphere, sphere_around
-from render.layers.sharp_layer import FINER, SharpLayer, SharpResolver, SharpZone, allocate_sharp_layer
+from render.layers.sharp_layer import FINER, FocusZone, SharpLayer, SharpResolver, SharpZone, allocate_sharp_layer
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, SurfaceTargets, check_layer_size
 from render.layers.texture_budget import TextureBudget
@@ -110,12 +110,15 @@ class PeelKey:
     reachable: bool
     sheets: int
     sharp: SharpZone | None = None
+    zone: FocusZone | None = None
 
     def matches(self, other: PeelKey) -> bool:
         """Whether a peeling with the other key gives the same layers."""
         same_zone = self.sharp is other.sharp is None or (self.sharp is not None and self.sharp.matches(other.sharp))
+        same_focus = self.zone is other.zone is None or (self.zone is not None and self.zone.matches(other.zone))
         same_view = self.view.matches(other.view)
-        return same_zone and same_view and replace(self, view=other.view, sharp=other.sharp) == other
+        others = replace(self, view=other.view, sharp=other.sharp, zone=other.zone) == other
+        return same_zone and same_focus and same_view and others
 
 
 class Peeler:
@@ -205,6 +208,7 @@ class Peeler:
         reachable: bool = False,
         sheets: int = 0,
         sharp: SharpZone | None = None,
+        zone: FocusZone | None = None,
         cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
@@ -226,9 +230,10 @@ class Peeler:
             sheets: at most this many surfaces in a pixel, up to `MAX_LAYERS`, where some may be partly transparent: those do not
                 count against ``layers``. No effect where it is less than ``layers``.
             sharp: what the sharp layer is to hold; None without one. One cache slot at most may hold a sharp layer.
+            zone: what is nearly in focus. Glints of what is not are sampled more finely (`render.layers.glints`); None for none.
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, sharp)
+        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, sharp, zone)
         kept = self._kept.pop(cache_slot, None)
         if kept is not None and not moves and kept[0].matches(key):
             self._kept[cache_slot] = kept
@@ -245,7 +250,7 @@ class Peeler:
 
     def _draw_layers(self, key: PeelKey, moves: Mapping[int, Movement], cache_slot: str) -> Layers:
         view, layers, umbra, unlit, sampling = key.view, key.layers, key.umbra, key.unlit, key.sampling
-        self.textures.fit(view, sampling.detail * (1 if key.sharp is None else FINER))
+        self.textures.fit(view, sampling.detail * (1 if key.sharp is None and key.zone is None else FINER))
         self._bind_lighting(view)
         draws = self._renderer.visible_draws(view)
         layers = min(layers, MAX_LAYERS)
@@ -275,15 +280,16 @@ class Peeler:
                     layer = replace(layer, most_opaque=layers, first=slots[0])
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
-        if key.sharp is not None and count > 0 and not unlit:
-            self._sample_glints(key, key.sharp, targets, count)
+        if key.zone is not None and count > 0:
+            self._sample_glints(key, key.zone, targets, count)
         sharp = None if key.sharp is None or count == 0 else self._draw_sharp(key.sharp, targets, unlit)
         return Layers(view, targets, count, faded, moving.any, umbra=umbra, sharp=sharp)
 
-    def _sample_glints(self, key: PeelKey, zone: SharpZone, targets: LayerTargets, count: int) -> None:
+    def _sample_glints(self, key: PeelKey, zone: FocusZone, targets: LayerTargets, count: int) -> None:
         """Give texels out of focus that hold glints the mean of several samples."""
+        first = round(zone.whole.cx - key.view.cx), round(zone.whole.cy - key.view.cy)
         with Resources() as scope:
-            samples = self._glints.mark(scope, targets, zone, count)
+            samples = self._glints.mark(scope, targets, first, zone, count)
             if samples is None:
                 return
             view = finer_view(key.view)

@@ -32,6 +32,36 @@ _GROUP = 8
 
 
 @dataclass(frozen=True, eq=False)
+class FocusZone:
+    """Surfaces of a picture that are nearly in focus.
+
+    Attributes:
+        whole: view of the whole picture's layers.
+        focus: ``(rows, columns)`` float32 w in focus on a grid over these, corners included, 1/m.
+        half_width: largest difference from that, 1/m.
+        coc_px: radius of the circle of confusion there, texels of the layers.
+    """
+
+    whole: PinholeView
+    focus: FloatArray
+    half_width: float
+    coc_px: float
+
+    def matches(self, other: FocusZone | None) -> bool:
+        """Whether both are the same."""
+        if other is None:
+            return False
+        same_width = (self.half_width, self.coc_px) == (other.half_width, other.coc_px)
+        return same_width and self.whole.matches(other.whole) and np.array_equal(self.focus, other.focus)
+
+    def draw_focus(self, ctx: moderngl.Context) -> moderngl.Texture:
+        """Texture of the w in focus, for ``layers/sharp_focus.glsl``; the caller releases it."""
+        grid = ctx.texture(self.focus.shape[::-1], 1, self.focus.tobytes(), dtype="f4")
+        grid.filter = _NEAREST
+        return grid
+
+
+@dataclass(frozen=True, eq=False)
 class SharpZone:
     """Contents of a sharp layer.
 
@@ -39,41 +69,27 @@ class SharpZone:
         view: view of its texels: `FINER` times the layers' resolution, between ``1 / near_m`` and ``1 / far_m``.
         first: its corner's texel in the layers of the whole picture.
         offset: its corner's texel in the layers that it belongs to, which may be a part of these.
-        whole: size of the whole picture's layers.
-        focus: ``(rows, columns)`` float32 w in focus on a grid over the whole picture's layers, corners included, 1/m.
-        half_width: largest difference from that, 1/m.
-        coc_px: radius of the circle of confusion there, texels of the layers.
+        zone: what is nearly in focus.
         sampling: how finely the finished picture samples surfaces.
     """
 
     view: PinholeView
     first: tuple[int, int]
     offset: tuple[int, int]
-    whole: tuple[int, int]
-    focus: FloatArray
-    half_width: float
-    coc_px: float
+    zone: FocusZone
     sampling: SurfaceSampling
 
     def matches(self, other: SharpZone | None) -> bool:
         """Whether both hold the same."""
-        if other is None or not self.view.matches(other.view):
+        if other is None or not (self.view.matches(other.view) and self.zone.matches(other.zone)):
             return False
-        own = (self.first, self.offset, self.whole, self.half_width, self.coc_px, self.sampling)
-        others = (other.first, other.offset, other.whole, other.half_width, other.coc_px, other.sampling)
-        return own == others and np.array_equal(self.focus, other.focus)
+        return (self.first, self.offset, self.sampling) == (other.first, other.offset, other.sampling)
 
     @property
     def w_range(self) -> tuple[float, float]:
         """Range of inverse depth in which rays may meet its surfaces, which go on beyond the centres of their texels, 1/m."""
         farthest = 0.0 if np.isinf(self.view.far_m) else 1 / self.view.far_m
         return (1 - SLACK) * farthest, (1 + SLACK) / self.view.near_m
-
-    def draw_focus(self, ctx: moderngl.Context) -> moderngl.Texture:
-        """Texture of the w in focus, for ``layers/sharp_focus.glsl``; the caller releases it."""
-        grid = ctx.texture(self.focus.shape[::-1], 1, self.focus.tobytes(), dtype="f4")
-        grid.filter = _NEAREST
-        return grid
 
     def within(self, layers: PinholeView, part: PinholeView) -> SharpZone | None:
         """Part of the zone that lies in a part of the layers; None where there is none.
@@ -176,7 +192,7 @@ class SharpResolver:
         remove = self._programs.compute("layers/sharp_remove.comp")
         with Resources() as scope:
             missing = scope.keep(self._ctx.buffer(np.zeros(1, np.uint32).tobytes()))
-            grid = scope.keep(zone.draw_focus(self._ctx))
+            grid = scope.keep(zone.zone.draw_focus(self._ctx))
             missing.bind_to_storage_buffer(0)
             sharp.depth.use(0)
             textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
@@ -195,8 +211,8 @@ class SharpResolver:
             )
             grid.use(4)
             for program in (resolve, remove):
-                set_uniforms(program, offset=zone.offset, first=zone.first, half_width=zone.half_width)
-                set_uniforms(program, focus_grid=4, whole=zone.whole)
+                set_uniforms(program, offset=zone.offset, first=zone.first, half_width=zone.zone.half_width)
+                set_uniforms(program, focus_grid=4, whole=zone.zone.whole.size)
             sharp.w.bind_to_image(0, read=False, write=True)
             sharp.slopes.bind_to_image(1, read=False, write=True)
             sharp.radiance.bind_to_image(2, read=False, write=True)

@@ -31,7 +31,7 @@ from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
-from render.trace.sharp_zone import make_sharp_zone
+from render.trace.sharp_zone import make_focus_zone, make_sharp_zone
 from render.trace.tiling.picture import Area, TiledPicture
 from render.trace.tiling.plan import LayerBudget, TilePlan, plan_tiles, ray_reach_px
 from render.trace.tracer import Tracer
@@ -165,7 +165,8 @@ class LensTracer:
         plane = focus.affine
         sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1)
 
-        zone = make_sharp_zone(wide, view, bundle, focus, nearest_w)
+        focus_zone = make_focus_zone(wide, view, bundle, focus, nearest_w)
+        zone = None if focus_zone is None else make_sharp_zone(focus_zone, view, bundle, focus, nearest_w)
 
         def peel(part: PinholeView) -> Layers:
             sharp = None if zone is None else zone.within(wide, part)
@@ -174,12 +175,28 @@ class LensTracer:
                 part.size == wide.size
             )  # rays come into a part from beside it, behind surfaces that it does not show
             return peeler.peel(
-                part, layers=layers, umbra=umbra, unlit=unlit, sampling=own, reachable=whole, sheets=sheets, sharp=sharp
+                part,
+                layers=layers,
+                umbra=umbra,
+                unlit=unlit,
+                sampling=own,
+                reachable=whole,
+                sheets=sheets,
+                sharp=sharp,
+                zone=None if unlit else focus_zone,
             )
 
         reach_px = ray_reach_px(bundle, focus, wide, wide.fx / view.fx, nearest_w)
-        side_px, has_sharp = int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]), zone is not None
-        plan = plan_tiles(view, wide, reach_px, sheets, self.budget, side_px, has_sharp=has_sharp)
+        plan = plan_tiles(
+            view,
+            wide,
+            reach_px,
+            sheets,
+            self.budget,
+            int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]),
+            has_sharp=zone is not None,
+            has_glints=focus_zone is not None and not unlit,
+        )
         if plan is not None:
             return (
                 yield from self._trace_tiles(

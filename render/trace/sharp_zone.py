@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from render.layers.limits import BLOCK_PX
-from render.layers.sharp_layer import FINER, SLACK, SharpZone
+from render.layers.sharp_layer import FINER, SLACK, FocusZone, SharpZone
 from render.layers.surface_sampling import layer_sampling
 from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
@@ -24,10 +24,10 @@ MOST_SCALE = 4
 """Limit on the sharp layer's texels per picture pixel along each axis."""
 
 
-def make_sharp_zone(
+def make_focus_zone(
     layers: PinholeView, view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float
-) -> SharpZone | None:
-    """The zone of a picture; None where it has a single ray per pixel, or layers that are as fine already.
+) -> FocusZone | None:
+    """What is nearly in focus; None where a picture has a single ray per pixel, or layers that are too fine for finer ones.
 
     Args:
         layers: view of the layers.
@@ -36,12 +36,29 @@ def make_sharp_zone(
         focus: focal surface.
         nearest_w: inverse depth of the nearest surface in view, 1/m.
     """
-    plane, scale = focus.affine, layers.fx / view.fx
+    scale = layers.fx / view.fx
     if FINER * scale > MOST_SCALE * 1.01 or nearest_w <= 0 or bundle.pattern.whole == 1:
         return None
-    w_f, pupil = focus.over_picture()
+    _, pupil = focus.over_picture()
     pupil_px = max(view.fx, view.fy) * bundle.reach_m * float(pupil.max())
     half_width = min(SHARP_COC_PX / pupil_px, 10 * nearest_w) if pupil_px > 0 else 10 * nearest_w
+    return FocusZone(layers, _focus_grid(layers, view, focus), half_width, half_width * pupil_px * scale)
+
+
+def make_sharp_zone(
+    zone: FocusZone, view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float
+) -> SharpZone | None:
+    """Contents of a picture's sharp layer; None where nothing is nearly in focus.
+
+    Args:
+        zone: what is.
+        view: view of the picture.
+        bundle: the lens.
+        focus: focal surface.
+        nearest_w: inverse depth of the nearest surface in view, 1/m.
+    """
+    layers, half_width, plane = zone.whole, zone.half_width, focus.affine
+    w_f, _ = focus.over_picture()
     nearest = min(1.01 * nearest_w, (1 + SLACK) * (float(w_f.max()) + half_width))
     farthest = (1 - SLACK) * (float(w_f.min()) - half_width)
     if nearest <= max(farthest, 0.0):
@@ -65,8 +82,7 @@ def make_sharp_zone(
     rays = bundle.pattern.whole if plane else 1
     sampling = layer_sampling(sharp, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, rays)
     first = int(low[0]), int(low[1])
-    coc_px = half_width * pupil_px * scale
-    return SharpZone(sharp, first, first, layers.size, _focus_grid(layers, view, focus), half_width, coc_px, sampling)
+    return SharpZone(sharp, first, first, zone, sampling)
 
 
 def _focus_grid(layers: PinholeView, view: PinholeView, focus: PictureFocus) -> FloatArray:

@@ -92,6 +92,7 @@ def plan_tiles(
     most_side_px: int,
     *,
     has_sharp: bool = False,
+    has_glints: bool = False,
 ) -> TilePlan | None:
     """Plan the tiles of a picture; None where its layers fit the budget.
 
@@ -103,8 +104,9 @@ def plan_tiles(
         budget: memory.
         most_side_px: limit of the device on the sides of textures.
         has_sharp: whether there is a sharp layer (`render.layers.sharp_layer`), with which the sides are `FINER` times as long.
+        has_glints: whether glints are sampled (`render.layers.glints`), with the same sides, while a strip is drawn.
     """
-    if has_sharp:
+    if has_sharp or has_glints:
         most_side_px //= FINER
     if layers_bytes(*whole.size, layers, has_sharp=has_sharp) <= budget.bytes and max(whole.size) <= most_side_px:
         return None
@@ -115,7 +117,7 @@ def plan_tiles(
     unit = strip if strip < length else BLOCK_PX
     scale = whole.fx / picture.fx
     least = _multiple(int(np.ceil(2 * reach_px + _GROUP * scale + 2 * _GUARD)) + unit, unit)
-    glint_bytes = across * GLINT_BYTES_PER_PX if has_sharp else 0  # while the strip is drawn
+    glint_bytes = across * GLINT_BYTES_PER_PX if has_glints else 0
     room = max(0, budget.bytes - strip * (per_line + glint_bytes)) // per_line // unit * unit
     window = min(_multiple(length, unit), max(least, min(room, most_side_px // unit * unit)))
     axis_px = (whole.cx - scale * picture.cx, whole.cy - scale * picture.cy)[axis]

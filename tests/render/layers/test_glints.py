@@ -58,3 +58,17 @@ def test_what_is_even_takes_no_more_samples(renderer: FrameRenderer, monkeypatch
     assert not drawn
     radiance(renderer, beads(CHROME))
     assert drawn
+
+
+def test_glints_are_sampled_where_nothing_is_in_focus(renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[object] = []
+    average = GlintSampler.average
+
+    def count(*call: object) -> None:
+        drawn.append(call)
+        average(*call)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(GlintSampler, "average", count)
+    camera = replace(CAMERA, focus_distance_m=0.6)
+    renderer.render(beads(CHROME), camera, SETTINGS)
+    assert len(drawn) == 1

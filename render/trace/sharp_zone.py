@@ -27,7 +27,7 @@ MOST_SCALE = 4
 def make_focus_zone(
     layers: PinholeView, view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float
 ) -> FocusZone | None:
-    """What is nearly in focus; None where a picture has a single ray per pixel, or layers that are too fine for finer ones.
+    """Make the zone of what is nearly in focus; None where a picture has one ray per pixel, or layers that are fine already.
 
     Args:
         layers: view of the layers.

@@ -127,7 +127,11 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--layers", type=int, default=4, metavar="N", help="depth layers at most")
     group.add_argument(
-        "--supersample", type=float, default=2, metavar="N", help="layer pixels for each pixel, along each axis"
+        "--supersample",
+        type=float,
+        default=FrameSettings.supersample,
+        metavar="N",
+        help="layer pixels for each pixel, along each axis; 0, the default, for as many as suit the engine and its rays",
     )
     group.add_argument(
         "--no-connections",

@@ -118,7 +118,7 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
         super().__init__(name=material.name)
         self.source = material
         self.maps = textures
-        self.defines: dict[str, int] = {"CLEARCOAT": 1} if material.clearcoat > 0 else {}
+        self.defines: dict[str, int] = {}
         for name in textures:
             self.defines[f"HAS_{name.upper()}"] = 1
             self.defines[f"LOOKUP_{name.upper()}"] = INPUTS.index(name)

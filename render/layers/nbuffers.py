@@ -19,7 +19,6 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
 from render.layers.movers import Movers, block_counts
 from render.layers.peel import Layers
-from render.layers.sharp_layer import SharpLayer
 from render.layers.targets import LAYERS_PER_PACK, texture_bytes
 
 BINS_ABOVE_NEAREST = 1.06
@@ -35,20 +34,17 @@ class NBuffers:
         bins: RG32UI array of the same size: 64 bits, the lowest for the farthest bin of the whole range.
         w_range: range of inverse depth of the bins, 1/m; every surface is within it.
         levels: number of levels; the first texel of the last one covers the whole picture.
-        sharp_ranges: like ``ranges``, over the sharp layer; None without one.
     """
 
     ranges: moderngl.TextureArray
     bins: moderngl.TextureArray
     w_range: tuple[float, float]
     levels: int
-    sharp_ranges: moderngl.TextureArray | None = None
 
     @property
     def bytes(self) -> int:
         """Memory on the device, bytes."""
-        more = 0 if self.sharp_ranges is None else texture_bytes(self.sharp_ranges)
-        return texture_bytes(self.ranges) + texture_bytes(self.bins) + more
+        return texture_bytes(self.ranges) + texture_bytes(self.bins)
 
 
 def nbuffer_bytes(width: int, height: int) -> int:
@@ -77,12 +73,6 @@ def bind_layers(
     }
     if layers.count > LAYERS_PER_PACK:
         textures |= {"packed_w_far": targets.packed_w[1], "slopes_far": targets.packed_slopes[1]}
-    if layers.sharp is not None and nbuffers.sharp_ranges is not None:
-        zone = layers.sharp.zone
-        textures |= {"sharp_w": layers.sharp.w, "sharp_slopes": layers.sharp.slopes}
-        textures |= {"sharp_radiance": layers.sharp.radiance, "sharp_ranges": nbuffers.sharp_ranges}
-        set_uniforms(program, sharp_offset=zone.first, sharp_w_range=zone.w_range)
-        set_uniforms(program, sharp_last_level=nbuffers.sharp_ranges.layers - 1)
     for unit, (name, texture) in enumerate(textures.items(), start=first_unit):
         if name in program:
             texture.use(unit)
@@ -100,7 +90,6 @@ class NBufferBuilder:
         self._ctx, self._cancellation = ctx, cancellation
         self._programs = programs
         self._textures: tuple[moderngl.TextureArray, moderngl.TextureArray] | None = None
-        self._sharp_ranges: moderngl.TextureArray | None = None
         self._built: tuple[Layers, NBuffers] | None = None
 
     def build(self, layers: Layers, nearest_w: float, movers: Movers | None = None) -> NBuffers:
@@ -133,8 +122,7 @@ class NBufferBuilder:
         set_uniforms(program, w_range=w_range)
         self._fill(program, layers, bins)
         self._build_levels("layers/bins_level.comp", bins)
-        sharp = None if layers.sharp is None else self._build_sharp(layers.sharp)
-        built = NBuffers(ranges, bins, w_range, levels, sharp)
+        built = NBuffers(ranges, bins, w_range, levels)
         if movers is None:
             self._built = layers, built
         return built
@@ -143,30 +131,7 @@ class NBufferBuilder:
         """Release the memory."""
         for texture in self._textures or ():
             texture.release()
-        if self._sharp_ranges is not None:
-            self._sharp_ranges.release()
-        self._textures = self._built = self._sharp_ranges = None
-
-    def _build_sharp(self, sharp: SharpLayer) -> moderngl.TextureArray:
-        """Build the ranges over a sharp layer."""
-        width, height = block_counts(sharp.zone.view)
-        levels = _levels(width, height)
-        ranges = self._sharp_ranges
-        if ranges is None or ranges.size != (width, height, levels):
-            if ranges is not None:
-                ranges.release()
-                self._sharp_ranges = None
-            ranges = self._sharp_ranges = self._ctx.texture_array((width, height, levels), 2, dtype="f4")
-            ranges.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        program = self._programs.compute("layers/sharp_blocks.comp", {"EMPTY_MIN": EMPTY_MIN})
-        for unit, (name, texture) in enumerate((("sharp_w", sharp.w), ("sharp_slopes", sharp.slopes))):
-            texture.use(unit)
-            program[name] = unit
-        ranges.bind_to_image(0, read=False, write=True)
-        program.run(-(-width // 8), -(-height // 8))
-        self._ctx.memory_barrier()
-        self._build_levels("layers/nbuffer.comp", ranges)
-        return ranges
+        self._textures = self._built = None
 
     def _fill(self, program: moderngl.ComputeShader, layers: Layers, texture: moderngl.TextureArray) -> None:
         """Fill the texture's first slice with the contents of each block."""

@@ -13,9 +13,7 @@ import numpy as np
 from render.errors import GraphicsError
 from render.gl.compat import GL
 from render.gl.context import GraphicsContext
-from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
-from render.layers.glints import GlintSampler, finer_sampling, finer_view
 from render.layers.index import Draw, SceneIndex
 from render.layers.lighting import Lighting
 from render.layers.movement import Movement
@@ -24,8 +22,8 @@ from render.layers.nearest import nearest_depth_m
 from render.layers.reach import ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.rest import RestMerger
+from render.layers.shading import SurfaceLighter
 from render.layers.shadows import Sphere, sphere_around
-from render.layers.sharp_layer import FINER, FocusZone, SharpLayer, SharpResolver, SharpZone, allocate_sharp_layer
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, SurfaceTargets, check_layer_size
 from render.layers.texture_budget import TextureBudget
@@ -56,7 +54,6 @@ class Layers:
         may_move: whether any of their surfaces may move; the targets hold the motion then.
         within: view of the whole picture's layers, of whose pixels these are a part; None where they are the whole.
         umbra: reach of an opaque surface's umbra that they were peeled with, 1/m.
-        sharp: surfaces nearly in focus, at a finer resolution, which are removed from the layers; None without.
     """
 
     view: PinholeView
@@ -66,7 +63,6 @@ class Layers:
     may_move: bool = False
     within: PinholeView | None = None
     umbra: float = HIDES_ALL
-    sharp: SharpLayer | None = None
 
     @property
     def whole(self) -> PinholeView:
@@ -109,16 +105,10 @@ class PeelKey:
     sampling: SurfaceSampling
     reachable: bool
     sheets: int
-    sharp: SharpZone | None = None
-    zone: FocusZone | None = None
 
     def matches(self, other: PeelKey) -> bool:
         """Whether a peeling with the other key gives the same layers."""
-        same_zone = self.sharp is other.sharp is None or (self.sharp is not None and self.sharp.matches(other.sharp))
-        same_focus = self.zone is other.zone is None or (self.zone is not None and self.zone.matches(other.zone))
-        same_view = self.view.matches(other.view)
-        others = replace(self, view=other.view, sharp=other.sharp, zone=other.zone) == other
-        return same_zone and same_focus and same_view and others
+        return self.view.matches(other.view) and replace(self, view=other.view) == other
 
 
 class Peeler:
@@ -140,10 +130,8 @@ class Peeler:
         self._kept: dict[str, tuple[PeelKey, Layers]] = {}
         self._surfaces: SurfaceTargets | None = None
         self._reach = ReachBounder(graphics.ctx, programs)
-        self._resolver = SharpResolver(graphics.ctx, programs)
-        self._sharp: SharpLayer | None = None
-        self._glints = GlintSampler(graphics.ctx, programs)
         self._rest = RestMerger(graphics.ctx, programs)
+        self._lighter = SurfaceLighter(graphics.ctx, programs)
         self._scene: Scene | None = None
         self._shadow_region: Sphere | None = None
 
@@ -207,8 +195,6 @@ class Peeler:
         moves: Mapping[int, Movement] | None = None,
         reachable: bool = False,
         sheets: int = 0,
-        sharp: SharpZone | None = None,
-        zone: FocusZone | None = None,
         cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
@@ -229,11 +215,9 @@ class Peeler:
                 surfaces move.
             sheets: at most this many surfaces in a pixel, up to `MAX_LAYERS`, where some may be partly transparent: those do not
                 count against ``layers``. No effect where it is less than ``layers``.
-            sharp: what the sharp layer is to hold; None without one. One cache slot at most may hold a sharp layer.
-            zone: what is nearly in focus. Glints of what is not are sampled more finely (`render.layers.glints`); None for none.
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, sharp, zone)
+        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets)
         kept = self._kept.pop(cache_slot, None)
         if kept is not None and not moves and kept[0].matches(key):
             self._kept[cache_slot] = kept
@@ -250,7 +234,7 @@ class Peeler:
 
     def _draw_layers(self, key: PeelKey, moves: Mapping[int, Movement], cache_slot: str) -> Layers:
         view, layers, umbra, unlit, sampling = key.view, key.layers, key.umbra, key.unlit, key.sampling
-        self.textures.fit(view, sampling.detail * (1 if key.sharp is None and key.zone is None else FINER))
+        self.textures.fit(view, sampling.detail)
         self._bind_lighting(view)
         draws = self._renderer.visible_draws(view)
         layers = min(layers, MAX_LAYERS)
@@ -259,7 +243,7 @@ class Peeler:
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
         sheets = max(layers, min(key.sheets, MAX_LAYERS)) if faded else layers
         with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
-            targets = self._allocate_targets(view, sheets, cache_slot, motion=moving.any)
+            targets = self._allocate_targets(view, sheets, cache_slot, motion=moving.any, lit=not unlit)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
             layer = LayerPass(view, draws, slots[0], umbra, None, sheets == 1, unlit, sampling)
@@ -280,56 +264,7 @@ class Peeler:
                     layer = replace(layer, most_opaque=layers, first=slots[0])
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
-        if key.zone is not None and count > 0:
-            self._sample_glints(key, key.zone, targets, count)
-        sharp = None if key.sharp is None or count == 0 else self._draw_sharp(key.sharp, targets, unlit)
-        return Layers(view, targets, count, faded, moving.any, umbra=umbra, sharp=sharp)
-
-    def _sample_glints(self, key: PeelKey, zone: FocusZone, targets: LayerTargets, count: int) -> None:
-        """Give texels out of focus that hold glints the mean of several samples."""
-        first = round(zone.whole.cx - key.view.cx), round(zone.whole.cy - key.view.cy)
-        with Resources() as scope:
-            samples = self._glints.mark(scope, targets, first, zone, count)
-            if samples is None:
-                return
-            view = finer_view(key.view)
-            layer = LayerPass(
-                view,
-                self._renderer.visible_draws(view),
-                samples.slot,
-                HIDES_ALL,
-                unlit=key.unlit,
-                sampling=finer_sampling(key.sampling),
-            )
-            self._renderer.draw_opaque_depths(layer)
-            self._glints.mask(samples)
-            self._renderer.draw_opaque_colours(layer)
-            GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
-            self._ctx.memory_barrier()
-            self._glints.average(samples, targets, view, zone, count)
-
-    def _draw_sharp(self, zone: SharpZone, targets: LayerTargets, unlit: bool) -> SharpLayer:
-        """Draw the sharp layer, and remove from the layers what it holds."""
-        sharp = self._sharp
-        if sharp is None or sharp.zone.view.size != zone.view.size:
-            check_layer_size(self._ctx, *zone.view.size)
-            if sharp is not None:
-                sharp.release()
-                self._sharp = None
-            sharp = allocate_sharp_layer(self._ctx, zone)
-        sharp = self._sharp = replace(sharp, zone=zone)
-        self._bind_lighting(zone.view)
-        draws = self._renderer.visible_draws(zone.view)
-        layer = LayerPass(zone.view, draws, sharp.slot, HIDES_ALL, None, False, unlit, zone.sampling)
-        self._renderer.draw_opaque_depths(layer)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
-        self._ctx.memory_barrier()
-        if self._resolver.resolve(sharp, targets):
-            self._resolver.mask_held(sharp)
-            self._renderer.draw_opaque_colours(layer)
-            GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
-            self._ctx.memory_barrier()
-        return sharp
+        return Layers(view, targets, count, faded, moving.any, umbra=umbra)
 
     def peel_groups(
         self, view: PinholeView, *, unlit: bool = False, sampling: SurfaceSampling = PLAIN
@@ -348,7 +283,7 @@ class Peeler:
         draws = self._renderer.visible_draws(view)
         layers = MAX_PINHOLE_LAYERS if _any_translucent(draws) else 1
         self._kept.pop(PICTURE, None)
-        targets = self._allocate_targets(view, min(layers, 2 * LAYERS_PER_PACK), PICTURE)
+        targets = self._allocate_targets(view, min(layers, 2 * LAYERS_PER_PACK), PICTURE, lit=not unlit)
         self._lighting.draw_background(view, targets)
         previous = None
         for first in range(0, layers, LAYERS_PER_PACK):
@@ -396,8 +331,6 @@ class Peeler:
                 targets.release()
         self._reach.release()
         self._rest.release()
-        if self._sharp is not None:
-            self._sharp.release()
         self._lighting.release()
         self._renderer.delete()
 
@@ -417,7 +350,7 @@ class Peeler:
         self._rest.merge(self._draw_and_query, last, targets, index)
 
     def _draw_and_query(self, layer: LayerPass) -> bool:
-        """Draw a layer; true where any of its pixels was filled (occlusion query)."""
+        """Draw a layer and light it; true where any of its pixels was filled (occlusion query)."""
         query = GL.glGenQueries(1)
         name = int(np.ravel(query)[0])
         GL.glBeginQuery(GL.GL_ANY_SAMPLES_PASSED, name)
@@ -429,20 +362,25 @@ class Peeler:
             self._ctx.finish()
             passed = int(np.ravel(GL.glGetQueryObjectuiv(name, GL.GL_QUERY_RESULT))[0])
             GL.glDeleteQueries(1, [name])
+        if passed and not layer.unlit:
+            GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+            self._ctx.memory_barrier()
+            has_clearcoat = any(draw.batch.material.clearcoat > 0 for draw in layer.draws)
+            self._lighter.light(layer.slot, layer.view, has_clearcoat=has_clearcoat)
         return passed != 0
 
     def _allocate_targets(
-        self, view: PinholeView, layers: int, cache_slot: str, *, motion: bool = False
+        self, view: PinholeView, layers: int, cache_slot: str, *, motion: bool = False, lit: bool
     ) -> LayerTargets:
         """Targets of the view's size for this many layers, or for more where more were needed before."""
         targets = self._targets.get(cache_slot)
-        if targets is None or not targets.fits(view.width, view.height, layers, motion=motion):
+        if targets is None or not targets.fits(view.width, view.height, layers, motion=motion, lit=lit):
             check_layer_size(self._ctx, view.width, view.height)
             if targets is not None:
                 targets.release()
                 del self._targets[cache_slot]
             targets = self._targets[cache_slot] = LayerTargets.allocate(
-                self._ctx, view.width, view.height, layers, motion=motion
+                self._ctx, view.width, view.height, layers, motion=motion, lit=lit
             )
         return targets
 

@@ -17,20 +17,18 @@ from render.layers.clusters import DrawRange
 from render.layers.draw_splitter import DrawSplitter
 from render.layers.hidden import HiddenMeasurer
 from render.layers.index import Draw, SceneIndex
-from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
 from render.layers.selection import ClusterSelection, DrawnRanges
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
-from render.layers.targets import Slot
+from render.layers.targets import MOST_RADIANCE, Slot
 from render.model.arrays import DoubleArray, FloatArray
 from render.optics.view import PinholeView
 
 OPAQUE = 0.999
 """Opacity from which a surface hides the surfaces behind it."""
 _ANY_OPACITY = 1e-6
-_MAX_HALF = 65000.0
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
 DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materials use those below 8
 _PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT, _REST_UNIT = 8, 11, 12, 13, 14, 15
@@ -176,23 +174,6 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         layer.slot.begin_colour(fill=fill)
         self._draw_colours(layer, drawn, least_opacity)
 
-    def draw_opaque_depths(self, layer: LayerPass) -> None:
-        """Draw the depth of the nearest opaque surfaces, and nothing else."""
-        try:
-            self._begin(layer.view.width, layer.view.height)
-            self._draw_depths(layer, self._selection.ranges(layer.view, layer.draws, None, 0.0), OPAQUE)
-        finally:
-            self._end()
-
-    def draw_opaque_colours(self, layer: LayerPass) -> None:
-        """Shade the opaque surfaces whose depth equals the contents of the slot's depth buffer."""
-        try:
-            self._begin(layer.view.width, layer.view.height)
-            layer.slot.begin_colour(fill=True)
-            self._draw_colours(layer, self._selection.ranges(layer.view, layer.draws, None, 0.0), OPAQUE)
-        finally:
-            self._end()
-
     def _draw_depths(
         self, layer: LayerPass, drawn: list[DrawnRanges], least_opacity: float, *, fill: bool = False
     ) -> None:
@@ -241,7 +222,6 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             program = self._surface_program(draw, least_opacity, unlit=layer.unlit, moving=layer.moving)
             GL.glUseProgram(program._program_id)
             self._set_motion(program, draw, layer)
-            GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
@@ -378,19 +358,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             maps,
             primitive.texcoord_0 is None,
             primitive.color_0 is None,
-            "CLEARCOAT" in material.defines,
         )
         key += tuple(sorted(defines.items()))
         if key not in self._programs:
             attributes = ["NORMAL_LOC"]
             attributes += ["TEXCOORD_0_LOC"] * (primitive.texcoord_0 is not None)
             attributes += ["COLOR_0_LOC"] * (primitive.color_0 is not None) + ["INST_M_LOC"]
-            constants = {
-                "OPAQUE": OPAQUE,
-                "MAX_HALF": _MAX_HALF,
-                "MAX_LIGHTS": MAX_LIGHTS,
-                "MAX_SHADOW_MAPS": MAX_SHADOW_MAPS,
-            }
+            constants = {"OPAQUE": OPAQUE, "MAX_HALF": MOST_RADIANCE}
             places = {name: place for place, name in enumerate(attributes, start=1)}
             all_defines = {**constants, **places, **material.defines, **defines}
             self._programs[key] = SourceProgram(fragment, all_defines, maps)

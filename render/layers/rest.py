@@ -28,23 +28,25 @@ from render.gl.compat import GL
 from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.renderer import LayerPass, Rest
-from render.layers.targets import DepthTexture, LayerTargets, Slot, make_framebuffer
+from render.layers.targets import DepthTexture, LayerTargets, LitSlot, Reflectors, Slot, make_framebuffer
 
 _GROUP = 8
 
 
 @dataclass(frozen=True)
 class _RestTargets:
-    """Textures of one size: radiance (RGBA16F) and w (R32F) of one surface, light (RGBA32F) of all so far, premultiplied."""
+    """Textures of one size: radiance (RGBA16F, one slice) and w (R32F) of one surface, light (RGBA32F) of all so far,
+    premultiplied."""
 
-    radiance: moderngl.Texture
+    radiance: moderngl.TextureArray
     w: moderngl.Texture
     light: moderngl.Texture
     depth: DepthTexture
+    reflectors: Reflectors
     slot: Slot
 
     def release(self) -> None:
-        for texture in (self.radiance, self.w, self.light, self.depth, self.slot):
+        for texture in (self.radiance, self.w, self.light, self.depth, self.reflectors, self.slot):
             texture.release()
 
 
@@ -126,7 +128,8 @@ class RestMerger:
 def _allocate(ctx: moderngl.Context, width: int, height: int) -> _RestTargets:
     with Construction() as making:
         try:
-            radiance = making.keep(ctx.texture((width, height), 4, dtype="f2"))
+            radiance = making.keep(ctx.texture_array((width, height, 1), 4, dtype="f2"))
+            reflectors = Reflectors.allocate(making, ctx, (width, height))
             w = making.keep(ctx.texture((width, height), 1, dtype="f4"))
             light = making.keep(ctx.texture((width, height), 4, dtype="f4"))
         except moderngl.Error as error:
@@ -134,5 +137,7 @@ def _allocate(ctx: moderngl.Context, width: int, height: int) -> _RestTargets:
         for texture in (radiance, w, light):
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         depth = making.keep(DepthTexture(width, height))
-        slot = Slot(make_framebuffer(making, depth), make_framebuffer(making, depth, radiance, w), w, 0)
-    return _RestTargets(radiance, w, light, depth, slot)
+        none = (None, None, None)
+        framebuffer = make_framebuffer(making, depth, (radiance, 0), w, *none, *reflectors.textures)
+        slot = Slot(make_framebuffer(making, depth), framebuffer, w, 0, LitSlot(radiance, 0, reflectors))
+    return _RestTargets(radiance, w, light, depth, reflectors, slot)

@@ -18,6 +18,8 @@ from render.gl.compat import GL
 from render.gl.resources import Construction
 
 LAYERS_PER_PACK = 4
+MOST_RADIANCE = 65000.0
+"""Limit on radiance, which layers hold in half precision."""
 MAX_LAYER_PIXELS = 80_000_000
 """Limit on a layer's pixels. Eight layers take some 125 bytes a pixel: ten gigabytes; with motion, twice that."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
@@ -27,20 +29,74 @@ Attachment = moderngl.Texture | tuple[moderngl.TextureArray, int] | None
 
 
 @dataclass(frozen=True)
+class Reflectors:
+    """Textures of the surfaces of one layer that light falls on (``layers/reflector.glsl``), until they are shaded.
+
+    Attributes:
+        albedo: RGBA16F, albedo and roughness.
+        reflectance: RGBA16F, reflectance at normal incidence and occlusion.
+        normal: RGBA16, octahedral coordinates of the normal, and amount and roughness of the clear coat.
+    """
+
+    albedo: moderngl.Texture
+    reflectance: moderngl.Texture
+    normal: moderngl.Texture
+
+    @classmethod
+    def allocate(cls, making: Construction, ctx: moderngl.Context, size: tuple[int, int]) -> Reflectors:
+        """Allocate the textures; ``making`` releases them where the construction fails."""
+        textures = [making.keep(ctx.texture(size, 4, dtype=dtype)) for dtype in ("f2", "f2", "nu2")]
+        for texture in textures:
+            texture.filter = _NEAREST
+        return cls(*textures)
+
+    @property
+    def textures(self) -> tuple[moderngl.Texture, moderngl.Texture, moderngl.Texture]:
+        """All three, in the order of the colour pass's outputs."""
+        return self.albedo, self.reflectance, self.normal
+
+    def release(self) -> None:
+        """Release the memory."""
+        for texture in self.textures:
+            texture.release()
+
+
+REFLECTOR_BYTES_PER_PX = 24
+
+
+@dataclass(frozen=True)
+class LitSlot:
+    """Part of a slot that light is added to (`render.layers.shading`).
+
+    Attributes:
+        radiance: RGBA16F array.
+        slice: the layer's slice of it.
+        reflectors: its surfaces.
+    """
+
+    radiance: moderngl.TextureArray
+    slice: int
+    reflectors: Reflectors
+
+
+@dataclass(frozen=True)
 class Slot:
     """Target of one layer.
 
     Attributes:
         depth_framebuffer: OpenGL name; depth alone.
-        framebuffer: OpenGL name; the same depth, radiance at 0, inverse depth at 1, ids at 2, slopes at 3 and motion at 4.
+        framebuffer: OpenGL name; the same depth, radiance at 0, inverse depth at 1, ids at 2, slopes at 3, motion at 4, and the
+            reflectors' textures from 5 on.
         w: the inverse depth's texture.
         channel: the layer's channel in that texture.
+        lit: what is drawn lit; None where surfaces can be drawn unlit alone.
     """
 
     depth_framebuffer: int
     framebuffer: int
     w: moderngl.Texture
     channel: int
+    lit: LitSlot | None = None
 
     def begin_depth(self) -> None:
         """Bind and clear the depth framebuffer."""
@@ -105,6 +161,7 @@ class LayerTargets:
         background: RGBA16F, radiance of rays that meet no surface.
         motion: a slice of RGBA32UI for each layer, motion of its surfaces while the shutter is open (``layers/carried.glsl``),
             undefined where w is 0; None without motion.
+        reflectors: surfaces of the layer that was drawn last, which all layers share; None where they can be drawn unlit alone.
         slots: target of each layer.
         depth: OpenGL name of the depth renderbuffer that they share.
     """
@@ -116,14 +173,15 @@ class LayerTargets:
     packed_slopes: tuple[moderngl.Texture, ...]
     background: moderngl.Texture
     motion: moderngl.TextureArray | None
+    reflectors: Reflectors | None
     slots: tuple[Slot, ...]
     depth: int
 
     @classmethod
     def allocate(
-        cls, ctx: moderngl.Context, width: int, height: int, layers: int, *, motion: bool = False
+        cls, ctx: moderngl.Context, width: int, height: int, layers: int, *, motion: bool = False, lit: bool = False
     ) -> LayerTargets:
-        """Allocate ``layers`` layers of ``width`` by ``height``, with or without motion.
+        """Allocate ``layers`` layers of ``width`` by ``height``, with or without motion, to be drawn unlit alone or lit too.
 
         Raises:
             GraphicsError: the device refuses the size.
@@ -136,6 +194,7 @@ class LayerTargets:
                 slopes = tuple(making.keep(ctx.texture(size, 4, dtype="u2")) for _ in packs)
                 background = making.keep(ctx.texture(size, 4, dtype="f2"))
                 moves = making.keep(ctx.texture_array((*size, layers), 4, dtype="u4")) if motion else None
+                reflectors = Reflectors.allocate(making, ctx, size) if lit else None
             except moderngl.Error as error:
                 raise GraphicsError(f"the device cannot hold {layers} layers of {width}x{height}: {error}") from error
             radiance.filter = _NEAREST
@@ -148,17 +207,25 @@ class LayerTargets:
             slots = []
             for layer in range(layers):
                 pack, channel = divmod(layer, LAYERS_PER_PACK)
-                moved: tuple[Attachment, ...] = ((moves, layer),) if moves is not None else ()
+                moved = None if moves is None else (moves, layer)
                 framebuffer = make_framebuffer(
-                    making, depth, (radiance, layer), packed_w[pack], None, slopes[pack], *moved
+                    making,
+                    depth,
+                    (radiance, layer),
+                    packed_w[pack],
+                    None,
+                    slopes[pack],
+                    moved,
+                    *(() if reflectors is None else reflectors.textures),
                 )
-                slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel))
-        return cls(width, height, radiance, packed_w, slopes, background, moves, tuple(slots), depth)
+                own = None if reflectors is None else LitSlot(radiance, layer, reflectors)
+                slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel, own))
+        return cls(width, height, radiance, packed_w, slopes, background, moves, reflectors, tuple(slots), depth)
 
-    def fits(self, width: int, height: int, layers: int, *, motion: bool = False) -> bool:
-        """Whether this many layers of this size can be drawn here, with motion where requested."""
+    def fits(self, width: int, height: int, layers: int, *, motion: bool = False, lit: bool = False) -> bool:
+        """Whether this many layers of this size can be drawn here, with motion and lit where requested."""
         fits = (self.width, self.height) == (width, height) and len(self.slots) >= layers
-        return fits and (self.motion is not None or not motion)
+        return fits and (self.motion is not None or not motion) and (self.reflectors is not None or not lit)
 
     @property
     def bytes(self) -> int:
@@ -168,7 +235,8 @@ class LayerTargets:
     @property
     def _textures(self) -> list[moderngl.Texture | moderngl.TextureArray]:
         arrays = [self.radiance] if self.motion is None else [self.radiance, self.motion]
-        return [*arrays, self.background, *self.packed_w, *self.packed_slopes]
+        lit = () if self.reflectors is None else self.reflectors.textures
+        return [*arrays, self.background, *self.packed_w, *self.packed_slopes, *lit]
 
     def release(self) -> None:
         """Release the memory."""

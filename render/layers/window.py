@@ -14,7 +14,6 @@ import numpy as np
 
 from render.gl.compat import GL
 from render.layers.peel import Layers
-from render.layers.sharp_layer import FINER, SharpLayer, SharpZone, allocate_sharp_layer
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, check_layer_size
 from render.optics.view import PinholeView
 
@@ -32,7 +31,6 @@ class LayerWindow:
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self._targets: LayerTargets | None = None
-        self._sharp: SharpLayer | None = None
         self._held = 0, 0
         self._count, self._may_be_translucent = 0, False
 
@@ -55,7 +53,6 @@ class LayerWindow:
         strip: int,
         layers: int,
         peel: PeelStrip,
-        zone: SharpZone | None = None,
     ) -> Layers:
         """Move the window, and fill what is new. Strips that it holds already are kept.
 
@@ -67,34 +64,30 @@ class LayerWindow:
             strip: length of the strips.
             layers: at most this many layers.
             peel: peels a strip.
-            zone: what the sharp layer of the whole picture holds; None without one.
 
         Returns:
             Layers of the window, valid until the next call.
         """
         size = (length, whole.height) if axis == 0 else (whole.width, length)
         targets = self._allocate(*size, layers)
-        sharp = self._sharp = None if zone is None else self._allocate_sharp(zone, axis, first, length)
         begin, end = self._held
         kept = max(0, end - first) if begin <= first else 0
         if kept and first > begin:
-            _shift(targets, sharp, axis, first - begin, kept)
+            _shift(targets, axis, first - begin, kept)
         stop = min(first + length, whole.size[axis])
         if stop < first + length:
             _clear(targets, range(len(targets.packed_w)), axis, stop - first, first + length - stop)
-            _clear_sharp(sharp, axis, stop - first, first + length - stop)
         at = first + kept
         while at < stop:
             strip_first = at // strip * strip
             peeled = peel(_cut(whole, axis, strip_first, strip))
             until = min(strip_first + strip, stop)
             self._copy(peeled, targets, axis, at - strip_first, at - first, until - at)
-            _copy_sharp(peeled.sharp, sharp, axis, at - strip_first, at - first, until - at)
             at = until
         self._held = first, stop
         self._ctx.memory_barrier()
         view = _cut(whole, axis, first, length)
-        return Layers(view, targets, self._count, self._may_be_translucent, within=whole, sharp=sharp)
+        return Layers(view, targets, self._count, self._may_be_translucent, within=whole)
 
     def _copy(self, peeled: Layers, targets: LayerTargets, axis: int, source: int, target: int, length: int) -> None:
         """Copy lines of a strip into the window."""
@@ -112,33 +105,11 @@ class LayerWindow:
             targets = self._targets = LayerTargets.allocate(self._ctx, width, height, layers)
         return targets
 
-    def _allocate_sharp(self, zone: SharpZone, axis: int, first: int, length: int) -> SharpLayer:
-        """Sharp layer of the window: as long as it, and as wide as the zone."""
-        size = [*zone.view.size]
-        size[axis] = FINER * length
-        held, offset, place = self._sharp, [*zone.offset], [*zone.first]
-        offset[axis], place[axis] = 0, first
-        own = replace(
-            zone,
-            view=replace(zone.view, width=size[0], height=size[1]),
-            first=(place[0], place[1]),
-            offset=(offset[0], offset[1]),
-        )
-        if held is not None and held.zone.view.size == own.view.size:
-            return replace(held, zone=own)
-        if held is not None:
-            held.release()
-            self._sharp = None
-        return allocate_sharp_layer(self._ctx, own)
-
     def release(self) -> None:
         """Release the memory."""
         if self._targets is not None:
             self._targets.release()
             self._targets = None
-        if self._sharp is not None:
-            self._sharp.release()
-            self._sharp = None
         self.clear()
 
 
@@ -164,13 +135,11 @@ def copy_lines(
         copy(GL.GL_TEXTURE_2D_ARRAY, source.radiance.glo, target.radiance.glo, layers)
 
 
-def _shift(targets: LayerTargets, sharp: SharpLayer | None, axis: int, by: int, length: int) -> None:
+def _shift(targets: LayerTargets, axis: int, by: int, length: int) -> None:
     """Move lines toward the first line of the textures, no more at once than they move: a copy must not overlap itself."""
     for at in range(0, length, by):
         some = min(by, length - at)
         copy_lines(targets, targets, axis, at + by, at, some, len(targets.packed_w), len(targets.slots))
-        if sharp is not None:
-            _copy_sharp_lines(sharp, sharp, axis, at + by, at, some)
 
 
 def _clear(targets: LayerTargets, packs: range, axis: int, at: int, length: int) -> None:
@@ -182,39 +151,6 @@ def _clear(targets: LayerTargets, packs: range, axis: int, at: int, length: int)
         GL.glClearTexSubImage(
             texture.glo, 0, x, y, 0, width, height, 1, GL.GL_RGBA, GL.GL_FLOAT, np.zeros(4, np.float32)
         )
-
-
-def _copy_sharp(
-    source: SharpLayer | None, target: SharpLayer | None, axis: int, begin: int, to: int, length: int
-) -> None:
-    """Copy lines of a strip's sharp layer into the window's, where there is one; lines count in texels of the layers."""
-    if target is None:
-        return
-    _clear_sharp(target, axis, to, length)
-    if source is None:
-        return
-    low = max(begin, source.zone.offset[axis])
-    high = min(begin + length, source.zone.offset[axis] + source.w.size[axis] // FINER)
-    if low < high:
-        _copy_sharp_lines(source, target, axis, low - source.zone.offset[axis], to + low - begin, high - low)
-
-
-def _copy_sharp_lines(source: SharpLayer, target: SharpLayer, axis: int, begin: int, to: int, length: int) -> None:
-    across = min(source.w.size[1 - axis], target.w.size[1 - axis])
-    x, y, to_x, to_y = (v * FINER for v in ((begin, 0, to, 0) if axis == 0 else (0, begin, 0, to)))
-    width, height = (FINER * length, across) if axis == 0 else (across, FINER * length)
-    kind = GL.GL_TEXTURE_2D
-    for one, other in ((source.w, target.w), (source.slopes, target.slopes), (source.radiance, target.radiance)):
-        GL.glCopyImageSubData(one.glo, kind, 0, x, y, 0, other.glo, kind, 0, to_x, to_y, 0, width, height, 1)
-
-
-def _clear_sharp(sharp: SharpLayer | None, axis: int, at: int, length: int) -> None:
-    """Empty lines of a sharp layer."""
-    if sharp is None:
-        return
-    x, y = (FINER * at, 0) if axis == 0 else (0, FINER * at)
-    width, height = (FINER * length, sharp.w.height) if axis == 0 else (sharp.w.width, FINER * length)
-    GL.glClearTexSubImage(sharp.w.glo, 0, x, y, 0, width, height, 1, GL.GL_RED, GL.GL_FLOAT, np.zeros(1, np.float32))
 
 
 def _cut(whole: PinholeView, axis: int, first: int, length: int) -> PinholeView:

@@ -28,7 +28,8 @@ class FrameSettings:
         engine: name of an engine of `render.engines`, which checks that there is one (`check_settings`).
         rays: lens rays per pixel.
         layers: peeled layers at most.
-        supersample: layer pixels per picture pixel along each axis, 1 or more and not whole if need be.
+        supersample: layer pixels per picture pixel along each axis, 1 or more and not whole if need be; 0 for as many as suit the
+            engine and its rays.
         shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
         seed: seed of the sampling pattern.
         adaptive: give more rays to the parts of the picture that have more noise, so that ``rays`` is their mean; without effect
@@ -50,7 +51,7 @@ class FrameSettings:
     engine: str = "lens"
     rays: int = 100
     layers: int = 4
-    supersample: float = 2
+    supersample: float = 0
     shading: str = "lit"
     seed: int = 0
     adaptive: bool = True
@@ -67,7 +68,8 @@ class FrameSettings:
         _check_choice("shading", self.shading, SHADINGS)
         _check_range("rays", self.rays, 1, MAX_RAYS)
         _check_range("layers", self.layers, 1, MAX_LAYERS)
-        _check_range("supersample", self.supersample, 1, MAX_SUPERSAMPLE)
+        if self.supersample != 0:
+            _check_range("supersample", self.supersample, 1, MAX_SUPERSAMPLE)
         _check_range("wavelengths", self.wavelengths, 1, MAX_WAVELENGTHS)
         _check_range("motion", self.motion, 1, MAX_MOTION)
         if self.noise != 0:

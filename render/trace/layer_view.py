@@ -95,12 +95,6 @@ def bound_rays(view: PinholeView, bundle: RayBundle, focus: PictureFocus, neares
     return _bound_off_focus(view, bundle, edge, pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f)))
 
 
-def bound_sharp_rays(view: PinholeView, bundle: RayBundle, focus: PictureFocus, half_width: float) -> RayExtent:
-    """Bounds of the rays of the picture's edge within a difference of inverse depth, 1/m, from the focus."""
-    edge = _edge_points(view)
-    return _bound_off_focus(view, bundle, edge, focus.at(edge)[1] * half_width)
-
-
 def _bound_off_focus(view: PinholeView, bundle: RayBundle, edge: DoubleArray, off_focus: DoubleArray) -> RayExtent:
     slopes = (edge - [view.cx, view.cy]) / [view.fx, view.fy]
     centres, radii = _bounds(bundle, slopes, off_focus)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import moderngl
@@ -14,7 +14,6 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
-from render.layers.sharp_layer import SharpZone
 from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.layers.window import LayerWindow, PeelStrip
@@ -31,7 +30,6 @@ from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
-from render.trace.sharp_zone import make_focus_zone, make_sharp_zone
 from render.trace.tiling.picture import Area, TiledPicture
 from render.trace.tiling.plan import LayerBudget, TilePlan, plan_tiles, ray_reach_px
 from render.trace.tracer import Tracer
@@ -89,6 +87,7 @@ class LensTracer:
         wavelengths: int = 3,
         layers: int,
         supersample: float,
+        texel_offset: tuple[float, float] = (0.0, 0.0),
         unlit: bool = False,
         connections: bool = True,
         bound_by_rays: bool = False,
@@ -104,6 +103,7 @@ class LensTracer:
             wavelengths=wavelengths,
             layers=layers,
             supersample=supersample,
+            texel_offset=texel_offset,
             unlit=unlit,
             connections=connections,
             bound_by_rays=bound_by_rays,
@@ -121,6 +121,7 @@ class LensTracer:
         wavelengths: int = 3,
         layers: int,
         supersample: float,
+        texel_offset: tuple[float, float] = (0.0, 0.0),
         unlit: bool = False,
         connections: bool = True,
         bound_by_rays: bool = False,
@@ -136,6 +137,7 @@ class LensTracer:
             wavelengths: number of wavelengths to trace, for a lens with colour errors.
             layers: at most this many layers, and more where partly transparent surfaces are in front of opaque ones.
             supersample: layer pixels per picture pixel along each axis.
+            texel_offset: position of the layers' pixels relative to those of other pictures of the mean, layer pixels.
             unlit: take the base colour as radiance.
             connections: carry highlights to the pixels of their blurred images (`render.trace.highlights.carrier`).
             bound_by_rays: see `Tracer.passes`.
@@ -154,6 +156,7 @@ class LensTracer:
         widest = make_layer_view(view, bundle, focus, supersample, 1 / view.near_m, _MOST_SIDE_PX)
         nearest_w = peeler.nearest_w(widest)
         wide = make_layer_view(view, bundle, focus, supersample, nearest_w, _MOST_SIDE_PX)
+        wide = replace(wide, cx=wide.cx + texel_offset[0], cy=wide.cy + texel_offset[1])
         f_px = max(wide.fx, wide.fy)
         pupil_px = f_px * bundle.reach_m * float(pupil.max())
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
@@ -165,11 +168,7 @@ class LensTracer:
         plane = focus.affine
         sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1)
 
-        focus_zone = make_focus_zone(wide, view, bundle, focus, nearest_w)
-        zone = None if focus_zone is None else make_sharp_zone(focus_zone, view, bundle, focus, nearest_w)
-
         def peel(part: PinholeView) -> Layers:
-            sharp = None if zone is None else zone.within(wide, part)
             own = sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
             whole = (
                 part.size == wide.size
@@ -182,8 +181,6 @@ class LensTracer:
                 sampling=own,
                 reachable=whole,
                 sheets=sheets,
-                sharp=sharp,
-                zone=None if unlit else focus_zone,
             )
 
         reach_px = ray_reach_px(bundle, focus, wide, wide.fx / view.fx, nearest_w)
@@ -194,13 +191,11 @@ class LensTracer:
             sheets,
             self.budget,
             int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]),
-            has_sharp=zone is not None,
-            has_glints=focus_zone is not None and not unlit,
         )
         if plan is not None:
             return (
                 yield from self._trace_tiles(
-                    plan, peel, zone, sheets, bundle, focus, view, nearest_w, bound_by_rays, on_stage
+                    plan, peel, sheets, bundle, focus, view, nearest_w, bound_by_rays, on_stage
                 )
             )
         peeled = peel(wide)
@@ -267,7 +262,6 @@ class LensTracer:
         self,
         plan: TilePlan,
         peel: PeelStrip,
-        zone: SharpZone | None,
         layers: int,
         bundle: RayBundle,
         focus: PictureFocus,
@@ -288,9 +282,7 @@ class LensTracer:
             for tile in plan.tiles:
                 area = plan.area(tile, view)
                 self._tiled = picture, area
-                peeled = self._window.move(
-                    plan.whole, plan.axis, tile.window, plan.window, plan.strip, layers, peel, zone
-                )
+                peeled = self._window.move(plan.whole, plan.axis, tile.window, plan.window, plan.strip, layers, peel)
                 on_stage("peel")
                 nbuffers = self._nbuffers.build(peeled, nearest_w)
                 on_stage("nbuffers")

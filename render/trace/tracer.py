@@ -266,8 +266,6 @@ class Tracer:
             defines["BOUND_BY_RAYS"] = 1
         if by_map:
             defines["FOCAL_MAP"] = 1
-        if layers.sharp is not None:
-            defines["SHARP_LAYER"] = 1
         return self._programs.compute("trace/trace.comp", defines | self._buffers.defines(bundle))
 
     def _bind(

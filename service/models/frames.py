@@ -42,7 +42,12 @@ class PictureQuery(Model):
         examples=[True],
     )
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.", examples=[4])
-    supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.", examples=[2])
+    supersample: float = Field(
+        default=FrameSettings.supersample,
+        ge=0,
+        description="Layer pixels for each picture pixel along each axis; 0 for as many as suit the engine and its rays.",
+        examples=[2],
+    )
     wavelengths: int = Field(
         default=3,
         ge=1,

@@ -53,7 +53,11 @@ class LongExposureBegin(Model):
     noise: float = Field(default=FrameSettings.noise, ge=0, le=MOST_NOISE, description="Wanted error, as for a frame.")
     connections: bool = Field(default=FrameSettings.connections, description="Carried highlights, as for a frame.")
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.")
-    supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.")
+    supersample: float = Field(
+        default=FrameSettings.supersample,
+        ge=0,
+        description="Layer pixels for each picture pixel along each axis; 0 for as many as suit the engine and its rays.",
+    )
     wavelengths: int = Field(default=3, ge=1, le=64, description="Wavelengths, as for a frame.")
     motion: int = Field(
         default=1,

@@ -6,6 +6,7 @@ from collections.abc import Generator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from render.engines.shared.layer_scale import blurred_scale, texel_offset, traced_scale
 from render.engines.shared.request import ALL_RAYS, DrawRequest
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
@@ -65,7 +66,8 @@ class Device:
             _pattern(request),
             wavelengths=settings.wavelengths,
             layers=settings.layers,
-            supersample=settings.supersample,
+            supersample=traced_scale(settings, request.part[1]),
+            texel_offset=texel_offset(request.part),
             unlit=request.is_unlit,
             connections=settings.connections,
             on_progress=request.on_progress,
@@ -83,7 +85,7 @@ class Device:
             _pattern(request),
             wavelengths=settings.wavelengths,
             layers=settings.layers,
-            supersample=settings.supersample,
+            supersample=traced_scale(settings),
             unlit=request.is_unlit,
             connections=settings.connections,
         )
@@ -102,7 +104,7 @@ class Device:
             movements,
             wavelengths=settings.wavelengths,
             layers=settings.layers,
-            supersample=settings.supersample,
+            supersample=blurred_scale(settings),
             unlit=request.is_unlit,
             on_progress=request.on_progress,
         )
@@ -126,7 +128,7 @@ class Device:
             request.view,
             blur,
             layers=request.settings.layers,
-            supersample=request.settings.supersample,
+            supersample=blurred_scale(request.settings),
             unlit=request.is_unlit,
             margin_step=margin_step,
             with_axis_errors=with_axis_errors,

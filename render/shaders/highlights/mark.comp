@@ -18,19 +18,6 @@ uniform float rays;             // rays per pixel
 
 shared uint bits[2];
 
-#ifdef SHARP_LAYER
-// Whether the sharp layer may hold the same surface, as beside something in focus: rays see that one, which is not changed.
-bool is_held_twice(ivec2 texel, float w)
-{
-    ivec2 corner = 2 * (texel + layer_first - sharp_offset) - 1, last = textureSize(sharp_w, 0) - 1;
-    for (int i = 0; i < 16; ++i) {
-        ivec2 there = corner + ivec2(i % 4, i / 4);
-        if (any(lessThan(there, ivec2(0))) || any(greaterThan(there, last))) continue;
-        if (abs(texelFetch(sharp_w, there, 0).r - w) <= LONGEST_REACH * w) return true;
-    }
-    return false;
-}
-#endif
 
 bool is_highlight(ivec2 texel, int layer, float w, vec2 focused)
 {
@@ -40,9 +27,6 @@ bool is_highlight(ivec2 texel, int layer, float w, vec2 focused)
     // a ray finds the texel with probability 1 over the area of its circle of confusion and the pixel
     float excess = light - around, hits = rays * (3.14159 * radius * radius + scale * scale);
     if (excess <= around || excess * excess <= noise * noise * around * around * hits) return false;
-#ifdef SHARP_LAYER
-    if (is_held_twice(texel, abs(w))) return false;
-#endif
     return true;
 }
 
@@ -58,7 +42,7 @@ void main()
         barrier();
         float w = inside ? stored_w(texel, layer) : 0.0;
         if (w == 0.0) inside = false;  // the layers behind are empty too
-        else if (w < REMOVED && is_highlight(texel, layer, w, focused)) atomicOr(bits[place >> 5], 1u << (place & 31u));
+        else if (is_highlight(texel, layer, w, focused)) atomicOr(bits[place >> 5], 1u << (place & 31u));
         barrier();
         if (place == 0u) marks[uint(layer) * blocks + block] = uvec2(bits[0], bits[1]);
         barrier();

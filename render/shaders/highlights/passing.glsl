@@ -2,9 +2,6 @@
 
 float share_past(LensRay ray, float front, uvec2 bins)
 {
-#ifdef SHARP_LAYER
-    if (sharp_stops(ray.a, ray.b, front)) return 0.0;
-#endif
     if (bins == uvec2(0u)) return 1.0;
     ivec2 last = layer_last;
     interval_count = 0;

@@ -25,7 +25,6 @@ uvec2 joined(uvec2 held, vec4 stored, uvec4 slopes)
     vec4 w = abs(stored), reach = w * reach_of(slopes);
     for (int i = 0; i < 4; ++i) {
         if (stored[i] == 0.0) break;  // after an empty layer, all are empty
-        if (stored[i] >= REMOVED) continue;
         held |= bits_between(bin_of(w[i] - reach[i], w_range), bin_of(w[i] + reach[i], w_range));
     }
     return held;

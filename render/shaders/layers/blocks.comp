@@ -24,7 +24,7 @@ vec2 joined(vec2 range, vec4 stored, uvec4 slopes)
 {
     vec4 w = abs(stored), reach = w * reach_of(slopes);
     vec4 low = mix(w - reach, vec4(EMPTY_MIN), equal(w, vec4(0.0)));
-    vec4 high = mix(w + reach, vec4(0.0), greaterThanEqual(w, vec4(REMOVED)));
+    vec4 high = w + reach;
     return vec2(min(range.x, min(min(low.x, low.y), min(low.z, low.w))),
                 max(range.y, max(max(high.x, high.y), max(high.z, high.w))));
 }

@@ -1,4 +1,4 @@
-// Light that a surface sends to the eye: UsdLux lights by their irradiance, and the dome.
+// Light that a surface (reflector.glsl) sends to the eye: UsdLux lights by their irradiance, and the dome.
 // All in camera space, metres; radiance scene-linear. Area lights are lit from their centre, with the exact irradiance
 // of a sphere above the horizon and of a disk on its axis; their apparent size widens the highlight, whose energy stays.
 
@@ -44,7 +44,7 @@ float ggx(float nh, float nl, float nv, float alpha, float spread)
     return distribution * 0.5 / max(v, 1e-4);
 }
 
-vec3 brdf_times_cosine(Surface s, vec3 v, vec3 l, float spread, vec2 response)
+vec3 brdf_times_cosine(Reflector s, vec3 v, vec3 l, float spread, vec2 response)
 {
     float nl = dot(s.normal, l);
     if (nl <= 0.0) return vec3(0.0);
@@ -53,7 +53,7 @@ vec3 brdf_times_cosine(Surface s, vec3 v, vec3 l, float spread, vec2 response)
     float nh = clamp(dot(s.normal, h), 0.0, 1.0), vh = clamp(dot(v, h), 0.0, 1.0);
     float alpha = s.roughness * s.roughness;
     vec3 f = fresnel(s.f0, vh);
-    vec3 result = (1.0 - f) * (1.0 - s.metallic) * s.base_color / PI * response.x;
+    vec3 result = (1.0 - f) * s.albedo / PI * response.x;
     result += f * ggx(nh, nl, nv, alpha, spread) * response.y;
 #ifdef CLEARCOAT
     float coat = s.clearcoat_roughness * s.clearcoat_roughness + 1e-3;
@@ -62,7 +62,7 @@ vec3 brdf_times_cosine(Surface s, vec3 v, vec3 l, float spread, vec2 response)
     return result * nl;
 }
 
-vec3 light_contribution(Light light, Surface s, vec3 p, vec3 v, out vec3 l)
+vec3 light_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l)
 {
     float spread;
     vec3 irradiance = light.radiance_area.rgb;
@@ -102,23 +102,23 @@ vec3 environment_reflectance(vec3 f0, float roughness, float nv)
     return f0 * ab.x + ab.y;
 }
 
-vec3 dome_contribution(Surface s, vec3 v)
+vec3 dome_contribution(Reflector s, vec3 v)
 {
     mat3 dome = mat3(lighting.dome_from_camera);
     float nv = max(abs(dot(s.normal, v)), 1e-3);
     vec3 reflectance = environment_reflectance(s.f0, s.roughness, nv);
     vec3 mirror = normalize(dome * reflect(-v, s.normal));
     vec3 seen = lighting.dome_radiance.rgb * textureLod(dome_map, latlong_uv(mirror), s.roughness * lighting.count.z).rgb;
-    vec3 diffuse = (1.0 - s.metallic) * (1.0 - reflectance) * s.base_color * dome_irradiance_over_pi(normalize(dome * s.normal));
+    vec3 diffuse = (1.0 - reflectance) * s.albedo * dome_irradiance_over_pi(normalize(dome * s.normal));
     return s.occlusion * (diffuse + reflectance * seen);
 }
 
-vec3 shade(Surface s, vec3 p, vec3 v)
+vec3 reflected_light(Reflector s, vec3 p, vec3 v)
 {
     vec3 sum = lighting.count.y > 0.5 ? dome_contribution(s, v) : vec3(0.0);
     int n = int(lighting.count.x), shadowed = int(lighting.count.w);
     vec3 l;
-    // two loops, since a CPU rasteriser runs both sides of a branch: only lights with shadow maps pay for them
+    // two loops, since a CPU runs both sides of a branch: only lights with shadow maps pay for them
     for (int i = 0; i < shadowed; ++i) {
         vec3 reflected = light_contribution(lighting.lights[i], s, p, v, l);
         sum += reflected * shadow_visibility(lighting.lights[i], p, s.normal, l);

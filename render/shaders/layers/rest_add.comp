@@ -7,7 +7,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D light;
 
 uniform sampler2D w;
-uniform sampler2D radiance;
+uniform sampler2DArray radiance;
 
 void main()
 {
@@ -15,7 +15,7 @@ void main()
     if (any(greaterThanEqual(pixel, imageSize(light)))) return;
     float stored = texelFetch(w, pixel, 0).r;
     if (stored == 0.0) return;
-    vec4 surface = texelFetch(radiance, pixel, 0), total = imageLoad(light, pixel);
+    vec4 surface = texelFetch(radiance, ivec3(pixel, 0), 0), total = imageLoad(light, pixel);
     total += (1.0 - total.a) * (stored > 0.0 ? 1.0 : surface.a) * vec4(surface.rgb, 1.0);
     imageStore(light, pixel, total);
 }

@@ -1,13 +1,14 @@
 #version 450 core
 // Colour pass of a peel: radiance, inverse depth and ids of the surfaces that layers/depth.frag found.
 // in:  surface.vert's outputs
-// out: radiance (scene-linear, not premultiplied) and opacity; inverse depth w = 1/z in 1/m, negative where the surface
-//      is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl); where MOTION is defined, the surface's
-//      motion while the shutter is open (carried.glsl)
+// out: emitted radiance (scene-linear, not premultiplied; where UNLIT is defined, the base colour) and opacity; inverse depth
+//      w = 1/z in 1/m, negative where the surface is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl);
+//      where MOTION is defined, the surface's motion while the shutter is open (carried.glsl); where UNLIT is not, the surface
+//      that light falls on (reflector.glsl), for shade.comp
 // Shading: UsdPreviewSurface 2.6, without its opacityMode: opacity fades the whole surface, its highlights too.
 
 #include "layers/material.glsl"
-#include "layers/lighting.glsl"
+#include "layers/reflector.glsl"
 #include "trace/slopes.glsl"
 
 in vec3 frag_position;
@@ -24,8 +25,12 @@ layout(location = 3) out uvec4 out_slope; // in every channel, like w
 #include "layers/drifting.glsl"
 layout(location = 4) out uvec4 out_motion;
 #endif
+#ifndef UNLIT
+layout(location = 5) out vec4 out_albedo;       // albedo, roughness
+layout(location = 6) out vec4 out_reflectance;  // reflectance at normal incidence, occlusion
+layout(location = 7) out vec4 out_normal;       // normal in octahedral coordinates; amount and roughness of the clear coat
+#endif
 
-uniform vec3 eye;                // eye of this view, camera space, m
 uniform uint first_object;       // object number of the batch's first instance
 uniform uint first_triangle;     // first triangle of the draw
 
@@ -39,7 +44,10 @@ void main()
 #ifdef UNLIT
     vec3 radiance = s.base_color;
 #else
-    vec3 radiance = s.emissive + shade(s, frag_position, normalize(eye - frag_position));
+    vec3 radiance = s.emissive;
+    out_albedo = vec4(min((1.0 - s.metallic) * s.base_color, vec3(MAX_HALF)), s.roughness);
+    out_reflectance = vec4(min(s.f0, vec3(MAX_HALF)), s.occlusion);
+    out_normal = vec4(octahedral(s.normal), s.clearcoat, s.clearcoat_roughness);
 #endif
     if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // invalid light counts as none
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), s.opacity);

@@ -150,9 +150,6 @@ vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
     return texelFetch(radiance, ivec3(same ? there : found, hit.layer), 0);
 }
 
-#ifdef SHARP_LAYER
-#include "trace/sharp.glsl"
-#endif
 
 // March a ray through the layers: premultiplied radiance and coverage, composited front to back.
 vec4 march(vec2 a, vec2 b)
@@ -162,15 +159,11 @@ vec4 march(vec2 a, vec2 b)
     Segment at;
     Hit hit = Hit(0.0, -1, false, 0.0);
     vec4 seen = vec4(0.0);
-    float limit = 1e30, behind = 0.0;   // surfaces in front of `limit` and behind `behind` are still to be met
-#ifdef SHARP_LAYER
-    SharpHit sharp = sharp_hit(a, b);
-    behind = sharp.w;
-#endif
-    while (!hit.opaque && walk_on(walk, last, at) && at.high > behind) {
+    float limit = 1e30;     // surfaces in front of it are met
+    while (!hit.opaque && walk_on(walk, last, at)) {
         hit = nearest_in(a, b, at, limit);
 #ifdef MAY_BE_TRANSLUCENT
-        while (hit.layer >= 0 && !hit.opaque && hit.w > behind) {
+        while (hit.layer >= 0 && !hit.opaque) {
             vec4 surface = radiance_at(a, b, last, at.pixel, hit);
             seen += (1.0 - seen.a) * surface.a * vec4(surface.rgb, 1.0);
             limit = hit.w;
@@ -178,11 +171,7 @@ vec4 march(vec2 a, vec2 b)
         }
 #endif
     }
-    vec4 solid;
-    if (hit.opaque && hit.w > behind) solid = vec4(radiance_at(a, b, last, at.pixel, hit).rgb, 1.0);
-#ifdef SHARP_LAYER
-    else if (sharp.w > 0.0) solid = vec4(texelFetch(sharp_radiance, sharp.pixel, 0).rgb, 1.0);
-#endif
-    else solid = vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
+    vec4 solid = hit.opaque ? vec4(radiance_at(a, b, last, at.pixel, hit).rgb, 1.0)
+                            : vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
     return seen + (1.0 - seen.a) * solid;
 }

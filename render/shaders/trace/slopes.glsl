@@ -4,7 +4,6 @@
 const float STEEPEST = 1.0;       // relative change of w per pixel; steeper surfaces are seen edge-on
 const float LONGEST_REACH = 0.05; // greatest relative change of w by which a surface is extended from a pixel's centre to its corner
 const int REACH_BLOCK = 2;         // side of the blocks of reach_spread.comp, px
-const float REMOVED = 1e30;       // w of a surface that the sharp layer holds in place of the layers: it is never met
 const float UNLIKE = 0.003;       // relative difference of w between pixels of one surface, beyond their slopes
 
 uint packed_slope(vec2 slope)

@@ -113,22 +113,6 @@ uvec2 reachable_bins(PixelRays rays, vec2 range, float reach)
     return occupied;
 }
 
-#ifdef SHARP_LAYER
-// Find the range of w in which the pixel's rays may meet the sharp layer.
-void find_sharp_range(PixelRays rays, float reach)
-{
-    vec2 range = sharp_w_range;
-    for (int i = 0; i < ROUNDS && range.y > 0.0; ++i) {
-        ivec2 from, to;
-        footprint_between(rays, range, reach, from, to);
-        vec2 held = sharp_range_over(from, to);
-        range = vec2(max(range.x, held.x), min(range.y, held.y));
-        if (range.y < range.x) range = vec2(0.0);
-    }
-    float pad = 1e-4 * range.y;
-    sharp_range = range.y > 0.0 ? range + vec2(-pad, pad) : vec2(0.0);
-}
-#endif
 
 // Share of the light that passes the lens for this pixel, from the lens table, which is more accurate than counting a
 // few rays that pass or are blocked: the radiance is scaled to it. Not where so few rays are expected to pass that all may be
@@ -165,9 +149,6 @@ void main()
     vec2 range = bound_footprint(rays, reach);
     interval_count = 0;
     if (range.y > 0.0) find_intervals(reachable_bins(rays, range, reach), range);
-#ifdef SHARP_LAYER
-    find_sharp_range(rays, reach);
-#endif
     vec4 total = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < ray_count; ++i) {

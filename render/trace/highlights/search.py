@@ -56,7 +56,6 @@ class Picture:
     def defines(self) -> Defines:
         """Defines of its layers and focus."""
         defines: Defines = {"EIGHT_LAYERS": 1} if self.layers.count > 4 else {}
-        defines |= {} if self.layers.sharp is None else {"SHARP_LAYER": 1}
         return defines | ({} if self.focal_map is None else {"FOCAL_MAP": 1})
 
     @property

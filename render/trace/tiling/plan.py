@@ -12,10 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.layers.glints import BYTES_PER_PX as GLINT_BYTES_PER_PX
 from render.layers.limits import BLOCK_PX
 from render.layers.nbuffers import BINS_ABOVE_NEAREST, nbuffer_bytes
-from render.layers.sharp_layer import BYTES_PER_PX, FINER
 from render.layers.targets import layer_bytes_per_px
 from render.optics.view import PinholeView
 from render.trace.lens_table import BOUND, PolynomialTable
@@ -90,9 +88,6 @@ def plan_tiles(
     layers: int,
     budget: LayerBudget,
     most_side_px: int,
-    *,
-    has_sharp: bool = False,
-    has_glints: bool = False,
 ) -> TilePlan | None:
     """Plan the tiles of a picture; None where its layers fit the budget.
 
@@ -103,22 +98,17 @@ def plan_tiles(
         layers: number of layers.
         budget: memory.
         most_side_px: limit of the device on the sides of textures.
-        has_sharp: whether there is a sharp layer (`render.layers.sharp_layer`), with which the sides are `FINER` times as long.
-        has_glints: whether glints are sampled (`render.layers.glints`), with the same sides, while a strip is drawn.
     """
-    if has_sharp or has_glints:
-        most_side_px //= FINER
-    if layers_bytes(*whole.size, layers, has_sharp=has_sharp) <= budget.bytes and max(whole.size) <= most_side_px:
+    if layers_bytes(*whole.size, layers) <= budget.bytes and max(whole.size) <= most_side_px:
         return None
     axis = 0 if whole.width >= whole.height else 1
     length, across = whole.size[axis], whole.size[1 - axis]
-    per_line = layers_bytes(1 << 14, across, layers, has_sharp=has_sharp) >> 14
+    per_line = layers_bytes(1 << 14, across, layers) >> 14
     strip = min(length, max(BLOCK_PX, min(budget.strip_bytes // per_line, most_side_px) // BLOCK_PX * BLOCK_PX))
     unit = strip if strip < length else BLOCK_PX
     scale = whole.fx / picture.fx
     least = _multiple(int(np.ceil(2 * reach_px + _GROUP * scale + 2 * _GUARD)) + unit, unit)
-    glint_bytes = across * GLINT_BYTES_PER_PX if has_glints else 0
-    room = max(0, budget.bytes - strip * (per_line + glint_bytes)) // per_line // unit * unit
+    room = max(0, budget.bytes - strip * per_line) // per_line // unit * unit
     window = min(_multiple(length, unit), max(least, min(room, most_side_px // unit * unit)))
     axis_px = (whole.cx - scale * picture.cx, whole.cy - scale * picture.cy)[axis]
     tiles: list[Tile] = []
@@ -133,12 +123,9 @@ def plan_tiles(
     return TilePlan(whole, axis, strip, window, tuple(tiles))
 
 
-def layers_bytes(width: int, height: int, layers: int, *, has_sharp: bool = False) -> int:
-    """Memory of layers of this size, of their N-buffers, and of a sharp layer where they have one, bytes."""
-    own = width * height * layer_bytes_per_px(layers) + nbuffer_bytes(width, height)
-    if not has_sharp:
-        return own
-    return own + width * height * BYTES_PER_PX + nbuffer_bytes(FINER * width, FINER * height) // 2
+def layers_bytes(width: int, height: int, layers: int) -> int:
+    """Memory of layers of this size and of their N-buffers, bytes."""
+    return width * height * layer_bytes_per_px(layers) + nbuffer_bytes(width, height)
 
 
 def ray_reach_px(bundle: RayBundle, focus: PictureFocus, whole: PinholeView, scale: float, nearest_w: float) -> float:

@@ -23,7 +23,7 @@ const MOST_PX = 1920;
 export function restQuality(widthPx: number, heightPx: number, motion = 1): Quality {
   const scale = Math.min(1, MOST_PX / Math.max(widthPx, heightPx));
   const size = even(widthPx * scale, heightPx * scale);
-  return { ...size, rays: 100, layers: 4, supersample: 2, motion, motionBy: "velocities", format: "png" };
+  return { ...size, rays: 100, layers: 4, supersample: 0, motion, motionBy: "velocities", format: "png" };
 }
 
 /** Moments of a picture at rest that shows motion. */

@@ -5476,8 +5476,8 @@ export interface components {
             readonly shading?: "lit" | "unlit";
             /**
              * Supersample
-             * @description Layer pixels for each picture pixel.
-             * @default 2
+             * @description Layer pixels for each picture pixel along each axis; 0 for as many as suit the engine and its rays.
+             * @default 0
              * @example 2
              */
             readonly supersample?: number;
@@ -5704,8 +5704,8 @@ export interface components {
             readonly step?: number;
             /**
              * Supersample
-             * @description Layer pixels for each picture pixel.
-             * @default 2
+             * @description Layer pixels for each picture pixel along each axis; 0 for as many as suit the engine and its rays.
+             * @default 0
              */
             readonly supersample?: number;
             /**
@@ -10165,7 +10165,7 @@ export interface operations {
                 readonly seed?: number;
                 /** @description `unlit`: base colour as radiance. */
                 readonly shading?: "lit" | "unlit";
-                /** @description Layer pixels for each picture pixel. */
+                /** @description Layer pixels for each picture pixel along each axis; 0 for as many as suit the engine and its rays. */
                 readonly supersample?: number;
                 /** @description USD time code. */
                 readonly time: number;

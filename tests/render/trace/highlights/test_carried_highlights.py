@@ -154,7 +154,7 @@ def test_folded_images_are_scattered_with_all_their_light(
     np.testing.assert_array_equal(renderer.render(bulbs(), camera, SETTINGS).color, carried)
 
 
-def test_what_the_sharp_layer_holds_is_not_carried(renderer: FrameRenderer) -> None:
+def test_bars_before_what_is_in_focus_keep_their_light(renderer: FrameRenderer) -> None:
     """Light stays the same where bright edges, out of focus, lie before what is in focus."""
     wall = plane(rectangle((0.0, 0.0, -5.0), (6.0, 0, 0), (0, 6.0, 0)), WALL)
     bars = [

@@ -1,0 +1,44 @@
+"""Resolution of layers: as requested, or as suits the engine and its rays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from render.engines.shared.request import Part
+from render.model.frame_settings import FrameSettings
+
+COARSE_SCALE, MIDDLE_SCALE, FINE_SCALE = 2.0, 3.0, 4.0
+"""Layer pixels per picture pixel along each axis, where none are requested."""
+MIDDLE_RAYS, FINE_RAYS = 8, 48
+"""Rays per pixel from which on the error of coarser layers shows beside the noise of the rays: measured on the demo shot and on
+unlit scenes with 16 to 100 rays (``tests/bench/RESULTS.md``)."""
+
+
+def traced_scale(settings: FrameSettings, moments: int = 1) -> float:
+    """Layer pixels per picture pixel of a picture that is traced.
+
+    Args:
+        settings: its settings.
+        moments: number of pictures that the finished one is the mean of, whose layers are offset against each other.
+    """
+    if settings.supersample > 0:
+        return settings.supersample
+    if moments > 1:
+        return COARSE_SCALE
+    rays = FINE_RAYS if settings.noise > 0 else settings.rays
+    return FINE_SCALE if rays >= FINE_RAYS else MIDDLE_SCALE if rays >= MIDDLE_RAYS else COARSE_SCALE
+
+
+def blurred_scale(settings: FrameSettings) -> float:
+    """Pixels per picture pixel of a single image that is blurred, and of the textures of accumulated views."""
+    return settings.supersample or COARSE_SCALE
+
+
+def texel_offset(part: Part) -> tuple[float, float]:
+    """Offset of the layers of one of several moments, layer pixels from -0.5 to 0.5, so that the edges of what stands still are
+    sampled in other places at each: the R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences")."""
+    number, parts = part
+    if parts == 1:
+        return 0.0, 0.0
+    x, y = np.modf(0.5 + number * np.array([0.7548776662466927, 0.5698402909980532]))[0] - 0.5
+    return float(x), float(y)

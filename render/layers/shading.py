@@ -1,0 +1,67 @@
+"""Light on the surfaces of a layer, added after they are drawn.
+
+A rasteriser shades whole blocks of pixels for each triangle, and a triangle of a dense mesh covers one or two pixels of them.
+So the colour pass stores what light falls on (``layers/reflector.glsl``), and each pixel is lit once, after it (Saito & Takahashi
+1990, "Comprehensible rendering of 3-D shapes").
+"""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from render.gl.resources import Resources
+from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.lights import MAX_LIGHTS
+from render.layers.shadows import MAX_SHADOW_MAPS
+from render.layers.targets import MOST_RADIANCE, Slot
+from render.optics.view import PinholeView
+
+_BLOCK = 8  # side, px
+_ROW = 1024  # blocks in a row of work groups
+
+
+class SurfaceLighter:
+    """Lights the surfaces of layers."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._ctx, self._programs = ctx, programs
+
+    def light(self, slot: Slot, view: PinholeView, *, has_clearcoat: bool) -> None:
+        """Add the light of lamps and dome that the surfaces of a layer send to the eye to what they emit. The lighting is bound.
+
+        Args:
+            slot: the layer, which is drawn lit.
+            view: view that it is drawn for.
+            has_clearcoat: whether any of its surfaces may have a clear coat.
+        """
+        lit = slot.lit
+        if lit is None:
+            raise ValueError("the layer's surfaces can be drawn unlit alone")
+        defines: dict[str, int | float | str] = {"MAX_LIGHTS": MAX_LIGHTS, "MAX_SHADOW_MAPS": MAX_SHADOW_MAPS}
+        defines |= {"MAX_HALF": MOST_RADIANCE} | ({"CLEARCOAT": 1} if has_clearcoat else {})
+        program = self._programs.compute("layers/shade.comp", defines)
+        blocks = -(-view.width // _BLOCK), -(-view.height // _BLOCK)
+        names = ("w_map", "albedo_roughness", "reflectance_occlusion", "normal_coat")
+        for unit, (name, texture) in enumerate(zip(names, (slot.w, *lit.reflectors.textures), strict=True)):
+            texture.use(unit)
+            set_uniforms(program, **{name: unit})
+        # a pixel's ray leaves the eye with the slope (right and up for each metre ahead) of the inverse projection
+        unshear = np.linalg.inv(np.reshape(view.shear, (2, 2)))
+        per_px = unshear @ np.diag([1 / view.fx, -1 / view.fy])
+        first = -per_px @ [view.cx, view.cy]
+        set_uniforms(program, channel=slot.channel, slice=lit.slice, eye=(view.eye_x_m, view.eye_y_m, 0.0))
+        set_uniforms(program, slope_per_px=tuple(per_px.T.ravel()), first_slope=tuple(first))
+        lit.radiance.bind_to_image(0, read=True, write=True)
+        with Resources() as scope:
+            listed = scope.keep(self._ctx.buffer(reserve=4 * (1 + blocks[0] * blocks[1])))
+            listed.write(bytes(4))
+            listed.bind_to_storage_buffer(0)
+            slot.w.use(0)
+            finder = self._programs.compute("layers/shade_blocks.comp")
+            set_uniforms(finder, w_map=0, channel=slot.channel)
+            finder.run(*(-(-count // _BLOCK) for count in blocks))
+            self._ctx.memory_barrier()
+            count = int(np.frombuffer(listed.read(4), np.uint32)[0])
+            program.run(min(count, _ROW), -(-count // _ROW))
+            self._ctx.memory_barrier()

@@ -311,10 +311,10 @@ def check_layer_size(ctx: moderngl.Context, width: int, height: int) -> None:
         )
 
 
-def layer_bytes_per_px(layers: int, *, motion: bool = False) -> int:
+def layer_bytes_per_px(layers: int, *, motion: bool = False, lit: bool = False) -> int:
     """Memory of so many layers, with their background and depth buffer, bytes per pixel: that of `LayerTargets.bytes`."""
     packs = -(-layers // LAYERS_PER_PACK)
-    return layers * (8 + 16 * motion) + packs * (16 + 8) + 8 + 4
+    return layers * (8 + 16 * motion) + packs * (16 + 8) + 8 + 4 + REFLECTOR_BYTES_PER_PX * lit
 
 
 def texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:

@@ -191,6 +191,7 @@ class LensTracer:
             sheets,
             self.budget,
             int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]),
+            lit=not unlit,
         )
         if plan is not None:
             return (

@@ -14,7 +14,7 @@ import numpy as np
 
 from render.layers.limits import BLOCK_PX
 from render.layers.nbuffers import BINS_ABOVE_NEAREST, nbuffer_bytes
-from render.layers.targets import layer_bytes_per_px
+from render.layers.targets import REFLECTOR_BYTES_PER_PX, layer_bytes_per_px
 from render.optics.view import PinholeView
 from render.trace.lens_table import BOUND, PolynomialTable
 from render.trace.picture_focus import PictureFocus
@@ -88,6 +88,8 @@ def plan_tiles(
     layers: int,
     budget: LayerBudget,
     most_side_px: int,
+    *,
+    lit: bool = False,
 ) -> TilePlan | None:
     """Plan the tiles of a picture; None where its layers fit the budget.
 
@@ -98,17 +100,19 @@ def plan_tiles(
         layers: number of layers.
         budget: memory.
         most_side_px: limit of the device on the sides of textures.
+        lit: whether surfaces are lit, for which strips hold `render.layers.targets.Reflectors` too.
     """
-    if layers_bytes(*whole.size, layers) <= budget.bytes and max(whole.size) <= most_side_px:
+    if layers_bytes(*whole.size, layers, lit=lit) <= budget.bytes and max(whole.size) <= most_side_px:
         return None
     axis = 0 if whole.width >= whole.height else 1
     length, across = whole.size[axis], whole.size[1 - axis]
     per_line = layers_bytes(1 << 14, across, layers) >> 14
-    strip = min(length, max(BLOCK_PX, min(budget.strip_bytes // per_line, most_side_px) // BLOCK_PX * BLOCK_PX))
+    strip_line = per_line + across * REFLECTOR_BYTES_PER_PX * lit
+    strip = min(length, max(BLOCK_PX, min(budget.strip_bytes // strip_line, most_side_px) // BLOCK_PX * BLOCK_PX))
     unit = strip if strip < length else BLOCK_PX
     scale = whole.fx / picture.fx
     least = _multiple(int(np.ceil(2 * reach_px + _GROUP * scale + 2 * _GUARD)) + unit, unit)
-    room = max(0, budget.bytes - strip * per_line) // per_line // unit * unit
+    room = max(0, budget.bytes - strip * strip_line) // per_line // unit * unit
     window = min(_multiple(length, unit), max(least, min(room, most_side_px // unit * unit)))
     axis_px = (whole.cx - scale * picture.cx, whole.cy - scale * picture.cy)[axis]
     tiles: list[Tile] = []
@@ -123,9 +127,9 @@ def plan_tiles(
     return TilePlan(whole, axis, strip, window, tuple(tiles))
 
 
-def layers_bytes(width: int, height: int, layers: int) -> int:
-    """Memory of layers of this size and of their N-buffers, bytes."""
-    return width * height * layer_bytes_per_px(layers) + nbuffer_bytes(width, height)
+def layers_bytes(width: int, height: int, layers: int, *, lit: bool = False) -> int:
+    """Memory of layers of this size, lit or not, and of their N-buffers, bytes."""
+    return width * height * layer_bytes_per_px(layers, lit=lit) + nbuffer_bytes(width, height)
 
 
 def ray_reach_px(bundle: RayBundle, focus: PictureFocus, whole: PinholeView, scale: float, nearest_w: float) -> float:

@@ -366,7 +366,7 @@ class Peeler:
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
             has_clearcoat = any(draw.batch.material.clearcoat > 0 for draw in layer.draws)
-            self._lighter.light(layer.slot, layer.view, has_clearcoat=has_clearcoat)
+            self._lighter.light(layer.slot, layer.view, has_clearcoat=has_clearcoat, by_quads=layer.sampling.by_quads)
         return passed != 0
 
     def _allocate_targets(

@@ -17,8 +17,9 @@ from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.targets import MOST_RADIANCE, Slot
 from render.optics.view import PinholeView
 
-_BLOCK = 8  # side, px
-_ROW = 1024  # blocks in a row of work groups
+_QUADS = 8  # side of a work group that lists
+_GROUP = 64  # pixels or quads of a work group that lights
+_ROW = 1024  # work groups in a row
 
 
 class SurfaceLighter:
@@ -27,13 +28,14 @@ class SurfaceLighter:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx, self._programs = ctx, programs
 
-    def light(self, slot: Slot, view: PinholeView, *, has_clearcoat: bool) -> None:
+    def light(self, slot: Slot, view: PinholeView, *, has_clearcoat: bool, by_quads: bool) -> None:
         """Add the light of lamps and dome that the surfaces of a layer send to the eye to what they emit. The lighting is bound.
 
         Args:
             slot: the layer, which is drawn lit.
             view: view that it is drawn for.
             has_clearcoat: whether any of its surfaces may have a clear coat.
+            by_quads: light 2x2 pixels at once where their surfaces are alike.
         """
         lit = slot.lit
         if lit is None:
@@ -41,11 +43,12 @@ class SurfaceLighter:
         defines: dict[str, int | float | str] = {"MAX_LIGHTS": MAX_LIGHTS, "MAX_SHADOW_MAPS": MAX_SHADOW_MAPS}
         defines |= {"MAX_HALF": MOST_RADIANCE} | ({"CLEARCOAT": 1} if has_clearcoat else {})
         program = self._programs.compute("layers/shade.comp", defines)
-        blocks = -(-view.width // _BLOCK), -(-view.height // _BLOCK)
+        finder = self._programs.compute("layers/shade_list.comp")
         names = ("w_map", "albedo_roughness", "reflectance_occlusion", "normal_coat")
         for unit, (name, texture) in enumerate(zip(names, (slot.w, *lit.reflectors.textures), strict=True)):
             texture.use(unit)
             set_uniforms(program, **{name: unit})
+            set_uniforms(finder, **{name: unit})
         # a pixel's ray leaves the eye with the slope (right and up for each metre ahead) of the inverse projection
         unshear = np.linalg.inv(np.reshape(view.shear, (2, 2)))
         per_px = unshear @ np.diag([1 / view.fx, -1 / view.fy])
@@ -54,14 +57,15 @@ class SurfaceLighter:
         set_uniforms(program, slope_per_px=tuple(per_px.T.ravel()), first_slope=tuple(first))
         lit.radiance.bind_to_image(0, read=True, write=True)
         with Resources() as scope:
-            listed = scope.keep(self._ctx.buffer(reserve=4 * (1 + blocks[0] * blocks[1])))
-            listed.write(bytes(4))
+            listed = scope.keep(self._ctx.buffer(reserve=4 * (2 + view.width * view.height)))
+            listed.write(bytes(8))
             listed.bind_to_storage_buffer(0)
-            slot.w.use(0)
-            finder = self._programs.compute("layers/shade_blocks.comp")
-            set_uniforms(finder, w_map=0, channel=slot.channel)
-            finder.run(*(-(-count // _BLOCK) for count in blocks))
+            set_uniforms(finder, channel=slot.channel, by_quads=by_quads)
+            finder.run(*(-(-side // (2 * _QUADS)) for side in view.size))
             self._ctx.memory_barrier()
-            count = int(np.frombuffer(listed.read(4), np.uint32)[0])
-            program.run(min(count, _ROW), -(-count // _ROW))
+            for number, count in enumerate(np.frombuffer(listed.read(8), np.uint32)):
+                groups = -(-int(count) // _GROUP)
+                if groups:
+                    set_uniforms(program, by_quads=number == 0)
+                    program.run(min(groups, _ROW), -(-groups // _ROW))
             self._ctx.memory_barrier()

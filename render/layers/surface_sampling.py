@@ -20,6 +20,9 @@ from render.optics.view import PinholeView
 PATCH_SHARE = 0.5
 """Side of the patch, relative to the side of a square as large as the ray's share of the pupil. Mipmaps filter wider."""
 
+QUAD_SCALE = 2.5
+"""Pixels of a pass per pixel of the picture, along each axis, from which on 2x2 of them may share their light."""
+
 
 @dataclass(frozen=True)
 class SurfaceSampling:
@@ -29,11 +32,13 @@ class SurfaceSampling:
         detail: times finer than this pass's pixels: 1 for layers; more where many shifted views make one picture.
         patch_px_m: side of the patch that one ray stands for, per 1/m of w between the surface and the plane of focus.
         focus: w of that plane at the pass's corner, 1/m, and how it changes from pixel to pixel along x and y.
+        by_quads: light 2x2 pixels of the pass at once where their surfaces are alike (`render.layers.shading`).
     """
 
     detail: float = 1.0
     patch_px_m: float = 0.0
     focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    by_quads: bool = False
 
     def at_corner(self, x: float, y: float) -> SurfaceSampling:
         """The same sampling in a pass whose corner is this many pixels to the right and down."""
@@ -66,4 +71,4 @@ def layer_sampling(
     slopes = focus[1] / scale, focus[2] / scale
     corner = focus[0] + slopes[0] * (scale * picture.cx - layers.cx) + slopes[1] * (scale * picture.cy - layers.cy)
     patch = patch_px_m(max(layers.fx, layers.fy), pupil_m, rays)
-    return SurfaceSampling(1.0, patch, (corner, *slopes))
+    return SurfaceSampling(1.0, patch, (corner, *slopes), by_quads=scale >= QUAD_SCALE)

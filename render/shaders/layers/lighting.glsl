@@ -44,25 +44,29 @@ float ggx(float nh, float nl, float nv, float alpha, float spread)
     return distribution * 0.5 / max(v, 1e-4);
 }
 
-vec3 brdf_times_cosine(Reflector s, vec3 v, vec3 l, float spread, vec2 response)
+// Light that a surface sends to the eye: radiance is diffuse times the albedo, and specular.
+struct Reflected {
+    vec3 diffuse;
+    vec3 specular;
+};
+
+Reflected brdf_times_cosine(Reflector s, vec3 v, vec3 l, float spread, vec2 response)
 {
-    float nl = dot(s.normal, l);
-    if (nl <= 0.0) return vec3(0.0);
+    float nl = max(dot(s.normal, l), 0.0);
     float nv = max(abs(dot(s.normal, v)), 1e-3);
     vec3 h = normalize(l + v);
     float nh = clamp(dot(s.normal, h), 0.0, 1.0), vh = clamp(dot(v, h), 0.0, 1.0);
     float alpha = s.roughness * s.roughness;
     vec3 f = fresnel(s.f0, vh);
-    vec3 result = (1.0 - f) * s.albedo / PI * response.x;
-    result += f * ggx(nh, nl, nv, alpha, spread) * response.y;
+    vec3 mirrored = f * ggx(nh, nl, nv, alpha, spread) * response.y;
 #ifdef CLEARCOAT
     float coat = s.clearcoat_roughness * s.clearcoat_roughness + 1e-3;
-    result += s.clearcoat * fresnel(vec3(0.04), vh).r * ggx(nh, nl, nv, coat, spread) * response.y;
+    mirrored += s.clearcoat * fresnel(vec3(0.04), vh).r * ggx(nh, nl, nv, coat, spread) * response.y;
 #endif
-    return result * nl;
+    return Reflected((nl / PI * response.x) * (1.0 - f), nl * mirrored);
 }
 
-vec3 light_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l)
+Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l)
 {
     float spread;
     vec3 irradiance = light.radiance_area.rgb;
@@ -81,7 +85,8 @@ vec3 light_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l)
         if (outer > -1.0) irradiance *= smoothstep(outer, inner, facing);
         spread = r * 0.5 * inversesqrt(d2);
     }
-    return irradiance * brdf_times_cosine(s, v, l, spread, light.cone_response.zw);
+    Reflected share = brdf_times_cosine(s, v, l, spread, light.cone_response.zw);
+    return Reflected(irradiance * share.diffuse, irradiance * share.specular);
 }
 
 vec3 dome_irradiance_over_pi(vec3 n)
@@ -102,27 +107,32 @@ vec3 environment_reflectance(vec3 f0, float roughness, float nv)
     return f0 * ab.x + ab.y;
 }
 
-vec3 dome_contribution(Reflector s, vec3 v)
+Reflected dome_contribution(Reflector s, vec3 v)
 {
     mat3 dome = mat3(lighting.dome_from_camera);
     float nv = max(abs(dot(s.normal, v)), 1e-3);
     vec3 reflectance = environment_reflectance(s.f0, s.roughness, nv);
     vec3 mirror = normalize(dome * reflect(-v, s.normal));
     vec3 seen = lighting.dome_radiance.rgb * textureLod(dome_map, latlong_uv(mirror), s.roughness * lighting.count.z).rgb;
-    vec3 diffuse = (1.0 - reflectance) * s.albedo * dome_irradiance_over_pi(normalize(dome * s.normal));
-    return s.occlusion * (diffuse + reflectance * seen);
+    vec3 diffuse = (1.0 - reflectance) * dome_irradiance_over_pi(normalize(dome * s.normal));
+    return Reflected(s.occlusion * diffuse, s.occlusion * reflectance * seen);
 }
 
-vec3 reflected_light(Reflector s, vec3 p, vec3 v)
+Reflected reflected_light(Reflector s, vec3 p, vec3 v)
 {
-    vec3 sum = lighting.count.y > 0.5 ? dome_contribution(s, v) : vec3(0.0);
+    Reflected sum = Reflected(vec3(0.0), vec3(0.0));
+    if (lighting.count.y > 0.5) sum = dome_contribution(s, v);
     int n = int(lighting.count.x), shadowed = int(lighting.count.w);
     vec3 l;
     // two loops, since a CPU runs both sides of a branch: only lights with shadow maps pay for them
     for (int i = 0; i < shadowed; ++i) {
-        vec3 reflected = light_contribution(lighting.lights[i], s, p, v, l);
-        sum += reflected * shadow_visibility(lighting.lights[i], p, s.normal, l);
+        Reflected own = light_contribution(lighting.lights[i], s, p, v, l);
+        float visible = shadow_visibility(lighting.lights[i], p, s.normal, l);
+        sum = Reflected(sum.diffuse + visible * own.diffuse, sum.specular + visible * own.specular);
     }
-    for (int i = shadowed; i < n; ++i) sum += light_contribution(lighting.lights[i], s, p, v, l);
+    for (int i = shadowed; i < n; ++i) {
+        Reflected own = light_contribution(lighting.lights[i], s, p, v, l);
+        sum = Reflected(sum.diffuse + own.diffuse, sum.specular + own.specular);
+    }
     return sum;
 }

@@ -1,0 +1,14 @@
+// Surfaces as the colour pass leaves them (surface.frag).
+
+#include "layers/reflector.glsl"
+
+uniform sampler2D albedo_roughness;
+uniform sampler2D reflectance_occlusion;
+uniform sampler2D normal_coat;
+
+Reflector reflector_at(ivec2 pixel)
+{
+    vec4 albedo = texelFetch(albedo_roughness, pixel, 0), f0 = texelFetch(reflectance_occlusion, pixel, 0);
+    vec4 normal = texelFetch(normal_coat, pixel, 0);
+    return Reflector(albedo.rgb, f0.rgb, albedo.a, f0.a, normal.z, normal.w, direction_of(normal.xy));
+}

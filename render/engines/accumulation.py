@@ -28,7 +28,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from render.engines.base import Engine
-from render.engines.shared.layer_scale import blurred_scale
+from render.engines.shared.layer_scale import traced_scale
 from render.engines.shared.request import DrawRequest
 from render.errors import SettingsError
 from render.model.arrays import FloatArray
@@ -79,6 +79,6 @@ class AccumulationEngine(Engine):
             make_lens_points(camera, settings.rays, settings.seed)[ray_range(settings.rays, *request.part)],
             focal_surface(camera).plane,
             unlit=request.is_unlit,
-            sampling=choose_view_sampling(camera, view, settings.rays, blurred_scale(settings)),
+            sampling=choose_view_sampling(camera, view, settings.rays, traced_scale(settings)),
             on_progress=request.on_progress,
         )

@@ -14,9 +14,8 @@ Settings:
     layers      peeled layers at most, 1 to 8 (4): how much of what is hidden from the pupil's centre a ray can still meet.
                 Partly transparent surfaces do not count against it: up to eight surfaces of a pixel have a layer each, and
                 further ones are merged into the last two (`render.layers.rest`).
-    supersample layer pixels per picture pixel along each axis, 1 to 4 (2). What is nearly in focus is drawn twice as fine up to
-                2, so that its edges have sixteen samples in a pixel (`render.layers.sharp_layer`), and glints out of focus take
-                the mean of four samples in a layer pixel (`render.layers.glints`).
+    supersample layer pixels per picture pixel along each axis, 1 to 4; 0 for 2 below 8 rays, 3 below 48, 4 from there on, fewer
+                where a picture has more than 1,650 lines, and 2 for each of several moments (0).
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
     connections True carries what is small, bright and blurred to the pixels of its blurred image, through any iris and any lens:
                 along single rays, or cell by cell of the pupil where that image is uneven or folds, as near the focus of real
@@ -24,17 +23,15 @@ Settings:
     tiled       True gives neighbouring pixels different rays: noise in place of repeated images (True).
     motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
 
-Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 17 s on two CPU cores under llvmpipe, most of
-it for drawing and shading the layers and the sharp layer. What the rays take is proportional to their number, not to that of the
-lens surfaces.
+Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes COSTS s on two CPU cores under llvmpipe, most of it
+for drawing and lighting the layers. What the rays take is proportional to their number, not to that of the lens surfaces.
 
-Memory: layers take some 80 bytes for each layer pixel, and the sharp layer up to 80 more. Above 1 GiB the picture is traced in
-tiles, whose number does not change the pixels (`render.trace.tiling.plan`), but that highlights are left to the rays, and that
-adaptive rays are distributed over each tile by itself. Above 1 GiB textures are held as finely as the view shows them, in all
-engines (`render.layers.texture_budget`).
+Memory: layers take some 104 bytes for each layer pixel. Above 1 GiB the picture is traced in tiles, whose number does not change the
+pixels (`render.trace.tiling.plan`), but that highlights are left to the rays, and that adaptive rays are distributed over each tile
+by itself. Above 1 GiB textures are held as finely as the view shows them, in all engines (`render.layers.texture_budget`).
 
-Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes at supersample 4, 40
-to 46 at 2. Shading is that of the view from the pupil's centre, so that glints do not change over the pupil.
+Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes. Shading is that of the
+view from the pupil's centre, so that glints do not change over the pupil.
 
 Source: Lee, Eisemann & Seidel 2010, "Real-Time Lens Blur Effects and Focus Control", section 3.1; lens tables:
 `render.trace.bundles`.

@@ -34,8 +34,7 @@ _TILES = 1  # as the shader binds them
 _FIRST_UNIT = 0
 """First texture unit of the tracer."""
 _LAYER_UNITS = 13
-"""Number of texture units for layers, N-buffers, focal map, and movers, which have the last two, or the sharp layer; the ray
-buffers come after."""
+"""Number of texture units for layers, N-buffers, focal map, and movers, which have the last two; the ray buffers come after."""
 
 
 @dataclass(frozen=True)

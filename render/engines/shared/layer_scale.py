@@ -12,6 +12,9 @@ COARSE_SCALE, MIDDLE_SCALE, FINE_SCALE = 2.0, 3.0, 4.0
 MIDDLE_RAYS, FINE_RAYS = 8, 48
 """Rays per pixel from which on the error of coarser layers shows beside the noise of the rays: measured on the demo shot and on
 unlit scenes with 16 to 100 rays (``tests/bench/RESULTS.md``)."""
+MOST_LINES = 6600
+"""Layer pixels along the shorter side up to which layers are finer than `COARSE_SCALE`: the more there are, the fewer fit into the
+window of a picture in tiles (`render.trace.tiling.plan`), and a window must be as wide as the rays reach."""
 
 
 def traced_scale(settings: FrameSettings, moments: int = 1) -> float:
@@ -26,7 +29,8 @@ def traced_scale(settings: FrameSettings, moments: int = 1) -> float:
     if moments > 1:
         return COARSE_SCALE
     rays = FINE_RAYS if settings.noise > 0 else settings.rays
-    return FINE_SCALE if rays >= FINE_RAYS else MIDDLE_SCALE if rays >= MIDDLE_RAYS else COARSE_SCALE
+    wanted = FINE_SCALE if rays >= FINE_RAYS else MIDDLE_SCALE if rays >= MIDDLE_RAYS else COARSE_SCALE
+    return float(max(COARSE_SCALE, min(wanted, MOST_LINES // min(settings.width, settings.height))))
 
 
 def blurred_scale(settings: FrameSettings) -> float:

@@ -7,7 +7,7 @@ from types import TracebackType
 
 import numpy as np
 
-from render.engines.shared.layer_scale import blurred_scale
+from render.engines.shared.layer_scale import traced_scale
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Repeats, Spent, StageClock, median_spent
@@ -82,7 +82,7 @@ class LensRig:
         """Picture of the loaded scene from the accumulation buffer with the same lens samples, and its cost."""
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         points = make_lens_points(camera, settings.rays, settings.seed)
-        sampling = choose_view_sampling(camera, view, settings.rays, blurred_scale(settings))
+        sampling = choose_view_sampling(camera, view, settings.rays, traced_scale(settings))
         plane = focal_surface(camera).plane
         self._accumulator.accumulate(self._peeler, view, points[:1], plane, sampling=sampling)  # compiles
         clock = StageClock(self.graphics.ctx.finish)

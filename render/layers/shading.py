@@ -68,4 +68,4 @@ class SurfaceLighter:
                 if groups:
                     set_uniforms(program, by_quads=number == 0)
                     program.run(min(groups, _ROW), -(-groups // _ROW))
-            self._ctx.memory_barrier()
+                    self._ctx.memory_barrier()

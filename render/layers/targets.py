@@ -320,7 +320,7 @@ def layer_bytes_per_px(layers: int, *, motion: bool = False, lit: bool = False) 
 def texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:
     """Memory of a texture without mipmaps, from its size and format."""
     texels = int(np.prod(texture.size))
-    return texels * texture.components * int(texture.dtype[1])
+    return texels * texture.components * int(texture.dtype[-1])
 
 
 def _depth_buffer(making: Construction, width: int, height: int) -> int:

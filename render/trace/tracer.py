@@ -33,7 +33,7 @@ _GROUPS_PER_DISPATCH = 65_535
 _TILES = 1  # as the shader binds them
 _FIRST_UNIT = 0
 """First texture unit of the tracer."""
-_LAYER_UNITS = 13
+_LAYER_UNITS = 11
 """Number of texture units for layers, N-buffers, focal map, and movers, which have the last two; the ray buffers come after."""
 
 

@@ -13,8 +13,9 @@ MIDDLE_RAYS, FINE_RAYS = 8, 48
 """Rays per pixel from which on the error of coarser layers shows beside the noise of the rays: measured on the demo shot and on
 unlit scenes with 16 to 100 rays (``tests/bench/RESULTS.md``)."""
 MOST_LINES = 6600
-"""Layer pixels along the shorter side up to which layers are finer than `COARSE_SCALE`: the more there are, the fewer fit into the
-window of a picture in tiles (`render.trace.tiling.plan`), and a window must be as wide as the rays reach."""
+"""Layer pixels along the shorter side up to which layers are finer than `COARSE_SCALE`: the more there are, the fewer
+fit into the window of a picture in tiles (`render.trace.tiling.plan`), and a window must be as wide as the rays
+reach."""
 
 
 def traced_scale(settings: FrameSettings, moments: int = 1) -> float:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from render.model.frame_settings import FrameSettings
 
-PICTURE = FrameSettings(800, 600, rays=100, layers=4, supersample=1.5, tiled=False)
+PICTURE = FrameSettings(800, 600, rays=100, layers=4, tiled=False)
 """Settings of the lens bench."""
 POINT_COUNTS = (0, 1, 8, 32, 64)
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
+from render.engines.shared.layer_scale import traced_scale
 from render.errors import PullfocusError, SettingsError
 from render.files import check_writable, write_atomic
 from render.lab.bench.goals import judge
@@ -62,7 +63,7 @@ def measure(scenes: Mapping[str, SceneMaker], plan: Plan, say: Callable[[str], N
             width=picture.width,
             height=picture.height,
             rays=picture.rays,
-            supersample=picture.supersample,
+            supersample=traced_scale(picture),
             scenes=rows,
             sweeps=sweeps,
             layers_mb_1024x768=rig.layers_bytes(swept.camera, 1024, 768, 4) / 1e6,

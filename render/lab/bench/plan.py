@@ -10,7 +10,7 @@ from render.lab.bench.lenses import BenchLens, bench_lenses
 from render.lab.reference.bench_scenes import SCENES
 from render.model.frame_settings import FrameSettings
 
-PICTURE = FrameSettings(800, 600, rays=100, layers=4, supersample=1.5, tiled=False)
+PICTURE = FrameSettings(800, 600, rays=100, layers=4, tiled=False)
 """Settings that the goals are set for. The rays are those of the accumulation buffer: one pattern for all pixels."""
 TABLE_REPEATS, SWEEP_REPEATS = Repeats(least=3), Repeats(least=1)
 RUNS = 3
@@ -65,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="small pictures and few of them: does it all work")
     parser.add_argument("--scene", metavar="NAME", choices=SCENES, help=f"one of {', '.join(SCENES)}; without it all")
     parser.add_argument(
-        "--supersample", metavar="N", type=float, help=f"layer pixels per pixel; without it {PICTURE.supersample}"
+        "--supersample", metavar="N", type=float, help="layer pixels per pixel; without it as many as suit the rays"
     )
     parser.add_argument("--rays", metavar="N", type=int, help=f"rays per pixel of the table; without it {PICTURE.rays}")
 

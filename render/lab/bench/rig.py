@@ -134,7 +134,7 @@ class LensRig:
             make_ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled),
             wavelengths=settings.wavelengths,
             layers=settings.layers,
-            supersample=settings.supersample,
+            supersample=traced_scale(settings),
             on_stage=clock,
         )
         return picture, clock.spent

@@ -15,7 +15,7 @@ def report(bench: LensBench) -> str:
 
 
 def _head(bench: LensBench) -> Iterator[str]:
-    yield f"{bench.device}; {bench.width}x{bench.height}, {bench.rays} rays, layers supersampled by {bench.supersample}"
+    yield f"{bench.device}; {bench.width}x{bench.height}, {bench.rays} rays, layers supersampled by {bench.supersample:g}"
     yield "Milliseconds, medians of several runs where they are quick: by the wall's clock, and in brackets by the processor's,"
     yield "of all threads, which other work hardly touches. The reference is the accumulation buffer with the same rays."
 

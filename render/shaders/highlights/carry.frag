@@ -9,7 +9,8 @@
 #include "highlights/passing.glsl"
 
 flat in vec4 excess;
-flat in uvec4 texel;
+flat in vec2 source;
+flat in uint front;
 flat in uvec2 bins_in_way;
 
 out vec4 color;
@@ -22,11 +23,11 @@ void main()
 {
     float w = excess.w;
     PixelRays rays = rays_from(gl_FragCoord.xy);
-    Joined joined = join(rays, vec2(ivec2(texel.xy) + layer_first) + 0.5, w);
+    Joined joined = join(rays, source + vec2(layer_first), w);
     if (!joined.found) discard;
     float density = light_at(rays, joined.l, joined.from.weight, inverse(joined.layers_from_pupil));
     if (density <= 0.0) discard;
     density *= INVERSE_PI / abs(determinant(joined.layers_from_pupil));
-    float share = share_past(on_layers(rays, joined.from, vec2(0.0)), uintBitsToFloat(texel.z), bins_in_way);
+    float share = share_past(on_layers(rays, joined.from, vec2(0.0)), uintBitsToFloat(front), bins_in_way);
     color = vec4(share * density * light * excess.rgb, 0.0);
 }

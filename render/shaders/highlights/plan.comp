@@ -37,6 +37,7 @@ const int SPOKES = 12;
 const float WIDEN = 1.04;       // of a polygon of SPOKES corners to the circle around it
 const int ROUNDS = 5;
 const float MOST_MISS = 0.5;    // picture pixels
+const float BESIDE_PX = 1.25;   // half a pixel, half a group of texels, and half a pixel for what is missed
 const int SLABS = 4;
 const int RINGS = 4;            // within the pupil
 const float ROOM = 0.05;        // of clearance
@@ -177,7 +178,7 @@ Blurred blurred_image(vec2 q, float w)
 #endif
     if (min(half_size.x, half_size.y) * scale < least_radius) return LEFT;
     middle = 0.5 * (low + high);
-    half_size = half_size * WIDEN + 2.0;
+    half_size = half_size * WIDEN + BESIDE_PX;
     return Blurred(vec4(middle - half_size, middle + half_size), cells);
 }
 

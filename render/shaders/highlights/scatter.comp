@@ -16,7 +16,7 @@ struct Highlight {
     vec4 excess;        // radiance times opacity; w (1/m)
     vec2 middle;        // of its blurred image, picture pixels
     uvec2 bins;         // bins of inverse depth in front that may hold something
-    uint texel;         // x | y << 16 in the layers
+    vec2 place;         // in the layers, pixels
     uint front;         // bits of the inverse depth from which on surfaces are in the way
     uint first_cell;
     uint side;          // cells across and down
@@ -77,7 +77,7 @@ void add(int at, float value)
 // Add light, evenly over a box of a place and width, each texel's image a box too, to the pixels.
 void splat(vec3 color, vec2 place, vec2 width)
 {
-    float texel = 1.0 / scale;
+    float texel = texel_px / scale;
     vec2 reach = 0.5 * (width + texel);
     ivec2 first = max(ivec2(floor(place - reach)), ivec2(0, rows.x));
     ivec2 last = min(ivec2(floor(place + reach)), ivec2(picture.x, rows.y) - 1);
@@ -103,7 +103,7 @@ void main()
     uint number = uint(cell) - from.first_cell;
     float w = from.excess.w, step = 2.0 / float(from.side);
     vec2 at = (vec2(number % from.side, number / from.side) + 0.5) * step - 1.0, disc = on_disc(at);
-    vec2 q = vec2(ivec2(from.texel & 0xffffu, from.texel >> 16) + layer_first) + 0.5;
+    vec2 q = from.place + vec2(layer_first);
 
     // the place in the picture whose ray through the cell's centre meets the texel: a first estimate, then a step of Newton's method
     vec2 place = from.middle, miss = vec2(0.0);
@@ -144,7 +144,7 @@ void main()
     mat2 place_from_cell = by_layers * layers_from_cell;
     vec2 width = max(abs(place_from_cell[0]) + abs(place_from_cell[1]), LEAST_WIDTH);
     if (!(max(width.x, width.y) < MOST_WIDTH)) return;
-    vec2 reach = 0.5 * (width + 1.0 / scale);
+    vec2 reach = 0.5 * (width + texel_px / scale);
     if (any(lessThan(place + reach, vec2(0.0, rows.x))) || any(greaterThan(place - reach, vec2(picture.x, rows.y)))) return;
 
     float share = light_weight(rays, ray.weight) / (float(from.side) * float(from.side) * stretch);

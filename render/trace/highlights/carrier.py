@@ -29,6 +29,7 @@ from render.optics.view import PinholeView
 from render.trace.focal_map import FocalMaps
 from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
 from render.trace.highlights.evenness import grid_changes
+from render.trace.highlights.grouping import group_highlights
 from render.trace.highlights.iris_levels import bind_iris, iris_levels
 from render.trace.highlights.light_balance import balance_light
 from render.trace.highlights.scattering import UNEVEN, Scatterer
@@ -51,8 +52,8 @@ _PLAN = np.dtype(
         ("exact", "u4", 2),
     ]
 )
-_INSTANCE = np.dtype([("box", "f4", 4), ("excess", "f4", 4), ("texel", "u4", 4), ("bins", "u4", 2)])
-_ATTRIBUTES = ("in_box", "in_excess", "in_texel", "in_bins")
+_INSTANCE = np.dtype([("box", "f4", 4), ("excess", "f4", 4), ("place", "f4", 2), ("front", "u4"), ("bins", "u4", 2)])
+_ATTRIBUTES = ("in_box", "in_excess", "in_place", "in_front", "in_bins")
 
 Step = TypeVar("Step")
 
@@ -161,12 +162,15 @@ class HighlightCarrier:
             plans = self._plan(picture, means, texels)
             rays = min(bundle.count, bundle.pattern.whole)
             most = CONNECTIONS_PER_RAY * rays * view.width * view.height / len(bundle.rgb)
-            corners, cells = (0, 0, view.width, view.height), plans["cells"]
-            choice = choose_highlights(plans["excess"][:, :3], plans["box"], cells, corners, most)
+            groups = group_highlights(texels, plans, picture.group_side, picture.blur_px)
+            corners, grouped = (0, 0, view.width, view.height), groups.plans
+            choice = choose_highlights(grouped["excess"][:, :3], grouped["box"], grouped["cells"], corners, most)
             if len(choice.numbers) == 0:
                 return self.nothing
-            texels, plans = texels[choice.numbers], plans[choice.numbers]
-            light = self._light(picture, texels, plans, choice.connections)
+            chosen = groups.places[choice.numbers], grouped[choice.numbers]
+            light = self._light(picture, *chosen, choice.connections)
+        is_taken = np.isin(groups.owners, choice.numbers)
+        texels, plans = texels[is_taken], plans[is_taken]
         taken = np.concatenate([_packed(texels), plans["base"], plans["exact"]], axis=1)
         return CarriedHighlights(self._ctx, self._programs, layers, taken, light)
 
@@ -201,20 +205,20 @@ class HighlightCarrier:
         return read
 
     def _light(
-        self, picture: Picture, texels: NDArray[np.uint32], plans: NDArray[np.void], connections: NDArray[np.float64]
+        self, picture: Picture, places: FloatArray, plans: NDArray[np.void], connections: NDArray[np.float64]
     ) -> FloatArray:
-        """Light of highlights, ``(height, width, 3)``."""
+        """Light of highlights at places of the layers, ``(height, width, 3)``."""
         scattered = plans["cells"] > 0
         light = np.zeros((picture.view.height, picture.view.width, 3), np.float32)
         if not scattered.all():
             even = ~scattered
-            light += self._draw(picture, texels[even], plans[even], connections[even])
+            light += self._draw(picture, places[even], plans[even], connections[even])
         if scattered.any():
-            light += self._scatterer.scatter(picture, _packed(texels[scattered])[:, 0], plans[scattered])
+            light += self._scatterer.scatter(picture, places[scattered], plans[scattered])
         return light
 
     def _draw(
-        self, picture: Picture, texels: NDArray[np.uint32], plans: NDArray[np.void], connections: NDArray[np.float64]
+        self, picture: Picture, places: FloatArray, plans: NDArray[np.void], connections: NDArray[np.float64]
     ) -> FloatArray:
         """Draw the blurred images of highlights, ``(height, width, 3)``."""
         view, bundle = picture.view, picture.bundle
@@ -240,7 +244,7 @@ class HighlightCarrier:
                 self._buffers.choose_wavelength(program, bundle, wavelength)
                 set_uniforms(program, light=tuple(rgb))
                 for some in self._pieces(connections):
-                    self._draw_some(program, _instances(texels[some], plans[some]))
+                    self._draw_some(program, _instances(places[some], plans[some]))
                     self._piece.learn(int(connections[some].sum()), self._cancellation.poll())
             self._ctx.memory_barrier()
             drawn = np.frombuffer(canvas.read(), np.float32).reshape(view.height, view.width, 4)
@@ -249,7 +253,7 @@ class HighlightCarrier:
     def _draw_some(self, program: moderngl.Program, instances: NDArray[np.void]) -> None:
         with Resources() as scope:
             buffer = scope.keep(self._ctx.buffer(instances.tobytes()))
-            layout = (buffer, "4f4 4f4 4u4 2u4 /i", *_ATTRIBUTES)
+            layout = (buffer, "4f4 4f4 2f4 1u4 2u4 /i", *_ATTRIBUTES)
             vertices = scope.keep(self._ctx.vertex_array(program, [layout]))
             vertices.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(instances))
 
@@ -274,8 +278,9 @@ def _packed(texels: NDArray[np.uint32]) -> NDArray[np.uint32]:
     return np.stack([texels[:, 0] | texels[:, 1] << np.uint32(16), texels[:, 2]], axis=1)
 
 
-def _instances(texels: NDArray[np.uint32], plans: NDArray[np.void]) -> NDArray[np.void]:
-    instances = np.zeros(len(texels), _INSTANCE)
-    instances["box"], instances["excess"], instances["bins"] = plans["box"], plans["excess"], plans["bins"]
-    instances["texel"][:, :2], instances["texel"][:, 2] = texels[:, :2], plans["front"]
+def _instances(places: FloatArray, plans: NDArray[np.void]) -> NDArray[np.void]:
+    instances = np.zeros(len(places), _INSTANCE)
+    instances["place"] = places
+    for name in ("box", "excess", "front", "bins"):
+        instances[name] = plans[name]
     return instances

@@ -37,10 +37,11 @@ _HIGHLIGHT = np.dtype(
         ("excess", "f4", 4),
         ("middle", "f4", 2),
         ("bins", "u4", 2),
-        ("texel", "u4"),
+        ("place", "f4", 2),
         ("front", "u4"),
         ("first_cell", "u4"),
         ("side", "u4"),
+        ("unused", "u4", 3),
     ]
 )
 
@@ -61,12 +62,12 @@ class Scatterer:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
         self._piece = PieceSize(1 << 14)
 
-    def scatter(self, picture: Picture, texels: NDArray[np.uint32], plans: NDArray[np.void]) -> FloatArray:
+    def scatter(self, picture: Picture, places: FloatArray, plans: NDArray[np.void]) -> FloatArray:
         """Light of highlights, ``(height, width, 3)``.
 
         Args:
             picture: the picture, whose lens has a table.
-            texels: ``(n,)`` x and y, packed.
+            places: ``(n, 2)`` their places in the layers, pixels.
             plans: their plans, with the cells of the pupil across and down.
         """
         view, bundle = picture.view, picture.bundle
@@ -92,20 +93,18 @@ class Scatterer:
                     self._buffers.choose_wavelength(program, bundle, wavelength)
                     set_uniforms(program, light=tuple(rgb))
                     for some in self._pieces(plans["cells"].astype(np.int64) ** 2):
-                        self._scatter_some(program, texels[some], plans[some])
+                        self._scatter_some(program, places[some], plans[some])
                 halves = np.frombuffer(sums.read(), np.uint32).reshape(rows, view.width, 3, 2)[: end - first]
                 drawn[first:end] = (halves[..., 1] * 2.0**32 + halves[..., 0]) * per_unit
         return drawn
 
-    def _scatter_some(
-        self, program: moderngl.ComputeShader, texels: NDArray[np.uint32], plans: NDArray[np.void]
-    ) -> None:
+    def _scatter_some(self, program: moderngl.ComputeShader, places: FloatArray, plans: NDArray[np.void]) -> None:
         cells = plans["cells"].astype(np.int64) ** 2
         highlights = np.zeros(len(plans), _HIGHLIGHT)
         for name in ("excess", "bins", "front"):
             highlights[name] = plans[name]
         highlights["middle"] = (plans["box"][:, :2] + plans["box"][:, 2:]) / 2
-        highlights["texel"], highlights["side"] = texels, plans["cells"]
+        highlights["place"], highlights["side"] = places, plans["cells"]
         highlights["first_cell"] = np.cumsum(cells) - cells
         owners = np.repeat(np.arange(len(plans), dtype=np.uint32), cells)
         with Resources() as scope:

@@ -13,6 +13,7 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.nbuffers import NBuffers, bind_layers
 from render.layers.peel import Layers
 from render.optics.view import PinholeView
+from render.trace.highlights.grouping import group_side
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import Defines, Program
 from render.trace.rays import RayBundle
@@ -20,8 +21,10 @@ from render.trace.tracer import layer_uniforms
 
 NOISE = 0.005
 """Standard deviation of a pixel's radiance relative to its surroundings from which a texel is a highlight."""
-LEAST_RADIUS = 0.625
-"""Smallest circle of confusion of a highlight relative to a pixel of the picture. The edges of smaller ones are not accurate."""
+LEAST_RADIUS = 1.0
+"""Smallest circle of confusion of a highlight relative to a pixel of the picture. What is in front of smaller ones
+hides them from other parts of the lens at one end of a pixel than at the other, and a connection takes the pixel's
+middle for all of it."""
 FLOOR_SHARE = 0.1
 """Share of the mean radiance of all layers added to that around a texel, so that what is dark need not be without noise."""
 PROBES, PLACES = 5, 9
@@ -68,6 +71,11 @@ class Picture:
         """Layer pixels per picture pixel."""
         return self.layers.view.fx / self.view.fx
 
+    @property
+    def group_side(self) -> int:
+        """Texels of a group of highlights along each axis (`render.trace.highlights.grouping`)."""
+        return group_side(self.scale)
+
     def bind(self, program: Program) -> int:
         """Bind the picture to a program, and return the first texture unit left free."""
         unit = bind_layers(program, self.layers, self.nbuffers, 0)
@@ -77,7 +85,7 @@ class Picture:
         set_uniforms(program, **layer_uniforms(self.layers, self.view), focus=self.focus.affine or (0.0, 0.0, 0.0))
         least_radius = LEAST_RADIUS * max(2.0, self.scale)
         set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=least_radius)
-        set_uniforms(program, floor_share=FLOOR_SHARE, probes=PROBES, places=PLACES)
+        set_uniforms(program, texel_px=float(self.group_side), floor_share=FLOOR_SHARE, probes=PROBES, places=PLACES)
         return unit + 1
 
 

@@ -74,7 +74,7 @@ def test_finer_layers_come_closer(renderer: FrameRenderer) -> None:
         psnr_db(renderer.render(scene, camera, replace(small, supersample=s)).color, reference) for s in (1, 2, 4)
     ]
     assert errors[1] > errors[0] + 3
-    assert errors[2] == pytest.approx(errors[1], abs=1.5)  # what is in focus is nearly as fine
+    assert errors[2] > errors[1] + 2
 
 
 def test_tiled_patterns_converge_to_the_same_picture(renderer: FrameRenderer) -> None:

@@ -20,7 +20,7 @@ from render.trace.highlights import scattering
 from tests.render.kits.data_sheets import SHEET
 from tests.render.kits.lenses import PLANAR
 
-SETTINGS = FrameSettings(128, 96, rays=64, adaptive=False)
+SETTINGS = FrameSettings(128, 96, rays=64, supersample=2, adaptive=False)
 CAMERA = Camera(np.eye(4), 50.0, 32.0, 24.0, f_stop=1.4, focus_distance_m=0.8, near_m=0.1)
 WALL = Material(name="wall", base_color=(0, 0, 0), emissive=(0.2, 0.25, 0.3))
 BULB = Material(name="bulb", base_color=(0, 0, 0), emissive=(12.0, 10.0, 8.0))

@@ -141,7 +141,7 @@ def test_layers_of_tiles_keep_to_the_budget(budget: FrameRenderer) -> None:
     drawn(budget, scene, CAMERA, settings, ONE_PIECE)
     view = PinholeView.from_camera(CAMERA, settings.width, settings.height)
     pattern = make_ray_pattern(2, CAMERA.iris)
-    for memory in (ONE_PIECE, LayerBudget(6_000_000, 500_000)):
+    for memory in (ONE_PIECE, LayerBudget(4_200_000, 400_000)):
         tracer.budget = memory
         traced = tracer.picture(peeler, CAMERA, view, pattern, layers=4, supersample=2)
         held = traced.layers.targets.bytes + traced.nbuffers.bytes

@@ -253,6 +253,7 @@ class Peeler:
         self.textures.fit(view, sampling.detail * (1 if key.sharp is None and key.zone is None else FINER))
         self._bind_lighting(view)
         draws = self._renderer.visible_draws(view)
+        self._ctx.memory_barrier()  # after a peeling that was cancelled before its own
         layers = min(layers, MAX_LAYERS)
         faded = _any_translucent(draws)
         if not faded and not any(id(draw.batch) in moves for draw in draws):

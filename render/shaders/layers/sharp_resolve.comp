@@ -67,7 +67,8 @@ void main()
             if (any(lessThan(there, ivec2(0))) || any(greaterThan(there, last))) continue;
             vec2 off = at - (vec2(there) + 0.5);
             uvec4 held = texelFetch(slopes, there, 0);
-            vec4 errors = prediction_errors(texelFetch(packed_w, there, 0), held, off, w);
+            vec4 stored = texelFetch(packed_w, there, 0), errors = prediction_errors(stored, held, off, w);
+            if (stored.x == 0.0) continue;  // nothing was drawn here: its radiance is undefined
             int nearest = 0;
             for (int k = 1; k < 4; ++k) nearest = errors[k] < errors[nearest] ? k : nearest;
             bool matches = errors[nearest] <= ALIKE;

@@ -65,14 +65,15 @@ SharpHit sharp_hit(vec2 a, vec2 b)
     return hit;
 }
 
-// Whether the sharp layer stops a ray in front of inverse depth `front`.
-bool sharp_stops(vec2 a, vec2 b, float front)
+// Whether the sharp layer stops a ray of the pixel at `centre` in front of inverse depth `front`.
+bool sharp_stops(vec2 centre, vec2 a, vec2 b, float front)
 {
     vec2 range = vec2(max(front, sharp_w_range.x), sharp_w_range.y);
     sharp_range = vec2(0.0);
     if (range.y <= range.x) return false;
     vec2 near = a + b * range.y, far = a + b * range.x;
-    vec2 held = sharp_range_over(ivec2(floor(min(near, far))), ivec2(floor(max(near, far))));
+    vec4 box = square_toward(centre, min(near, far), max(near, far));
+    vec2 held = sharp_range_over(ivec2(floor(box.xy)), ivec2(floor(box.zw)));
     range = vec2(max(range.x, held.x), min(range.y, held.y));
     if (range.y < range.x) return false;
     float pad = 1e-4 * range.y;

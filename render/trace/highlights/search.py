@@ -38,7 +38,7 @@ class Picture:
 
     Attributes:
         layers: its layers.
-        nbuffers: their N-buffers.
+        nbuffers: their N-buffers; None where only the layers themselves are read.
         bundle: rays of its lens.
         focus: focal surface.
         focal_map: focal surface as a texture where it is not affine.
@@ -46,7 +46,7 @@ class Picture:
     """
 
     layers: Layers
-    nbuffers: NBuffers
+    nbuffers: NBuffers | None
     bundle: RayBundle
     focus: PictureFocus
     focal_map: moderngl.Texture | None

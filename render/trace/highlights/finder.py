@@ -1,8 +1,8 @@
 """Finds the highlights of layers, and chooses those that are worth carrying.
 
 All of it follows from the layers that are searched and from the lens, not from what is around those layers. So the highlights of
-a strip are the same in each window that holds it (`render.trace.tiling`). At a strip's border the means around a texel are those of
-its own side, and the sharp layer beside it, which may hold the same surface twice, is not seen: over one texel of its width.
+a strip are the same in each window that holds it (`render.trace.tiling`). At a strip's border, means are those of its own side,
+and a texel is not compared with the sharp layer beyond, which may hold the same surface.
 """
 
 from __future__ import annotations

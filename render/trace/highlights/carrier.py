@@ -25,6 +25,7 @@ from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.nbuffers import NBuffers
 from render.layers.peel import Layers
+from render.model.area import Area
 from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.focal_map import FocalMaps
@@ -38,7 +39,6 @@ from render.trace.lens_table import PolynomialTable
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
-from render.trace.tiling.picture import Area
 
 _LIST, _IMAGE = 0, 2  # as the shaders bind them
 _GROUP = 64

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from render.model.area import Area
 from render.trace.highlights.chosen import pixels_seen
-from render.trace.tiling.picture import Area
 
 CONNECTIONS_PER_RAY = 0.08
 """Limit on the connections of a picture, relative to its rays: eight for each pixel at 100 rays."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.trace.tiling.picture import Area
+from render.model.area import Area
 
 CARRIED = np.dtype([("box", "f4", 4), ("excess", "f4", 4), ("place", "f4", 4), ("cells", "u4")])
 """First and last place of a blurred image in the picture, pixels; radiance over the surroundings times opacity, and inverse

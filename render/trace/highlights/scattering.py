@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import Any
 
 import moderngl
 import numpy as np
@@ -18,12 +17,12 @@ from numpy.typing import NDArray
 from render.gl.cancellation import CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.model.arrays import DoubleArray, FloatArray
+from render.model.area import Area
+from render.model.arrays import DoubleArray, FloatArray, LongArray
 from render.trace.highlights.chosen import pixels_seen
 from render.trace.highlights.iris_levels import bind_iris, iris_levels
 from render.trace.highlights.search import Picture
 from render.trace.ray_buffers import RayBuffers
-from render.trace.tiling.picture import Area
 
 UNEVEN = 0x10000
 """Flag of a plan's cells, as in ``highlights/plan.comp``."""
@@ -135,9 +134,7 @@ class Scatterer:
             first = end
 
 
-def _brightness_ranges(
-    picture: Picture, highlights: NDArray[np.void], light: DoubleArray
-) -> NDArray[np.signedinteger[Any]]:
+def _brightness_ranges(picture: Picture, highlights: NDArray[np.void], light: DoubleArray) -> LongArray:
     """Range of brightness, `_OCTAVES` wide, that the light of each highlight's cells is in. The sums of each range have a unit of
     their own: the brightest cell takes no more than 32 bits, and the light of a highlight does not depend on others."""
     iris = picture.bundle.pattern.iris_image

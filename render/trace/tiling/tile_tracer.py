@@ -12,13 +12,14 @@ from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers
 from render.layers.sharp_layer import SharpZone
 from render.layers.window import LayerWindow, PeelStrip
+from render.model.area import Area
 from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.highlights.carrier import CarriedHighlights, HighlightCarrier
 from render.trace.highlights.chosen import Highlights, join_highlights
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle
-from render.trace.tiling.picture import Area, TiledPicture
+from render.trace.tiling.picture import TiledPicture
 from render.trace.tiling.plan import Tile, TilePlan
 from render.trace.tracer import Tracer
 

@@ -17,10 +17,11 @@ from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.layers.glints import GlintSampler, finer_sampling, finer_view
 from render.layers.index import Draw, SceneIndex
+from render.layers.levels.sketch_index import SketchIndex
 from render.layers.lighting import Lighting
 from render.layers.movement import Movement
 from render.layers.moving_draws import MovingDraws
-from render.layers.nearest import nearest_depth_m
+from render.layers.nearest import nearest_depth_m, nearest_drawn_depth_m
 from render.layers.reach import ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.rest import RestMerger
@@ -57,6 +58,7 @@ class Layers:
         within: view of the whole picture's layers, of whose pixels these are a part; None where they are the whole.
         umbra: reach of an opaque surface's umbra that they were peeled with, 1/m.
         sharp: surfaces nearly in focus, at a finer resolution, which are removed from the layers; None without.
+        nearest_w: greatest inverse depth of what a sketch has drawn, 1/m; None where they are no sketch.
     """
 
     view: PinholeView
@@ -67,6 +69,7 @@ class Layers:
     within: PinholeView | None = None
     umbra: float = HIDES_ALL
     sharp: SharpLayer | None = None
+    nearest_w: float | None = None
 
     @property
     def whole(self) -> PinholeView:
@@ -111,6 +114,7 @@ class PeelKey:
     sheets: int
     sharp: SharpZone | None = None
     zone: FocusZone | None = None
+    is_sketch: bool = False
 
     def matches(self, other: PeelKey) -> bool:
         """Whether a peeling with the other key gives the same layers."""
@@ -126,6 +130,7 @@ class Peeler:
 
     Attributes:
         index: the render index.
+        sketches: draws of sketches.
         textures: budget of the surfaces' textures.
     """
 
@@ -133,8 +138,9 @@ class Peeler:
         self._ctx = graphics.ctx
         # on a CPU, anisotropic look-ups triple the time of a textured layer, and the layers are supersampled anyway
         self.index = SceneIndex(anisotropy=1.0 if graphics.is_software else 8.0)
+        self.sketches = SketchIndex(self.index)
         self.textures = TextureBudget(self.index)
-        self._renderer = LayerRenderer(self.index, graphics.ctx, programs, graphics.cancellation)
+        self._renderer = LayerRenderer(self.index, self.sketches, graphics.ctx, programs, graphics.cancellation)
         self._lighting = Lighting(self._renderer, programs)
         self._targets: dict[str, LayerTargets] = {}
         self._kept: dict[str, tuple[PeelKey, Layers]] = {}
@@ -167,6 +173,7 @@ class Peeler:
         is_new, self._scene = scene is not self._scene, None  # until all of the scene is loaded
         if is_new:
             self.index.update(scene)
+            self.sketches.drop()
             self.textures.prepare()
             self._renderer.upload()
             self._lighting.load(scene)
@@ -209,6 +216,7 @@ class Peeler:
         sheets: int = 0,
         sharp: SharpZone | None = None,
         zone: FocusZone | None = None,
+        is_sketch: bool = False,
         cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
@@ -231,9 +239,10 @@ class Peeler:
                 count against ``layers``. No effect where it is less than ``layers``.
             sharp: what the sharp layer is to hold; None without one. One cache slot at most may hold a sharp layer.
             zone: what is nearly in focus. Glints of what is not are sampled more finely (`render.layers.glints`); None for none.
+            is_sketch: draw simpler levels of meshes that are far away, where they are ready (`render.layers.levels`).
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, sharp, zone)
+        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, sharp, zone, is_sketch)
         kept = self._kept.pop(cache_slot, None)
         if kept is not None and not moves and kept[0].matches(key):
             self._kept[cache_slot] = kept
@@ -252,18 +261,24 @@ class Peeler:
         view, layers, umbra, unlit, sampling = key.view, key.layers, key.umbra, key.unlit, key.sampling
         self.textures.fit(view, sampling.detail * (1 if key.sharp is None and key.zone is None else FINER))
         self._bind_lighting(view)
-        draws = self._renderer.visible_draws(view)
+        nearest_w = None
+        if key.is_sketch:
+            if self.sketches.update():
+                self._renderer.upload()
+            clusters = self._renderer.sketched_clusters(view)
+            nearest_w = 1.0 / nearest_drawn_depth_m(self.sketches, clusters, view)
+        draws = self._renderer.visible_draws(view, is_sketch=key.is_sketch)
         self._ctx.memory_barrier()  # after a peeling that was cancelled before its own
         layers = min(layers, MAX_LAYERS)
         faded = _any_translucent(draws)
         if not faded and not any(id(draw.batch) in moves for draw in draws):
-            layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
+            layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view) if nearest_w is None else nearest_w))
         sheets = max(layers, min(key.sheets, MAX_LAYERS)) if faded else layers
         with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
             targets = self._allocate_targets(view, sheets, cache_slot, motion=moving.any)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
-            layer = LayerPass(view, draws, slots[0], umbra, None, sheets == 1, unlit, sampling)
+            layer = LayerPass(view, draws, slots[0], umbra, None, sheets == 1, unlit, sampling, is_sketch=key.is_sketch)
             if targets.motion is not None and moving.any:
                 layer = replace(layer, moving=moving, motion=targets.motion)
             count = 0
@@ -284,7 +299,7 @@ class Peeler:
         if key.zone is not None and count > 0:
             self._sample_glints(key, key.zone, targets, count)
         sharp = None if key.sharp is None or count == 0 else self._draw_sharp(key.sharp, targets, unlit)
-        return Layers(view, targets, count, faded, moving.any, umbra=umbra, sharp=sharp)
+        return Layers(view, targets, count, faded, moving.any, umbra=umbra, sharp=sharp, nearest_w=nearest_w)
 
     def _sample_glints(self, key: PeelKey, zone: FocusZone, targets: LayerTargets, count: int) -> None:
         """Give texels out of focus that hold glints the mean of several samples."""
@@ -400,6 +415,7 @@ class Peeler:
         if self._sharp is not None:
             self._sharp.release()
         self._lighting.release()
+        self.sketches.release()
         self._renderer.delete()
 
     def _all_corners(self) -> DoubleArray:

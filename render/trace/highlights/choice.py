@@ -6,17 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.model.area import Area
+from render.model.arrays import DoubleArray
 from render.trace.highlights.chosen import pixels_seen
 
 CONNECTIONS_PER_RAY = 0.08
 """Limit on the connections of a picture, relative to its rays: eight for each pixel at 100 rays."""
 CELL_COST = 2.0
 """Connections that a cell of the pupil counts for: it evaluates the lens table about twice as often."""
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def choose_highlights(
-    excess: NDArray[np.float32],
+    squares: DoubleArray,
     boxes: NDArray[np.float32],
     cells: NDArray[np.uint32],
     area: Area,
@@ -25,10 +25,11 @@ def choose_highlights(
     """Choose highlights by the variance that each connection removes.
 
     A ray finds a texel of a layer with the probability a/A of its area in that of its circle of confusion, so that the sum of
-    the variances of the A pixels is L²·a/N for N rays whatever the circle. Carrying it costs A connections.
+    the variances of the A pixels is L²·a/N for N rays whatever the circle. Carrying it costs A connections, and carrying a group
+    of texels costs no more.
 
     Args:
-        excess: ``(n, 3)`` radiance over the surroundings.
+        squares: ``(n,)`` squared luminance over the surroundings, summed over the texels of each.
         boxes: ``(n, 4)`` first and last place of the blurred image, pixels; empty where the highlight cannot be carried.
         cells: ``(n,)`` cells of the pupil across and down by which it is scattered; 0 where it is joined to pixels.
         area: the picture.
@@ -42,7 +43,7 @@ def choose_highlights(
     pixels = np.prod(size, axis=1)
     is_seen, by_cells = (pixels > 0) & (seen > 0), CELL_COST * cells.astype(np.float64) ** 2
     cost, whole = np.where(cells > 0, by_cells, seen), np.where(cells > 0, by_cells, pixels)
-    value = np.where(is_seen, (excess @ _LUMINANCE) ** 2 / np.maximum(whole, 1.0), 0.0)
+    value = np.where(is_seen, squares / np.maximum(whole, 1.0), 0.0)
     order = np.argsort(-value, kind="stable")
     order = order[value[order] > 0]
     return np.sort(order[np.cumsum(cost[order]) <= most_connections])

@@ -15,8 +15,9 @@ from render.gl.cancellation import CancellationPoint
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
-from render.trace.highlights.chosen import CARRIED, NONE, TAKEN, Highlights
+from render.trace.highlights.chosen import NONE, TAKEN, Highlights
 from render.trace.highlights.evenness import grid_changes
+from render.trace.highlights.grouping import group_texels
 from render.trace.highlights.scattering import UNEVEN
 from render.trace.highlights.search import Picture, find_highlights, measure_means
 from render.trace.lens_table import GridTable
@@ -35,6 +36,7 @@ _PLAN = np.dtype(
         ("unused", "u4", 2),
     ]
 )
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 class HighlightFinder:
@@ -68,14 +70,24 @@ class HighlightFinder:
             plans = self._plan(picture, means, texels)
         places = texels.copy()
         places[:, :2] += np.array(picture.layers.origin, np.uint32)
-        inside = (places[:, :2] < picture.layers.whole.size).all(axis=1)
+        inside = (places[:, :2] < picture.layers.whole.size).all(axis=1) & (plans["box"][:, 2] > plans["box"][:, 0])
         places, plans = places[inside], plans[inside]
+        if len(places) == 0:
+            return NONE
+        luminance = plans["excess"][:, :3] @ _LUMINANCE
+        carried, group = group_texels(places, plans, luminance, picture.scale)
         view, bundle = picture.view, picture.bundle
         rays = min(bundle.count, bundle.pattern.whole)
         most = share * CONNECTIONS_PER_RAY * rays * view.width * view.height / len(bundle.rgb)
         area = (0, 0, view.width, view.height)
-        chosen = choose_highlights(plans["excess"][:, :3], plans["box"], plans["cells"], area, most)
-        return _listed(places[chosen], plans[chosen])
+        squares = np.bincount(group, luminance**2, len(carried)).astype(np.float64)
+        is_chosen = np.zeros(len(carried), bool)
+        is_chosen[choose_highlights(squares, carried["box"], carried["cells"], area, most)] = True
+        members = is_chosen[group]
+        taken = np.zeros(int(members.sum()), TAKEN)
+        taken["texel"] = places[members]
+        taken["base"], taken["exact"] = plans["base"][members], plans["exact"][members]
+        return Highlights(carried[is_chosen], taken)
 
     def _plan(self, picture: Picture, means: moderngl.Texture, texels: NDArray[np.uint32]) -> NDArray[np.void]:
         program = self._programs.compute(
@@ -102,13 +114,3 @@ class HighlightFinder:
             read = np.frombuffer(plans.read(), _PLAN).copy()
         read["cells"] = np.where(read["cells"] & UNEVEN, read["cells"] & (UNEVEN - 1), 0)
         return read
-
-
-def _listed(places: NDArray[np.uint32], plans: NDArray[np.void]) -> Highlights:
-    carried, taken = np.zeros(len(plans), CARRIED), np.zeros(len(plans), TAKEN)
-    for name in ("box", "excess", "cells"):
-        carried[name] = plans[name]
-    carried["place"][:, :2] = places[:, :2] + 0.5
-    carried["place"][:, 2], carried["place"][:, 3] = plans["front"], 1.0
-    taken["texel"], taken["base"], taken["exact"] = places, plans["base"], plans["exact"]
-    return Highlights(carried, taken)

@@ -2,11 +2,12 @@
 
 A ray that goes out to find a small lamp mostly misses it, and the lamp's blurred image is made of dots. The excess of such a
 texel over its surroundings is taken out of what rays see, and is added to each pixel of its blurred image along the one ray that
-joins pixel and texel, or a group of texels that is small beside that image (`render.trace.highlights.grouping`), through the pupil (``highlights/carry.frag``): through any iris, and through lens tables by Newton's method,
-wavelength by wavelength. Where a table's blurred image is uneven or folds (caustics), the pupil is divided into cells, and each
-sends its light to the pixels under its image (`render.trace.highlights.scattering`). The expectation of the picture stays the
-same. A picture in tiles finds the highlights of each strip of its layers once, and carries them to the pixels of each tile in
-turn. Motion by velocities is left to the rays.
+joins pixel and texel through the pupil (``highlights/carry.frag``): through any iris, and through lens tables by Newton's method,
+wavelength by wavelength. Neighbouring texels that are small beside that image are carried as one
+(`render.trace.highlights.grouping`). Where a table's blurred image is uneven or folds (caustics), the pupil is divided into
+cells, and each sends its light to the pixels under its image (`render.trace.highlights.scattering`). The expectation of the
+picture stays the same. A picture in tiles finds the highlights of each strip of its layers once, and carries them to the pixels
+of each tile in turn. Motion by velocities is left to the rays.
 """
 
 from __future__ import annotations

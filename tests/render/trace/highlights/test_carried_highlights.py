@@ -185,12 +185,13 @@ def test_texels_of_a_large_blurred_image_are_carried_in_groups(
     scene = bulbs(*(plane(square, BULB) for square in lit), card(DARK))
     camera, few = replace(CAMERA, focus_distance_m=0.3, lens=lens), replace(SETTINGS, rays=16)
     by_rays = renderer.render(scene, camera, replace(few, connections=False)).color
+    monkeypatch.setattr(finder, "CONNECTIONS_PER_RAY", 0.4)
     scarce = renderer.render(scene, camera, few).color
     monkeypatch.setattr(finder, "CONNECTIONS_PER_RAY", 20.0)
     grouped = renderer.render(scene, camera, few).color
     monkeypatch.setattr(grouping, "MOST_SIDE", 1)
     single = renderer.render(scene, camera, few).color
-    monkeypatch.setattr(finder, "CONNECTIONS_PER_RAY", 0.08)
+    monkeypatch.setattr(finder, "CONNECTIONS_PER_RAY", 0.4)
     scarce_single = renderer.render(scene, camera, few).color
 
     def apart(picture: FloatArray) -> float:

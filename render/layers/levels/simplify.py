@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.layers.bounds import CLUSTER_TRIANGLES
+from render.layers.clusters import GeometryClusters, cut_clusters
 from render.model.arrays import DoubleArray, FloatArray, IndexArray, IntArray
 from render.model.scene import Geometry
 
@@ -58,6 +59,7 @@ class Levels:
 
     Attributes:
         geometry: triangles of all levels of all sections, without prims, faces and fans.
+        clusters: its clusters, with cones.
         section: ``(c,)`` section of each cluster of ``geometry``.
         error_m: ``(c,)`` float64 error of the cluster's level, in the geometry's metres.
         coarser_m: ``(c,)`` float64 error of the next coarser level of its section, infinite where there is none.
@@ -66,6 +68,7 @@ class Levels:
     """
 
     geometry: Geometry
+    clusters: GeometryClusters
     section: IndexArray
     error_m: DoubleArray
     coarser_m: DoubleArray
@@ -105,7 +108,7 @@ def make_levels(geometry: Geometry, is_stale: Callable[[], bool] = lambda: False
 
     Args:
         geometry: any geometry.
-        is_stale: polled between sections; once it returns True, nothing more is made.
+        is_stale: polled before each section; once it returns True, nothing more is made.
 
     Returns:
         The levels; None where the geometry has fewer than `LEAST_TRIANGLES` triangles, where no section has a level, or where
@@ -136,8 +139,10 @@ def make_levels(geometry: Geometry, is_stale: Callable[[], bool] = lambda: False
     made.sort(key=lambda one: one[:2])  # neighbours of one level follow each other, so that they are drawn as one range
     sizes = [_clusters(len(level.triangles)) for _, _, _, level, _ in made]
     full_section = np.repeat(np.arange(len(ends)), np.diff([0, *(-(-end // CLUSTER_TRIANGLES) for end in ends)]))
+    joined = _join([(level, origin) for _, _, _, level, origin in made], geometry)
     return Levels(
-        _join([(level, origin) for _, _, _, level, origin in made], geometry),
+        joined,
+        cut_clusters(joined, cones=True),
         np.repeat([section for _, section, _, _, _ in made], sizes),
         np.repeat([error_m for _, _, error_m, _, _ in made], sizes),
         np.repeat([[*errors[section], np.inf][number + 1] for number, section, _, _, _ in made], sizes),

@@ -139,6 +139,7 @@ class SketchIndex:
             of.append(own)
             if own is None:
                 continue
+            self._both.hold(own.geometry, own.clusters)
             batch = draw.batch
             batches[id(batch)] = self._batches.get(id(batch)) or (batch, replace(batch, geometry=own.geometry))
             simple = batches[id(batch)][1]

@@ -28,6 +28,7 @@ _GAP_TRIANGLES, _MOST_RANGES = 128, 512
 """Hidden triangles that cost no more than another draw call; most ranges of one pass beside those of separate instances."""
 _ROUNDING = 4e-6  # of a product in float32 on the device, of its largest term
 _EDGE_ON = 0.02  # sine of the angle from which a triangle surely faces away when its vertices are rounded to the raster
+_EACH = slice(None)
 _CORNERS = (np.arange(8)[:, None] >> np.arange(3)) & 1
 
 
@@ -101,10 +102,12 @@ def cut_clusters(geometry: Geometry, *, cones: bool) -> GeometryClusters:
 def _cut(points: FloatArray, cones: bool) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Boxes and cones of the clusters of ``(m, 3, 3)`` triangles."""
     first = np.arange(0, len(points), CLUSTER_TRIANGLES)
-    low, high = np.minimum.reduceat(points.min(1), first), np.maximum.reduceat(points.max(1), first)
+    a, b, c = points[:, 0], points[:, 1], points[:, 2]  # numpy is slow along an axis of three
+    low = np.minimum.reduceat(np.minimum(np.minimum(a, b), c), first)
+    high = np.maximum.reduceat(np.maximum(np.maximum(a, b), c), first)
     axis, spread = np.zeros((len(first), 3), np.float32), np.tile(np.array([0, 1], np.float32), (len(first), 1))
     if cones:
-        normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+        normals = np.cross(b - a, c - a)
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         normals = normals / np.where(length > 0, length, 1)
         axis = np.add.reduceat(normals, first)
@@ -155,14 +158,20 @@ class ClusterIndex:
         self._owner: IndexArray = np.zeros(0, np.intp)
         self._before: IndexArray = np.zeros(1, np.int64)
 
-    def update(self, draws: Sequence[Drawn]) -> None:
-        """Index other draws."""
+    def update(self, draws: Sequence[Drawn], other: ClusterIndex | None = None) -> None:
+        """Index other draws.
+
+        Args:
+            draws: draws in the order of drawing.
+            other: index whose clusters are shared, where it has the same draws; None for none.
+        """
+        shared = {} if other is None else other._placed
         kept: dict[tuple[int, int, bool], tuple[Batch, _Placed]] = {}
         placed = []
         for draw in draws:
             first = int(draw.instances[0]) if len(draw.instances) else -1
             key = id(draw.batch), first, draw.double_sided
-            kept[key] = self._placed.get(key) or (draw.batch, self._place(draw))
+            kept[key] = self._placed.get(key) or shared.get(key) or (draw.batch, self._place(draw))
             placed.append(kept[key][1])
         used = {id(draw.batch.geometry) for draw in draws}
         self._geometries = {key: value for key, value in self._geometries.items() if key[0] in used}
@@ -171,8 +180,16 @@ class ClusterIndex:
         self._owner = np.repeat(np.arange(len(placed)), [len(one.first) for one in placed])
         self._before = np.concatenate([[0], np.cumsum(self._all.triangles, dtype=np.int64)])
 
+    def hold(self, geometry: Geometry, clusters: GeometryClusters) -> None:
+        """Take clusters, with cones, of a geometry that the next list of draws may have, in place of cutting it."""
+        self._geometries[id(geometry), True] = geometry, clusters
+
     def select(
-        self, clip_from_world: DoubleArray, draws: Iterable[Drawn] | None = None, eye: DoubleArray | None = None
+        self,
+        clip_from_world: DoubleArray,
+        draws: Iterable[Drawn] | None = None,
+        eye: DoubleArray | None = None,
+        among: IndexArray | None = None,
     ) -> IndexArray:
         """Indices of the clusters that may be seen, ascending.
 
@@ -181,21 +198,30 @@ class ClusterIndex:
             draws: those among the indexed draws that are considered; None for all.
             eye: ``(3,)`` point of view in the world, from which single-sided triangles that face away are not drawn; None
                 where both sides are drawn.
+            among: ascending indices of the clusters that are considered; None for all.
         """
-        chosen = np.arange(len(self._owner))
+        chosen = np.arange(len(self._owner)) if among is None else among
         if draws is not None:
             ids = {id(draw) for draw in draws}
-            chosen = np.flatnonzero(np.array([id(draw) in ids for draw in self.draws], bool)[self._owner])
-        chosen = chosen[_in_frustum(self._all.low[chosen], self._all.high[chosen], clip_from_world)]
+            chosen = chosen[np.array([id(draw) in ids for draw in self.draws], bool)[self._owner[chosen]]]
+        chosen = chosen[in_frustum(self._all.low[chosen], self._all.high[chosen], clip_from_world)]
         return chosen if eye is None else chosen[~self._face_away(chosen, eye)]
 
     def draws_of(self, clusters: IndexArray) -> list[int]:
         """Indices of the draws that clusters belong to, ascending."""
         return np.flatnonzero(np.bincount(self._owner[clusters])).tolist()
 
-    def members(self, clusters: IndexArray) -> tuple[IndexArray, IndexArray, IndexArray]:
-        """Draw, first triangle and instance of the draw of clusters."""
+    def members(self, clusters: IndexArray | slice = _EACH) -> tuple[IndexArray, IndexArray, IndexArray]:
+        """Draw, first triangle and instance of the draw of clusters, of all by default."""
         return self._owner[clusters], self._all.first[clusters], self._all.instance[clusters]
+
+    def boxes(self, clusters: IndexArray | slice = _EACH) -> tuple[DoubleArray, DoubleArray]:
+        """Least and greatest corners ``(n, 3)`` of clusters in the world, metres; of all by default."""
+        return self._all.low[clusters], self._all.high[clusters]
+
+    def triangle_counts(self, clusters: IndexArray) -> IndexArray:
+        """Number of triangles of each of some clusters."""
+        return self._all.triangles[clusters]
 
     def is_whole(self, clusters: IndexArray) -> NDArray[np.bool_]:
         """Whether clusters are all of their instance each."""
@@ -203,10 +229,7 @@ class ClusterIndex:
 
     def nearest_depths(self, clusters: IndexArray, view: PinholeView) -> DoubleArray:
         """Least depth of clusters in a view, ``(n,)`` metres, no less than that of its near plane."""
-        low, high = self._all.low[clusters], self._all.high[clusters]
-        axis = (view.projection_matrix() @ view.camera_from_world)[3]
-        nearest = np.minimum(low * axis[:3], high * axis[:3]).sum(axis=1) + axis[3]
-        return np.asarray(np.maximum(nearest, view.near_m))
+        return nearest_depths(self._all.low[clusters], self._all.high[clusters], view)
 
     def rectangles(self, clusters: IndexArray, view: PinholeView) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
         """Rectangles of clusters in a view: low and high ``(n, 2)`` in pixels, and the least inverse depth ``(n,)``, 1/m.
@@ -327,6 +350,19 @@ def _as_one(own: GeometryClusters) -> GeometryClusters:
     return GeometryClusters(low, high, np.zeros((1, 3), np.float32), np.array([[0, 1]], np.float32))
 
 
+def nearest_depths(low: DoubleArray, high: DoubleArray, view: PinholeView) -> DoubleArray:
+    """Least depth of boxes in a view, ``(n,)`` metres, no less than that of its near plane.
+
+    Args:
+        low: ``(n, 3)`` least corners in the world, metres.
+        high: ``(n, 3)`` greatest corners.
+        view: the view.
+    """
+    axis = (view.projection_matrix() @ view.camera_from_world)[3]
+    nearest = np.minimum(low * axis[:3], high * axis[:3]).sum(axis=1) + axis[3]
+    return np.asarray(np.maximum(nearest, view.near_m))
+
+
 def _join(placed: Sequence[_Placed]) -> _Placed:
     """Clusters of several draws one after the other."""
     if not placed:
@@ -336,8 +372,14 @@ def _join(placed: Sequence[_Placed]) -> _Placed:
     return _Placed(*(np.concatenate([vars(one)[name] for one in placed]) for name in vars(placed[0])))
 
 
-def _in_frustum(low: DoubleArray, high: DoubleArray, clip_from_world: DoubleArray) -> NDArray[np.bool_]:
-    """Whether boxes may reach into a frustum: false for those that lie outside one of its planes by more than rounding."""
+def in_frustum(low: DoubleArray, high: DoubleArray, clip_from_world: DoubleArray) -> NDArray[np.bool_]:
+    """Whether boxes may reach into a frustum: false for those that lie outside one of its planes by more than rounding.
+
+    Args:
+        low: ``(n, 3)`` least corners in the world, metres.
+        high: ``(n, 3)`` greatest corners.
+        clip_from_world: ``(4, 4)``, zero-to-one depth.
+    """
     x, y, z, w = clip_from_world
     planes = np.stack([w - x, w + x, w - y, w + y, w - z, z])
     centre, half = (low + high) / 2, (high - low) / 2

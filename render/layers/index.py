@@ -19,6 +19,7 @@ DrawKey = tuple[int, int, int, bool]
 _POSE_BUFFER = 1  # index among the buffers of pyrender's primitive: vertices, poses, indices
 CachedNode = tuple[pyrender.Node, tuple[object, ...]]
 """Node, and the objects whose ids its key holds: kept alive so that no new object gets their id."""
+Nodes = dict[DrawKey, CachedNode]
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class SceneIndex:
         self._anisotropy = anisotropy
         self.graph = pyrender.Scene(ambient_light=np.zeros(3))
         self.draws: list[Draw] = []
-        self._nodes: dict[DrawKey, CachedNode] = {}
+        self._nodes: Nodes = {}
         self._materials: dict[int, tuple[PreviewSurface, Material]] = {}
         self._textures: dict[tuple[int, Wrap, Wrap], HalfTexture] = {}
         self.boxes = BoxCache()
@@ -71,12 +72,12 @@ class SceneIndex:
         """Update the graph to ``scene``."""
         if scene is self._scene:
             return
-        kept: dict[DrawKey, CachedNode] = {}
+        kept: Nodes = {}
         self.draws = []
         first_object = 0
         for batch in scene.batches:
             for mirrored, instances in _by_handedness(batch.poses):
-                node = self._node(batch, instances, mirrored, kept)
+                node = self.node(batch, instances, mirrored, self._nodes, kept)
                 corners = self.boxes.corners(batch)
                 clear, cut_out = self._may_be_transparent(batch), batch.material.opacity_threshold > 0
                 self.draws.append(
@@ -93,8 +94,7 @@ class SceneIndex:
                     )
                 )
                 first_object += len(instances)
-        for key in self._nodes.keys() - kept.keys():
-            self.graph.remove_node(self._nodes[key][0])
+        self.remove_nodes(self._nodes, kept)
         self._nodes = kept
         self.boxes.forget(scene.batches)
         self.clusters.update(self.draws)
@@ -118,21 +118,32 @@ class SceneIndex:
                 return draw.batch, int(draw.instances[offset])
         raise IndexError(f"no object {object_number}")
 
-    def _node(
-        self, batch: Batch, instances: IndexArray, mirrored: bool, kept: dict[DrawKey, CachedNode]
-    ) -> pyrender.Node:
-        """Node that draws these instances: the one that drew them before, moved, or a new one."""
+    def node(self, batch: Batch, instances: IndexArray, mirrored: bool, before: Nodes, kept: Nodes) -> pyrender.Node:
+        """Node in the graph that draws some instances: the one that drew them before, moved, or a new one.
+
+        Args:
+            batch: batch that is drawn, of a material of the index.
+            instances: ``(k,)`` indices of its poses.
+            mirrored: whether they reverse the triangles' winding.
+            before: nodes of an earlier list of draws.
+            kept: nodes of the new list so far, to which this one is added.
+        """
         times = 0
         while (key := (id(batch.geometry), id(batch.material), times, mirrored)) in kept:
             times += 1
-        if key in self._nodes:
-            node = self._nodes[key][0]
+        if key in before:
+            node = before[key][0]
         else:
             node = pyrender.Node(mesh=pyrender.Mesh([self._primitive(batch)]))
             self.graph.add_node(node)
         kept[key] = (node, (batch.geometry, batch.material))
         self._set_poses(node, batch.poses[instances])
         return node
+
+    def remove_nodes(self, before: Nodes, kept: Nodes) -> None:
+        """Remove those nodes from the graph that are not kept."""
+        for key in before.keys() - kept.keys():
+            self.graph.remove_node(before[key][0])
 
     def _may_be_transparent(self, batch: Batch) -> bool:
         m, colors = batch.material, batch.geometry.colors

@@ -15,6 +15,7 @@ import numpy as np
 
 from render.layers.bounds import CLUSTER_TRIANGLES
 from render.layers.index import SceneIndex
+from render.layers.selection import Indexed
 from render.model.arrays import DoubleArray, FloatArray, IndexArray
 from render.model.scene import Batch
 from render.optics.view import PinholeView
@@ -49,7 +50,40 @@ def nearest_depth_m(index: SceneIndex, view: PinholeView) -> float:
     The result may be too near and is never too far: back faces and holes count, and a triangle is clipped at each side of the
     view separately.
     """
-    levels = [_instance_hulls(index, view)]
+    return _search(_instance_hulls(index, view))
+
+
+def nearest_drawn_depth_m(index: Indexed, clusters: IndexArray, view: PinholeView) -> float:
+    """Depth in metres of the nearest triangle of some clusters, as `nearest_depth_m`.
+
+    Args:
+        index: draws and their clusters.
+        clusters: indices of those that are drawn.
+        view: view that they are drawn in.
+    """
+    low, high = index.clusters.boxes(clusters)
+    bits = (np.arange(8)[:, None] >> np.arange(3)) & 1
+    counts = index.clusters.triangle_counts(clusters)
+
+    def open_clusters(chosen: IndexArray) -> _Hulls:
+        points = []
+        for draw, first, instance, count in zip(
+            *(column.tolist() for column in index.clusters.members(clusters[chosen])),
+            counts[chosen].tolist(),
+            strict=True,
+        ):
+            batch, pose = index.draws[draw].batch, index.draws[draw].instances[instance]
+            own = batch.geometry.positions[batch.geometry.triangles[first : first + count]]
+            points.append(own @ batch.poses[pose, :3, :3].T + batch.poses[pose, :3, 3])
+        return _visible_hulls(np.concatenate(points), _TRIANGLE_EDGES, view.camera_from_world, view)
+
+    boxes = np.where(bits, high[:, None], low[:, None])
+    return _search(_visible_hulls(boxes, _BOX_EDGES, view.camera_from_world, view, open_clusters, _CLUSTERS_AT_ONCE))
+
+
+def _search(first: _Hulls) -> float:
+    """Depth of the nearest hull without contents; infinite where there is none."""
+    levels = [first]
     queue: list[
         tuple[float, int, int]
     ] = []  # depth of the nearest hull left in a nest, the nest, the hull's place in it

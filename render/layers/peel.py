@@ -15,10 +15,11 @@ from render.gl.compat import GL
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.index import Draw, SceneIndex
+from render.layers.levels.sketch_index import SketchIndex
 from render.layers.lighting import Lighting
 from render.layers.movement import Movement
 from render.layers.moving_draws import MovingDraws
-from render.layers.nearest import nearest_depth_m
+from render.layers.nearest import nearest_depth_m, nearest_drawn_depth_m
 from render.layers.reach import ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.rest import RestMerger
@@ -54,6 +55,7 @@ class Layers:
         may_move: whether any of their surfaces may move; the targets hold the motion then.
         within: view of the whole picture's layers, of whose pixels these are a part; None where they are the whole.
         umbra: reach of an opaque surface's umbra that they were peeled with, 1/m.
+        nearest_w: greatest inverse depth of what a sketch has drawn, 1/m; None where they are no sketch.
     """
 
     view: PinholeView
@@ -63,6 +65,7 @@ class Layers:
     may_move: bool = False
     within: PinholeView | None = None
     umbra: float = HIDES_ALL
+    nearest_w: float | None = None
 
     @property
     def whole(self) -> PinholeView:
@@ -105,6 +108,7 @@ class PeelKey:
     sampling: SurfaceSampling
     reachable: bool
     sheets: int
+    is_sketch: bool = False
 
     def matches(self, other: PeelKey) -> bool:
         """Whether a peeling with the other key gives the same layers."""
@@ -116,6 +120,7 @@ class Peeler:
 
     Attributes:
         index: the render index.
+        sketches: draws of sketches.
         textures: budget of the surfaces' textures.
     """
 
@@ -123,8 +128,9 @@ class Peeler:
         self._ctx = graphics.ctx
         # on a CPU, anisotropic look-ups triple the time of a textured layer, and the layers are supersampled anyway
         self.index = SceneIndex(anisotropy=1.0 if graphics.is_software else 8.0)
+        self.sketches = SketchIndex(self.index)
         self.textures = TextureBudget(self.index)
-        self._renderer = LayerRenderer(self.index, graphics.ctx, programs, graphics.cancellation)
+        self._renderer = LayerRenderer(self.index, self.sketches, graphics.ctx, programs, graphics.cancellation)
         self._lighting = Lighting(self._renderer, programs)
         self._targets: dict[str, LayerTargets] = {}
         self._kept: dict[str, tuple[PeelKey, Layers]] = {}
@@ -155,6 +161,7 @@ class Peeler:
         is_new, self._scene = scene is not self._scene, None  # until all of the scene is loaded
         if is_new:
             self.index.update(scene)
+            self.sketches.drop()
             self.textures.prepare()
             self._renderer.upload()
             self._lighting.load(scene)
@@ -195,6 +202,7 @@ class Peeler:
         moves: Mapping[int, Movement] | None = None,
         reachable: bool = False,
         sheets: int = 0,
+        is_sketch: bool = False,
         cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
@@ -215,9 +223,10 @@ class Peeler:
                 surfaces move.
             sheets: at most this many surfaces in a pixel, up to `MAX_LAYERS`, where some may be partly transparent: those do not
                 count against ``layers``. No effect where it is less than ``layers``.
+            is_sketch: draw simpler levels of meshes that are far away, where they are ready (`render.layers.levels`).
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets)
+        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, is_sketch)
         kept = self._kept.pop(cache_slot, None)
         if kept is not None and not moves and kept[0].matches(key):
             self._kept[cache_slot] = kept
@@ -236,17 +245,24 @@ class Peeler:
         view, layers, umbra, unlit, sampling = key.view, key.layers, key.umbra, key.unlit, key.sampling
         self.textures.fit(view, sampling.detail)
         self._bind_lighting(view)
-        draws = self._renderer.visible_draws(view)
+        nearest_w = None
+        if key.is_sketch:
+            if self.sketches.update():
+                self._renderer.upload()
+            clusters = self._renderer.sketched_clusters(view)
+            nearest_w = 1.0 / nearest_drawn_depth_m(self.sketches, clusters, view)
+        draws = self._renderer.visible_draws(view, is_sketch=key.is_sketch)
+        self._ctx.memory_barrier()  # after a peeling that was cancelled before its own
         layers = min(layers, MAX_LAYERS)
         faded = _any_translucent(draws)
         if not faded and not any(id(draw.batch) in moves for draw in draws):
-            layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
+            layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view) if nearest_w is None else nearest_w))
         sheets = max(layers, min(key.sheets, MAX_LAYERS)) if faded else layers
         with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
             targets = self._allocate_targets(view, sheets, cache_slot, motion=moving.any, lit=not unlit)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
-            layer = LayerPass(view, draws, slots[0], umbra, None, sheets == 1, unlit, sampling)
+            layer = LayerPass(view, draws, slots[0], umbra, None, sheets == 1, unlit, sampling, is_sketch=key.is_sketch)
             if targets.motion is not None and moving.any:
                 layer = replace(layer, moving=moving, motion=targets.motion)
             count = 0
@@ -264,7 +280,7 @@ class Peeler:
                     layer = replace(layer, most_opaque=layers, first=slots[0])
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
-        return Layers(view, targets, count, faded, moving.any, umbra=umbra)
+        return Layers(view, targets, count, faded, moving.any, umbra=umbra, nearest_w=nearest_w)
 
     def peel_groups(
         self, view: PinholeView, *, unlit: bool = False, sampling: SurfaceSampling = PLAIN
@@ -332,6 +348,7 @@ class Peeler:
         self._reach.release()
         self._rest.release()
         self._lighting.release()
+        self.sketches.release()
         self._renderer.delete()
 
     def _all_corners(self) -> DoubleArray:

@@ -17,13 +17,14 @@ from render.layers.clusters import DrawRange
 from render.layers.draw_splitter import DrawSplitter
 from render.layers.hidden import HiddenMeasurer
 from render.layers.index import Draw, SceneIndex
+from render.layers.levels.sketch_index import SketchIndex
 from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
 from render.layers.selection import ClusterSelection, DrawnRanges
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import MOST_RADIANCE, Slot
-from render.model.arrays import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray, IndexArray
 from render.optics.view import PinholeView
 
 OPAQUE = 0.999
@@ -93,6 +94,7 @@ class LayerPass:
         most_opaque: draw nothing where the previous layers have this many opaque surfaces; 0 draws everywhere.
         first: slot of the first layer, where ``most_opaque`` is not 0.
         rest: draw those surfaces alone that a peeling has no layer for; None for a layer.
+        is_sketch: draw simpler levels of what is far away (`render.layers.levels`); the draws are those of the sketches' index.
     """
 
     view: PinholeView
@@ -110,6 +112,7 @@ class LayerPass:
     most_opaque: int = 0
     first: Slot | None = None
     rest: Rest | None = None
+    is_sketch: bool = False
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
@@ -122,6 +125,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     def __init__(
         self,
         index: SceneIndex,
+        sketches: SketchIndex,
         ctx: moderngl.Context,
         programs: ProgramCache,
         cancellation: CancellationPoint = NEVER_CANCELLED,
@@ -129,7 +133,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         super().__init__(1, 1)
         self._splitter = DrawSplitter(cancellation)
         self._index = index
-        self._selection = ClusterSelection(index, HiddenMeasurer(ctx, programs))
+        measurer = HiddenMeasurer(ctx, programs)
+        self._selection = ClusterSelection(index, measurer)
+        self._sketched = ClusterSelection(sketches, measurer, sketches.choose)
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
         self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)
         self._bound_material: PreviewSurface | None = None
@@ -145,9 +151,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         _fill_uniform_buffer(self._light_block, lights, _LIGHT_BINDING)
         _fill_uniform_buffer(self._shadow_block, matrices.tobytes(), _SHADOW_BINDING)
 
-    def visible_draws(self, view: PinholeView) -> list[Draw]:
-        """Draws that may reach into a view."""
-        return self._selection.draws_in(view)
+    def visible_draws(self, view: PinholeView, *, is_sketch: bool = False) -> list[Draw]:
+        """Draws that may reach into a view, of the sketches' index or of the render index."""
+        return (self._sketched if is_sketch else self._selection).draws_in(view)
+
+    def sketched_clusters(self, view: PinholeView) -> IndexArray:
+        """Indices of the clusters of the sketches' index that a sketch draws."""
+        return self._sketched.clusters_in(view)
 
     def draw_layer(self, layer: LayerPass) -> None:
         """Draw the nearest surfaces behind the previous layer.
@@ -156,7 +166,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         is shaded once, however many surfaces lie behind it.
         """
         umbra = layer.umbra if layer.moving is None else 0.0  # where surfaces move apart, it may be cut short
-        drawn = self._selection.ranges(layer.view, layer.draws, layer.previous, umbra, layer.reach)
+        selection = self._sketched if layer.is_sketch else self._selection
+        drawn = selection.ranges(layer.view, layer.draws, layer.previous, umbra, layer.reach)
         faded = [(draw, ranges) for draw, ranges in drawn if draw.may_be_translucent] if layer.solid_first else []
         try:
             self._draw_pass(layer, drawn, OPAQUE if faded else _ANY_OPACITY)
@@ -261,6 +272,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         """Release everything that was uploaded."""
         super().delete()
         self._selection.release()
+        self._sketched.release()
         for program in self._programs.values():
             program.delete()
         self._programs = {}

@@ -2,22 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import moderngl
 import numpy as np
 
 from render.layers.clusters import ClusterIndex, DrawRange
 from render.layers.hidden import HiddenMeasurer
-from render.layers.index import Draw, SceneIndex
+from render.layers.index import Draw
 from render.layers.targets import Slot
 from render.model.arrays import DoubleArray, IndexArray
 from render.optics.view import PinholeView
 
+Choose = Callable[[PinholeView], IndexArray | None]
+"""Function that gives the ascending indices of the clusters that a view may show; None for all."""
 DrawnRanges = tuple[Draw, list[DrawRange]]
 """A draw, and the ranges of it that are drawn, in order."""
+
+
+class Indexed(Protocol):
+    """Draws and their clusters (`render.layers.index.SceneIndex`, or that of sketches)."""
+
+    @property
+    def draws(self) -> list[Draw]:
+        """The draws; another list once they change."""
+        ...
+
+    @property
+    def clusters(self) -> ClusterIndex:
+        """Their clusters."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,17 +63,22 @@ class ClusterSelection:
     """Selects clusters of a render index. The clusters of the last view are kept, since its layers are drawn one after another.
 
     Args:
-        index: render index.
+        index: draws and their clusters.
         measurer: measures what layers hide.
+        choose: gives the clusters that a view may show; None where it may show all.
     """
 
-    def __init__(self, index: SceneIndex, measurer: HiddenMeasurer) -> None:
-        self._index, self._measurer = index, measurer
+    def __init__(self, index: Indexed, measurer: HiddenMeasurer, choose: Choose | None = None) -> None:
+        self._index, self._measurer, self._choose = index, measurer, choose
         self._seen: _Seen | None = None
 
     def draws_in(self, view: PinholeView) -> list[Draw]:
         """Draws that may reach into a view."""
         return [self._index.draws[i] for i in self._index.clusters.draws_of(self._see(view).clusters)]
+
+    def clusters_in(self, view: PinholeView) -> IndexArray:
+        """Indices of the clusters that may be seen in a view, ascending."""
+        return self._see(view).clusters
 
     def ranges(
         self,
@@ -95,7 +117,8 @@ class ClusterSelection:
         if seen is None or seen.view is not view or seen.draws is not self._index.draws:
             clip_from_world = view.projection_matrix() @ view.camera_from_world
             eye = np.linalg.inv(view.camera_from_world) @ (view.eye_x_m, view.eye_y_m, 0.0, 1.0)
-            clusters = self._index.clusters.select(clip_from_world, eye=eye[:3])
+            among = None if self._choose is None else self._choose(view)
+            clusters = self._index.clusters.select(clip_from_world, eye=eye[:3], among=among)
             seen = self._seen = _Seen(view, self._index.draws, self._index.clusters, clusters)
         return seen
 

@@ -69,7 +69,9 @@ class Previewer:
     def _peel(self, peeler: Peeler, camera: Camera, wide: PinholeView, unlit: bool, cache_slot: str) -> Layers:
         pupil_m = camera.focal_length_mm / 2000 / WIDE_OPEN if camera.f_stop > 0 else 0.0
         umbra = umbra_reach(max(wide.fx, wide.fy) * pupil_m)
-        return peeler.peel(wide, layers=LAYERS if pupil_m > 0 else 1, umbra=umbra, unlit=unlit, cache_slot=cache_slot)
+        layers = LAYERS if pupil_m > 0 else 1
+        is_sketch = cache_slot == SKETCH
+        return peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, is_sketch=is_sketch, cache_slot=cache_slot)
 
     def trace(
         self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int
@@ -88,7 +90,7 @@ class Previewer:
             ``(height, width, 4)`` float32, premultiplied.
         """
         return self._tracer.trace_layers(
-            peeled, camera, view, pattern, wavelengths=wavelengths, nearest_w=peeler.nearest_w(peeled.view)
+            peeled, camera, view, pattern, wavelengths=wavelengths, nearest_w=_nearest_w(peeler, peeled)
         )
 
     def blur(self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView) -> FloatArray:
@@ -106,7 +108,7 @@ class Previewer:
         wide = peeled.view
         focus = picture_focus(camera, wide)
         pupil_px = max(wide.fx, wide.fy) * pupil_radius_m(camera)
-        most_px = largest_radius_px(focus, pupil_px, peeler.nearest_w(wide))
+        most_px = largest_radius_px(focus, pupil_px, _nearest_w(peeler, peeled))
         picture = self._blur.blur_layers(peeled, camera, focus, pupil_px, most_px, self._flag)
         left, top = round(wide.cx - view.cx), round(wide.cy - view.cy)
         return np.ascontiguousarray(picture[top : top + view.height, left : left + view.width])
@@ -115,6 +117,11 @@ class Previewer:
         """Give the memory back."""
         self._flag.release()
         self._tracer.release()
+
+
+def _nearest_w(peeler: Peeler, peeled: Layers) -> float:
+    """Greatest inverse depth in kept layers, 1/m."""
+    return peeler.nearest_w(peeled.view) if peeled.nearest_w is None else peeled.nearest_w
 
 
 def _widen(view: PinholeView) -> PinholeView:

@@ -7,10 +7,10 @@ import numpy as np
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.model.area import Area
 from render.model.arrays import FloatArray
 from render.model.focal_surface import MAX_HALVES, Controls
 from render.trace.picture_focus import PictureFocus
-from render.trace.tiling.picture import Area
 
 _POINTS, _BENDS, _STRETCH, _IMAGE = 0, 1, 2, 1  # as the shader binds them
 _CHIEF_RAYS = 513

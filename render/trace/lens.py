@@ -16,7 +16,6 @@ from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
-from render.layers.window import LayerWindow, PeelStrip
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
@@ -26,12 +25,13 @@ from render.optics.view import PinholeView
 from render.trace.aovs import measure_aovs
 from render.trace.bundles import BundleMaker, merge_wavelengths
 from render.trace.highlights.carrier import HighlightCarrier
+from render.trace.highlights.scattering import SPLAT_REACH_PX
 from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
-from render.trace.tiling.picture import Area, TiledPicture
-from render.trace.tiling.plan import LayerBudget, TilePlan, plan_tiles, ray_reach_px
+from render.trace.tiling.plan import LayerBudget, plan_tiles, ray_reach_px
+from render.trace.tiling.tile_tracer import TileTracer, TileWork
 from render.trace.tracer import Tracer
 
 Stage = Literal["rays", "peel", "nbuffers", "trace"]
@@ -69,11 +69,10 @@ class LensTracer:
         self._ctx = ctx
         self.budget = LayerBudget()
         self._nbuffers = NBufferBuilder(ctx, programs, cancellation)
-        self._window = LayerWindow(ctx)
-        self._tiled: tuple[TiledPicture, Area] | None = None
         self._tracer = Tracer(ctx, programs, cancellation)
         self._highlights = HighlightCarrier(ctx, programs, cancellation)
         self._carried = self._highlights.nothing
+        self._tiles = TileTracer(ctx, self._nbuffers, self._tracer, self._highlights)
         self._bundles = BundleMaker(ctx, programs)
         self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._bundles)
 
@@ -183,7 +182,10 @@ class LensTracer:
                 sheets=sheets,
             )
 
-        reach_px = ray_reach_px(bundle, focus, wide, wide.fx / view.fx, nearest_w)
+        scale = wide.fx / view.fx
+        reach_px = ray_reach_px(bundle, focus, wide, scale, nearest_w)
+        if connections and bundle.table is not None:
+            reach_px += SPLAT_REACH_PX * scale
         plan = plan_tiles(
             view,
             wide,
@@ -194,11 +196,8 @@ class LensTracer:
             lit=not unlit,
         )
         if plan is not None:
-            return (
-                yield from self._trace_tiles(
-                    plan, peel, sheets, bundle, focus, view, nearest_w, bound_by_rays, on_stage
-                )
-            )
+            work = TileWork(plan, peel, sheets, bundle, focus, view, nearest_w, connections, bound_by_rays)
+            return TracedPicture(*(yield from self._tiles.trace(work, on_stage)))
         peeled = peel(wide)
         on_stage("peel")
         return (
@@ -251,7 +250,8 @@ class LensTracer:
         on_stage("nbuffers")
         carried = self._carried = self._highlights.nothing
         if connections:
-            carried = self._carried = self._highlights.carry(peeled, nbuffers, bundle, focus, view)
+            found = self._highlights.find(peeled, bundle, focus, view)
+            carried = self._carried = self._highlights.carry(found, peeled, nbuffers, bundle, focus, view)
         passes = self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays)
         for done in carried.without(passes):
             yield done.share
@@ -259,55 +259,12 @@ class LensTracer:
         on_stage("trace")
         return TracedPicture(color, peeled, nbuffers)
 
-    def _trace_tiles(
-        self,
-        plan: TilePlan,
-        peel: PeelStrip,
-        layers: int,
-        bundle: RayBundle,
-        focus: PictureFocus,
-        view: PinholeView,
-        nearest_w: float,
-        bound_by_rays: bool,
-        on_stage: Callable[[Stage], None],
-    ) -> Generator[float, None, TracedPicture]:
-        """Trace a picture tile by tile, each through its window of the layers.
-
-        The pixels are those of one piece as long as nothing here depends on a window: what is added between layers and rays must
-        be a function of the layers that a pixel's rays reach, and must leave the window's textures as they were, since the next
-        window takes them over.
-        """
-        picture, done = TiledPicture(*view.size), 0.0
-        self._window.clear()
-        try:
-            for tile in plan.tiles:
-                area = plan.area(tile, view)
-                self._tiled = picture, area
-                peeled = self._window.move(plan.whole, plan.axis, tile.window, plan.window, plan.strip, layers, peel)
-                on_stage("peel")
-                nbuffers = self._nbuffers.build(peeled, nearest_w)
-                on_stage("nbuffers")
-                share = area[2] * area[3] / (view.width * view.height)
-                for step in self._tracer.passes(
-                    peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays, area=area
-                ):
-                    if step.share < 1 or tile.stop < view.size[plan.axis]:
-                        yield done + share * step.share
-                picture.put(area, self._tracer.picture())
-                on_stage("trace")
-                done += share
-            yield 1.0
-            return TracedPicture(picture.color, peeled, nbuffers)
-        finally:
-            self._tiled = None
-
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Picture so far: see `Tracer.partial_picture`."""
         picture, shares = self._tracer.partial_picture()
-        if self._tiled is None:
-            return self._carried.add_to(picture), shares
-        whole, area = self._tiled
-        return whole.with_unfinished(area, picture, shares)
+        if self._tiles.is_at_work:
+            return self._tiles.with_unfinished(picture, shares)
+        return self._carried.add_to(picture), shares
 
     def measure_aovs(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
         """AOVs of the picture: see `render.trace.aovs.measure_aovs`."""
@@ -317,14 +274,13 @@ class LensTracer:
 
     def release_window(self) -> None:
         """Release the layers and N-buffers of the last tile, so that a large picture can be developed in their place."""
-        if self._window.is_held:
-            self._window.release()
+        if self._tiles.release_window():
             self._nbuffers.release()
 
     def release(self) -> None:
         """Release the memory."""
         self._nbuffers.release()
-        self._window.release()
+        self._tiles.release_window()
         self._tracer.release()
         self._highlights.release()
 

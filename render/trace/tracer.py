@@ -14,6 +14,7 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers, bind_layers
 from render.layers.peel import Layers
+from render.model.area import Area
 from render.model.arrays import FloatArray, IntArray
 from render.optics.view import PinholeView
 from render.trace.adaptive import TILE, RayBudget, Values, allocate, over_pixels, tile_errors, tile_pixels
@@ -22,7 +23,6 @@ from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
-from render.trace.tiling.picture import Area
 
 RAYS_PER_PASS = 128
 """Rays per dispatch. Work per pixel that does not depend on the ray (footprint bounds, lens table row) is done once a pass."""

@@ -86,7 +86,7 @@ Landing land(PixelRays rays, vec2 l, float w)
 struct Joined { bool found; LensRay from; vec2 l; mat2 layers_from_pupil; };
 
 // Find the ray of a pixel that passes layer place q at inverse depth w by Newton's method. Beyond the disc the lens is continued as it
-// is at the rim.
+// is at the rim, and the ray is that of the rim.
 Joined join(PixelRays rays, vec2 q, float w)
 {
     Joined joined;
@@ -103,7 +103,7 @@ Joined join(PixelRays rays, vec2 q, float w)
         on = next;
         joined.found = max(abs(change.x), abs(change.y)) < NEAR_PX;
 #else
-        joined.from = table_ray(rays, joined.l);
+        joined.from = table_ray(rays, joined.l / max(1.0, length(joined.l)));
         joined.found = true;
 #endif
     }

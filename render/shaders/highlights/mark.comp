@@ -18,7 +18,6 @@ uniform float rays;             // rays per pixel
 
 shared uint bits[2];
 
-
 bool is_highlight(ivec2 texel, int layer, float w, vec2 focused)
 {
     float radius = blur_px * focused.y * abs(abs(w) - focused.x);

@@ -1,9 +1,8 @@
 // How much light passes the pupil around a point, as the tracer's rays have it in the mean: iris, rims, and weights of the table.
-// Averaged over a cell of the pupil, or over a pixel and a group of texels, boxes of `scale` and of `texel_px` layer pixels: at nine points, each with a
+// Averaged over a cell of the pupil, or over a pixel and a highlight, boxes of `scale` and `side` layer pixels: at nine points, each with a
 // ramp for edges (or a coarser level of the iris's image) that has what is left of the boxes' variance.
 
 uniform int places;             // 9; not a constant, as `probes`
-uniform float texel_px;         // side of a group of texels (render.trace.highlights.grouping), layer pixels
 #ifdef SHAPED_IRIS
 uniform sampler2D iris_levels;  // transmission relative to its mean on the disc, over the square of half side 2 around it, with mipmaps
 uniform vec2 iris_mean;         // of the light's place on the disc
@@ -116,9 +115,9 @@ float light_weight(PixelRays rays, float weight)
 #endif
 }
 
-// Density of the light at pupil point l relative to an even disc's, averaged over pixel and texel; `weight`: the table's.
-float light_at(PixelRays rays, vec2 l, float weight, mat2 pupil_from_layers)
+// Density of the light at pupil point l relative to an even disc's, averaged over pixel and highlight; `weight`: the table's.
+float light_at(PixelRays rays, vec2 l, float weight, mat2 pupil_from_layers, float side)
 {
-    float ramp = sqrt(texel_px * texel_px + scale * scale / 9.0);
-    return open_share(rays, l, pupil_from_layers, scale, ramp, true) * light_weight(rays, weight);
+    float wide = max(scale, side), narrow = min(scale, side), ramp = sqrt(narrow * narrow + wide * wide / 9.0);
+    return open_share(rays, l, pupil_from_layers, wide, ramp, true) * light_weight(rays, weight);
 }

@@ -1,7 +1,28 @@
-// Share of the light along a ray that what is in front of inverse depth `front` lets pass; `bins`: those that may hold something there.
+// Share of the light along a ray that what is in front of the highlight lets pass.
 
-float share_past(LensRay ray, float front, uvec2 bins)
+const int PASSING_SLABS = 4;
+
+// Occupied bins from inverse depth `front` on along a ray of the pixel at `centre`: slab by slab.
+uvec2 bins_along(vec2 centre, LensRay ray, float front)
 {
+    int first = bin_of(front, w_range), slab = max(1, (BINS - 1 - first + PASSING_SLABS) / PASSING_SLABS);
+    float width = (w_range.y - w_range.x) / float(BINS);
+    uvec2 occupied = uvec2(0u);
+    for (int low = first; low < BINS; low += slab) {
+        int high = min(low + slab, BINS);
+        vec2 near = ray.a + ray.b * (w_range.x + width * float(high));
+        vec2 far = ray.a + ray.b * max(front, w_range.x + width * float(low));
+        vec4 box = square_toward(centre, min(near, far) - 1.0, max(near, far) + 1.0);
+        occupied |= bins_over(ivec2(floor(box.xy)), ivec2(floor(box.zw))) & bits_between(low, high - 1);
+    }
+    return occupied;
+}
+
+// `centre`: the pixel's; `front`: inverse depth from which on surfaces are in the way.
+float share_past(vec2 centre, LensRay ray, float front)
+{
+    if (front >= w_range.y) return 1.0;
+    uvec2 bins = bins_along(centre, ray, front);
     if (bins == uvec2(0u)) return 1.0;
     ivec2 last = layer_last;
     interval_count = 0;

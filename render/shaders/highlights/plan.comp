@@ -1,6 +1,5 @@
 #version 450 core
-// Plan how each highlight is carried: its excess over its surroundings, the box of pixels that its blurred image covers, and the
-// bins of inverse depth in front of it that may hold something in its way.
+// Plan how each highlight is carried: its excess over its surroundings, and the box of pixels that its blurred image covers.
 // in:  texels (x | y << 16, layer); layers (march.glsl), means, lens
 // out: plans; the box is empty where the highlight is better left to the rays
 // A box is that of the images of points of the pupil's rim, found by the iteration p ← p + (q - s(p)) / scale. It holds all of the
@@ -16,8 +15,7 @@ layout(local_size_x = 64) in;
 struct Plan {
     vec4 excess;        // radiance times opacity; w (1/m)
     vec4 box;           // first and last place, picture pixels
-    uvec2 bins;
-    uint front;         // bits of the inverse depth from which on surfaces are in the way
+    float front;        // inverse depth from which on surfaces are in the way, 1/m
     uint cells;         // of the pupil across and down, + UNEVEN where the blurred image is uneven
     uvec2 base;         // what rays are to see, four halves; opacity is the texel's own
     uvec2 exact;        // what the texel holds
@@ -37,8 +35,6 @@ const int SPOKES = 12;
 const float WIDEN = 1.04;       // of a polygon of SPOKES corners to the circle around it
 const int ROUNDS = 5;
 const float MOST_MISS = 0.5;    // picture pixels
-const float BESIDE_PX = 1.25;   // half a pixel, half a group of texels, and half a pixel for what is missed
-const int SLABS = 4;
 const int RINGS = 4;            // within the pupil
 const float ROOM = 0.05;        // of clearance
 const float LEAST_EVENNESS = 0.2;   // least area of the pupil's image over its largest, of large images
@@ -49,8 +45,6 @@ const float CELL_PX = 0.75;     // size of a cell's image in the mean, picture p
 const float RIM_CELL_PX = 2.0;  // at the rim, where images of cells are longest
 const float LEAST_CELLS = 6.0, MOST_CELLS = 128.0;
 const float INNER_RING = 0.6;
-
-LensRay traced[SPOKES];
 
 // Blurred image of a highlight: box in picture pixels, empty where the highlight is left to the rays; cells as in its plan.
 struct Blurred { vec4 box; uint cells; };
@@ -145,7 +139,6 @@ Blurred blurred_image(vec2 q, float w)
 #endif
             LensRay ray = on_layers(rays, table_ray(rays, l), vec2(0.0));
             if (ray.weight <= 0.0) return LEFT;  // of a grid
-            traced[max(k, 0)] = ray;
             miss = (q - met_at(ray, w)) / scale;
             p += miss;
 #ifdef POLYNOMIAL_LENS
@@ -178,33 +171,8 @@ Blurred blurred_image(vec2 q, float w)
 #endif
     if (min(half_size.x, half_size.y) * scale < least_radius) return LEFT;
     middle = 0.5 * (low + high);
-    half_size = half_size * WIDEN + BESIDE_PX;
+    half_size = half_size * WIDEN + 2.0;
     return Blurred(vec4(middle - half_size, middle + half_size), cells);
-}
-
-// Occupied bins in front of `front` under the cone of the traced rays, slab by slab.
-uvec2 bins_in_front(float front)
-{
-    int last = bin_of(w_range.y, w_range), first = bin_of(front, w_range);
-    if (front >= w_range.y) return uvec2(0u);
-    int slab = max(1, (last - first + SLABS) / SLABS);
-    float width = (w_range.y - w_range.x) / float(BINS);
-    uvec2 occupied = uvec2(0u);
-    for (int from = first; from <= last; from += slab) {
-        int to = min(from + slab - 1, last);
-        vec2 low = vec2(1e9), high = vec2(-1e9);
-        for (int end = 0; end < 2; ++end) {
-            float w = end == 0 ? max(front, w_range.x + width * float(from)) : w_range.x + width * float(to + 1);
-            for (int k = 0; k < SPOKES; ++k) {
-                vec2 met = met_at(traced[k], w);
-                low = min(low, met);
-                high = max(high, met);
-            }
-        }
-        vec2 room = 0.02 * (high - low) + 2.0;
-        occupied |= bins_over(ivec2(floor(low - room)), ivec2(floor(high + room))) & bits_between(from, to);
-    }
-    return occupied;
 }
 
 // Greatest relative change of a surface's w within its pixel.
@@ -235,13 +203,10 @@ void main()
     Blurred image = is_first || plans[i].box.z > plans[i].box.x ? blurred_image(q, w) : LEFT;
     vec4 box = image.box;
     uint cells = image.cells;
-    uvec2 bins = box.z > box.x ? bins_in_front(front) : uvec2(0u);
     if (!is_first) {
         bool both = plans[i].box.z > plans[i].box.x && box.z > box.x;
         box = both ? vec4(min(box.xy, plans[i].box.xy), max(box.zw, plans[i].box.zw)) : vec4(0.0);
         cells = max(cells & ~UNEVEN, plans[i].cells & ~UNEVEN) | ((cells | plans[i].cells) & UNEVEN);
-        bins |= plans[i].bins;
     }
-    plans[i] = Plan(vec4(excess, w), box, bins, floatBitsToUint(front), cells, base,
-                    uvec2(packHalf2x16(surface.rg), packHalf2x16(surface.ba)));
+    plans[i] = Plan(vec4(excess, w), box, front, cells, base, uvec2(packHalf2x16(surface.rg), packHalf2x16(surface.ba)));
 }

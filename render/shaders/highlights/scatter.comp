@@ -14,20 +14,18 @@ layout(local_size_x = 64) in;
 
 struct Highlight {
     vec4 excess;        // radiance times opacity; w (1/m)
+    vec4 place;         // in the layers; inverse depth from which on surfaces are in the way; side, layer pixels
     vec2 middle;        // of its blurred image, picture pixels
-    uvec2 bins;         // bins of inverse depth in front that may hold something
-    vec2 place;         // in the layers, pixels
-    uint front;         // bits of the inverse depth from which on surfaces are in the way
     uint first_cell;
-    uint side;          // cells across and down
+    uint cells;         // across and down
 };
 layout(std430, binding = 0) readonly buffer Highlights { Highlight highlights[]; };
 layout(std430, binding = 1) readonly buffer Owners { uint owners[]; };
 layout(std430, binding = 2) buffer Sums { uint sums[]; };
 
 uniform int count;              // cells
-uniform ivec2 picture;          // its size, pixels
-uniform ivec2 rows;             // first row of the picture in `sums`, and one past the last
+uniform ivec2 first_pixel;      // of the picture in `sums`
+uniform ivec2 end_pixel;        // one past the last
 uniform vec3 light;             // this wavelength's share in red, green and blue
 uniform float unit;
 uniform int solutions;          // 4; not a constant, as `probes`
@@ -74,20 +72,19 @@ void add(int at, float value)
     if (before + more < before) atomicAdd(sums[at + 1], 1u);
 }
 
-// Add light, evenly over a box of a place and width, each texel's image a box too, to the pixels.
-void splat(vec3 color, vec2 place, vec2 width)
+// Add light, evenly over a box of a place and width, the image of the highlight itself a box of width `own` too, to the pixels.
+void splat(vec3 color, vec2 place, vec2 width, float own)
 {
-    float texel = texel_px / scale;
-    vec2 reach = 0.5 * (width + texel);
-    ivec2 first = max(ivec2(floor(place - reach)), ivec2(0, rows.x));
-    ivec2 last = min(ivec2(floor(place + reach)), ivec2(picture.x, rows.y) - 1);
+    vec2 reach = 0.5 * (width + own);
+    ivec2 first = max(ivec2(floor(place - reach)), first_pixel);
+    ivec2 last = min(ivec2(floor(place + reach)), end_pixel - 1);
     for (int y = first.y; y <= last.y; ++y) {
         float above = float(y) - place.y;
-        float down = share_below(above + 1.0, width.y, texel) - share_below(above, width.y, texel);
+        float down = share_below(above + 1.0, width.y, own) - share_below(above, width.y, own);
         for (int x = first.x; x <= last.x; ++x) {
             float before = float(x) - place.x;
-            float share = down * (share_below(before + 1.0, width.x, texel) - share_below(before, width.x, texel));
-            int at = 6 * ((y - rows.x) * picture.x + x);
+            float share = down * (share_below(before + 1.0, width.x, own) - share_below(before, width.x, own));
+            int at = 6 * ((y - first_pixel.y) * (end_pixel.x - first_pixel.x) + x - first_pixel.x);
             add(at, share * color.r);
             add(at + 2, share * color.g);
             add(at + 4, share * color.b);
@@ -101,9 +98,9 @@ void main()
     if (cell >= count) return;
     Highlight from = highlights[owners[cell]];
     uint number = uint(cell) - from.first_cell;
-    float w = from.excess.w, step = 2.0 / float(from.side);
-    vec2 at = (vec2(number % from.side, number / from.side) + 0.5) * step - 1.0, disc = on_disc(at);
-    vec2 q = from.place + vec2(layer_first);
+    float w = from.excess.w, step = 2.0 / float(from.cells);
+    vec2 at = (vec2(number % from.cells, number / from.cells) + 0.5) * step - 1.0, disc = on_disc(at);
+    vec2 q = from.place.xy;
 
     // the place in the picture whose ray through the cell's centre meets the texel: a first estimate, then a step of Newton's method
     vec2 place = from.middle, miss = vec2(0.0);
@@ -144,12 +141,13 @@ void main()
     mat2 place_from_cell = by_layers * layers_from_cell;
     vec2 width = max(abs(place_from_cell[0]) + abs(place_from_cell[1]), LEAST_WIDTH);
     if (!(max(width.x, width.y) < MOST_WIDTH)) return;
-    vec2 reach = 0.5 * (width + texel_px / scale);
-    if (any(lessThan(place + reach, vec2(0.0, rows.x))) || any(greaterThan(place - reach, vec2(picture.x, rows.y)))) return;
+    float own = from.place.w / scale;
+    vec2 reach = 0.5 * (width + own);
+    if (any(lessThan(place + reach, vec2(first_pixel))) || any(greaterThan(place - reach, vec2(end_pixel)))) return;
 
-    float share = light_weight(rays, ray.weight) / (float(from.side) * float(from.side) * stretch);
+    float share = light_weight(rays, ray.weight) / (float(from.cells) * float(from.cells) * stretch);
     share *= open_share(rays, pupil_point(rays, disc), pupil_from_cell, 1.0, 1.0 / 3.0, false);
     if (!(share > 0.0)) return;
-    share *= share_past(on_layers(rays, ray, vec2(0.0)), uintBitsToFloat(from.front), from.bins);
-    if (share > 0.0) splat(share * light * from.excess.rgb, place, width);
+    share *= share_past(rays.centre, on_layers(rays, ray, vec2(0.0)), from.place.z);
+    if (share > 0.0) splat(share * light * from.excess.rgb, place, width, own);
 }

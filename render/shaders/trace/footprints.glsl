@@ -27,6 +27,16 @@ Corners corners_over(ivec2 low, ivec2 high)
     return Corners(a, max(b - (1 << level) + 1, a), level);
 }
 
+// Square around the box from `low` to `high` that lies no farther from `centre` than the box: `corners_over` reads squares, which would go
+// beyond a long box, and with that beyond the layers that the pixel at `centre` is traced through.
+vec4 square_toward(vec2 centre, vec2 low, vec2 high)
+{
+    vec2 size = high - low, far = max(abs(low - centre), abs(high - centre));
+    float side = max(size.x, size.y);
+    low = min(low, centre + max(far.x, far.y) - side);
+    return vec4(low, low + side);
+}
+
 // Range of w over the layer pixels from `low` to `high`.
 vec2 range_over(ivec2 low, ivec2 high)
 {

@@ -3,9 +3,11 @@
 A ray that goes out to find a small lamp mostly misses it, and the lamp's blurred image is made of dots. The excess of such a
 texel over its surroundings is taken out of what rays see, and is added to each pixel of its blurred image along the one ray that
 joins pixel and texel through the pupil (``highlights/carry.frag``): through any iris, and through lens tables by Newton's method,
-wavelength by wavelength. Where a table's blurred image is uneven or folds (caustics), the pupil is divided into cells, and each
-sends its light to the pixels under its image (`render.trace.highlights.scattering`). The expectation of the picture stays the
-same. Pictures in tiles and motion by velocities are left to the rays.
+wavelength by wavelength. Neighbouring texels that are small beside that image are carried as one
+(`render.trace.highlights.grouping`). Where a table's blurred image is uneven or folds (caustics), the pupil is divided into
+cells, and each sends its light to the pixels under its image (`render.trace.highlights.scattering`). The expectation of the
+picture stays the same. A picture in tiles finds the highlights of each strip of its layers once, and carries them to the pixels
+of each tile in turn. Motion by velocities is left to the rays.
 """
 
 from __future__ import annotations
@@ -24,45 +26,34 @@ from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.nbuffers import NBuffers
 from render.layers.peel import Layers
+from render.model.area import Area
 from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.focal_map import FocalMaps
-from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
-from render.trace.highlights.evenness import grid_changes
-from render.trace.highlights.grouping import group_highlights
+from render.trace.highlights.chosen import NONE, Highlights, pixels_seen
+from render.trace.highlights.finder import HighlightFinder
 from render.trace.highlights.iris_levels import bind_iris, iris_levels
 from render.trace.highlights.light_balance import balance_light
-from render.trace.highlights.scattering import UNEVEN, Scatterer
-from render.trace.highlights.search import Picture, find_highlights, measure_means
-from render.trace.lens_table import GridTable, PolynomialTable
+from render.trace.highlights.scattering import Scatterer
+from render.trace.highlights.search import Picture
+from render.trace.lens_table import PolynomialTable
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
 
-_LIST, _PLANS, _IMAGE = 0, 1, 2  # as the shaders bind them
+_LIST, _IMAGE = 0, 2  # as the shaders bind them
 _GROUP = 64
-_PLAN = np.dtype(
-    [
-        ("excess", "f4", 4),
-        ("box", "f4", 4),
-        ("bins", "u4", 2),
-        ("front", "u4"),
-        ("cells", "u4"),
-        ("base", "u4", 2),
-        ("exact", "u4", 2),
-    ]
-)
-_INSTANCE = np.dtype([("box", "f4", 4), ("excess", "f4", 4), ("place", "f4", 2), ("front", "u4"), ("bins", "u4", 2)])
-_ATTRIBUTES = ("in_box", "in_excess", "in_place", "in_front", "in_bins")
+_INSTANCE = np.dtype([("box", "f4", 4), ("excess", "f4", 4), ("place", "f4", 4)])
+_ATTRIBUTES = ("in_box", "in_excess", "in_place")
 
 Step = TypeVar("Step")
 
 
 class CarriedHighlights:
-    """Highlights of one picture, drawn.
+    """Highlights of one picture or of one tile, drawn.
 
     Attributes:
-        light: ``(height, width, 3)`` radiance that they add to the picture; None where there are none.
+        light: ``(height, width, 3)`` radiance that they add to it; None where there are none.
     """
 
     def __init__(
@@ -95,7 +86,7 @@ class CarriedHighlights:
     @contextmanager
     def _taken_out(self) -> Iterator[None]:
         """Replace the highlights in the layers; they are put back whatever happens."""
-        if self._taken is None:
+        if self._taken is None or len(self._taken) == 0:
             yield
             return
         with Resources() as scope:
@@ -130,113 +121,107 @@ class HighlightCarrier:
         self._ctx, self._programs = ctx, programs
         self._cancellation, self._piece = cancellation, PieceSize(1 << 16)
         self._maps = FocalMaps(ctx, programs)
+        self._mapped: tuple[PictureFocus, moderngl.Texture] | None = None
         self._buffers = RayBuffers(ctx)
+        self._finder = HighlightFinder(ctx, programs, cancellation, self._buffers)
         self._scatterer = Scatterer(ctx, programs, cancellation, self._buffers)
         self.nothing = CarriedHighlights(ctx, programs)
 
-    def carry(
-        self, layers: Layers, nbuffers: NBuffers, bundle: RayBundle, focus: PictureFocus, view: PinholeView
-    ) -> CarriedHighlights:
-        """Find the highlights of a picture, and draw the light that they add to it.
+    def find(
+        self, layers: Layers, bundle: RayBundle, focus: PictureFocus, view: PinholeView, share: float = 1.0
+    ) -> Highlights:
+        """Find the highlights of layers, and choose those to be carried.
 
         Args:
-            layers: layers from the picture's own eye, at any resolution and with any margin.
-            nbuffers: N-buffers of those layers.
+            layers: layers from the picture's own eye, at any resolution and with any margin, or a strip of them.
             bundle: rays of the lens.
             focus: focal surface.
             view: projection of the picture.
+            share: share that these layers have in all of the picture's, and so in its connections.
         """
         if bundle.pattern.whole == 1 or bundle.reach_m <= 0 or layers.count == 0:
-            return self.nothing
-        if isinstance(bundle.table, PolynomialTable) and bundle.pattern.iris_points is None:
-            bundle = replace(bundle, table=balance_light(bundle.table))
-        focal_map = None if focus.affine is not None else self._maps.draw(focus)
-        picture = Picture(layers, nbuffers, bundle, focus, focal_map, view)
+            return NONE
         with Resources() as scope:
-            means = scope.keep(measure_means(self._ctx, self._programs, picture))
-            texels = find_highlights(self._ctx, self._programs, picture, means)
-            self._cancellation.poll()
-            if len(texels) == 0:
-                return self.nothing
             scope.callback(self._buffers.release)
-            plans = self._plan(picture, means, texels)
-            rays = min(bundle.count, bundle.pattern.whole)
-            most = CONNECTIONS_PER_RAY * rays * view.width * view.height / len(bundle.rgb)
-            groups = group_highlights(texels, plans, picture.group_side, picture.blur_px)
-            corners, grouped = (0, 0, view.width, view.height), groups.plans
-            choice = choose_highlights(grouped["excess"][:, :3], grouped["box"], grouped["cells"], corners, most)
-            if len(choice.numbers) == 0:
-                return self.nothing
-            chosen = groups.places[choice.numbers], grouped[choice.numbers]
-            light = self._light(picture, *chosen, choice.connections)
-        is_taken = np.isin(groups.owners, choice.numbers)
-        texels, plans = texels[is_taken], plans[is_taken]
-        taken = np.concatenate([_packed(texels), plans["base"], plans["exact"]], axis=1)
+            return self._finder.find(self._picture(layers, None, bundle, focus, view), share)
+
+    def carry(
+        self,
+        found: Highlights,
+        layers: Layers,
+        nbuffers: NBuffers,
+        bundle: RayBundle,
+        focus: PictureFocus,
+        view: PinholeView,
+        area: Area | None = None,
+    ) -> CarriedHighlights:
+        """Draw the light that highlights add to a picture or to a part of it.
+
+        Args:
+            found: the highlights of all layers that the part's rays reach.
+            layers: those layers.
+            nbuffers: N-buffers of these.
+            bundle: rays of the lens.
+            focus: focal surface.
+            view: projection of the picture.
+            area: the part; None for all of the picture.
+        """
+        if len(found.carried) == 0:
+            return self.nothing
+        area = area or (0, 0, view.width, view.height)
+        picture = self._picture(layers, nbuffers, bundle, focus, view)
+        scattered, light = found.carried["cells"] > 0, np.zeros((area[3], area[2], 3), np.float32)
+        with Resources() as scope:
+            scope.callback(self._buffers.release)
+            for carried, draw in ((~scattered, self._draw), (scattered, self._scatterer.scatter)):
+                if carried.any():
+                    light += draw(picture, found.carried[carried], area)
+        taken = found.taken_within(layers.origin, layers.view.size)
         return CarriedHighlights(self._ctx, self._programs, layers, taken, light)
 
     def release(self) -> None:
         """Release the memory."""
+        self._mapped = None
         self._maps.release()
         self._buffers.release()
 
-    def _plan(self, picture: Picture, means: moderngl.Texture, texels: NDArray[np.uint32]) -> NDArray[np.void]:
-        program = self._programs.compute(
-            "highlights/plan.comp", picture.defines | self._buffers.defines(picture.bundle)
-        )
-        unit = picture.bind(program)
-        means.use(unit)
-        set_uniforms(program, means=unit, count=len(texels))
-        if isinstance(picture.bundle.table, GridTable):
-            set_uniforms(program, grid_changes=grid_changes(picture.bundle.table))
-        with Resources() as scope:
-            places = scope.keep(self._ctx.buffer(_packed(texels).tobytes()))
-            plans = scope.keep(self._ctx.buffer(reserve=_PLAN.itemsize * len(texels)))
-            self._buffers.bind(program, picture.bundle, first_unit=unit + 1)
-            places.bind_to_storage_buffer(_LIST)
-            plans.bind_to_storage_buffer(_PLANS)
-            for wavelength in range(len(picture.bundle.rgb)):
-                self._buffers.choose_wavelength(program, picture.bundle, wavelength)
-                set_uniforms(program, is_first=wavelength == 0)
-                program.run(-(-len(texels) // _GROUP))
-                self._ctx.memory_barrier()
-                self._cancellation.poll()
-            read = np.frombuffer(plans.read(), _PLAN).copy()
-        read["cells"] = np.where(read["cells"] & UNEVEN, read["cells"] & (UNEVEN - 1), 0)
-        return read
+    def _picture(
+        self, layers: Layers, nbuffers: NBuffers | None, bundle: RayBundle, focus: PictureFocus, view: PinholeView
+    ) -> Picture:
+        if isinstance(bundle.table, PolynomialTable) and bundle.pattern.iris_points is None:
+            bundle = replace(bundle, table=balance_light(bundle.table))
+        return Picture(layers, nbuffers, bundle, focus, self._focal_map(focus), view)
 
-    def _light(
-        self, picture: Picture, places: FloatArray, plans: NDArray[np.void], connections: NDArray[np.float64]
-    ) -> FloatArray:
-        """Light of highlights at places of the layers, ``(height, width, 3)``."""
-        scattered = plans["cells"] > 0
-        light = np.zeros((picture.view.height, picture.view.width, 3), np.float32)
-        if not scattered.all():
-            even = ~scattered
-            light += self._draw(picture, places[even], plans[even], connections[even])
-        if scattered.any():
-            light += self._scatterer.scatter(picture, places[scattered], plans[scattered])
-        return light
+    def _focal_map(self, focus: PictureFocus) -> moderngl.Texture | None:
+        """Focal surface of the whole picture, which its tiles share; None where it is affine."""
+        if focus.affine is not None:
+            return None
+        if self._mapped is None or self._mapped[0] is not focus:
+            self._mapped = focus, self._maps.draw(focus)
+        return self._mapped[1]
 
-    def _draw(
-        self, picture: Picture, places: FloatArray, plans: NDArray[np.void], connections: NDArray[np.float64]
-    ) -> FloatArray:
-        """Draw the blurred images of highlights, ``(height, width, 3)``."""
-        view, bundle = picture.view, picture.bundle
+    def _draw(self, picture: Picture, highlights: NDArray[np.void], area: Area) -> FloatArray:
+        """Draw the blurred images of highlights that are joined to pixels, ``(height, width, 3)`` of the area."""
+        bundle, (left, top, width, height) = picture.bundle, area
+        connections = pixels_seen(highlights["box"], area)
+        highlights, connections = highlights[connections > 0], connections[connections > 0]
+        if len(highlights) == 0:
+            return np.zeros((height, width, 3), np.float32)
         program = self._programs.drawing(
             "highlights/carry.vert", "highlights/carry.frag", picture.defines | self._buffers.defines(bundle)
         )
         unit = picture.bind(program)
-        set_uniforms(program, picture=(view.width, view.height))
+        set_uniforms(program, area_first=(left, top), area_size=(width, height))
         with Resources() as scope:
             iris = bundle.pattern.iris_image
             if iris is not None:
                 bind_iris(program, scope.keep(iris_levels(self._ctx, iris)), iris, unit)
             self._buffers.bind(program, bundle, first_unit=unit + 1)
-            canvas = scope.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4"))
+            canvas = scope.keep(self._ctx.texture((width, height), 4, dtype="f4"))
             target = scope.keep(self._ctx.framebuffer(color_attachments=[canvas]))
             scope.callback(self._stop_drawing, self._ctx.detect_framebuffer())
             target.use()
-            target.viewport = (0, 0, view.width, view.height)
+            target.viewport = (0, 0, width, height)
             target.clear(0.0, 0.0, 0.0, 0.0)
             self._ctx.enable_only(moderngl.BLEND)
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
@@ -244,16 +229,16 @@ class HighlightCarrier:
                 self._buffers.choose_wavelength(program, bundle, wavelength)
                 set_uniforms(program, light=tuple(rgb))
                 for some in self._pieces(connections):
-                    self._draw_some(program, _instances(places[some], plans[some]))
+                    self._draw_some(program, _instances(highlights[some]))
                     self._piece.learn(int(connections[some].sum()), self._cancellation.poll())
             self._ctx.memory_barrier()
-            drawn = np.frombuffer(canvas.read(), np.float32).reshape(view.height, view.width, 4)
+            drawn = np.frombuffer(canvas.read(), np.float32).reshape(height, width, 4)
         return drawn[..., :3].copy()
 
     def _draw_some(self, program: moderngl.Program, instances: NDArray[np.void]) -> None:
         with Resources() as scope:
             buffer = scope.keep(self._ctx.buffer(instances.tobytes()))
-            layout = (buffer, "4f4 4f4 2f4 1u4 2u4 /i", *_ATTRIBUTES)
+            layout = (buffer, "4f4 4f4 4f4 /i", *_ATTRIBUTES)
             vertices = scope.keep(self._ctx.vertex_array(program, [layout]))
             vertices.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(instances))
 
@@ -273,14 +258,11 @@ class HighlightCarrier:
         before.use()
 
 
-def _packed(texels: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """Texels ``(n, 2)`` as the shaders read them: x and y, layer."""
-    return np.stack([texels[:, 0] | texels[:, 1] << np.uint32(16), texels[:, 2]], axis=1)
-
-
-def _instances(places: FloatArray, plans: NDArray[np.void]) -> NDArray[np.void]:
-    instances = np.zeros(len(places), _INSTANCE)
-    instances["place"] = places
-    for name in ("box", "excess", "front", "bins"):
-        instances[name] = plans[name]
+def _instances(highlights: NDArray[np.void]) -> NDArray[np.void]:
+    instances = np.zeros(len(highlights), _INSTANCE)
+    instances["excess"], instances["place"] = highlights["excess"], highlights["place"]
+    instances["box"][:, :2], instances["box"][:, 2:] = (
+        np.floor(highlights["box"][:, :2]),
+        np.ceil(highlights["box"][:, 2:]),
+    )
     return instances

@@ -1,77 +1,90 @@
-"""Groups of highlights: light of neighbouring texels comes to a pixel along nearly the same ray, so that one serves them all.
+"""Groups of neighbouring texels that are carried as one highlight, where they are much smaller than their blurred image or than a pixel.
 
-Layers that are four times as fine as the picture have sixteen texels in a pixel. Each would be carried to every pixel of the same
-blurred image; grouped by 2x2 it is a quarter of the work.
+The circles of confusion of a lamp's texels are all as large, and there are four times as many in a picture of twice the size: to
+carry each by itself would take sixteen times the connections. A group has the sum of its texels' light, at their centre, in a
+square of the same variance.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.arrays import FloatArray
+from render.model.arrays import DoubleArray, IndexArray, LongArray
+from render.trace.highlights.chosen import CARRIED
 
-TEXELS_PER_PX = 2
-"""Groups in a pixel of the picture along each axis, at least."""
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-
-
-@dataclass(frozen=True)
-class Groups:
-    """Groups of highlights.
-
-    Attributes:
-        owners: ``(n,)`` group of each texel.
-        places: ``(m, 2)`` float32 place of each group in the layers, pixels: the mean over its light.
-        plans: ``(m,)`` their plans, of whose fields ``base`` and ``exact`` mean nothing.
-    """
-
-    owners: NDArray[np.int64]
-    places: FloatArray
-    plans: NDArray[np.void]
+BLUR_PER_SIDE = 8.0
+"""Least radius of a blurred image relative to the side of the groups in it; groups of half a pixel are never too large."""
+MOST_SIDE = 8
+"""Limit on the side of a group, layer pixels."""
+_WIDENED, _MARGIN_PX = 1.04, 2.0  # of boxes, by highlights/plan.comp
+_ALIKE = 0.1
+"""Relative difference of inverse depth within a group."""
 
 
-def group_side(scale: float) -> int:
-    """Texels of a group along each axis, for so many texels per pixel of the picture."""
-    return max(1, int(scale) // TEXELS_PER_PX)
-
-
-def group_highlights(texels: NDArray[np.uint32], plans: NDArray[np.void], side: int, blur_px: float) -> Groups:
-    """Group texels of the same layer in squares whose depths blur alike.
+def group_texels(
+    places: NDArray[np.uint32], plans: NDArray[np.void], luminance: DoubleArray, scale: float
+) -> tuple[NDArray[np.void], IndexArray]:
+    """Group texels.
 
     Args:
-        texels: ``(n, 3)`` x, y and layer.
-        plans: ``(n,)`` plan of each.
-        side: texels of a square along each axis.
-        blur_px: circle of confusion at a difference of 1/m of inverse depth, layer pixels.
+        places: ``(n, 3)`` in the whole picture's layers, and layer.
+        plans: excess, box, front and cells of each.
+        luminance: ``(n,)`` of their excess.
+        scale: layer pixels per picture pixel.
+
+    Returns:
+        `CARRIED` of each group, and ``(n,)`` the group of each texel.
     """
-    x, y, layer = texels.astype(np.int64).T
-    depth = np.floor(plans["excess"][:, 3].astype(np.float64) * blur_px).astype(np.int64)
-    left_out, scattered = plans["box"][:, 2] <= plans["box"][:, 0], plans["cells"] > 0
-    keys = np.stack([layer, y // side, x // side, depth, scattered, left_out], axis=1)
-    if side == 1:
-        order, starts = np.arange(len(texels)), np.arange(len(texels))
-    else:
-        order = np.lexsort(keys.T[::-1])
-        changes = np.any(keys[order][1:] != keys[order][:-1], axis=1)
-        starts = np.concatenate([[0], np.flatnonzero(changes) + 1]) if len(order) else np.zeros(0, np.int64)
-    sizes = np.diff(np.append(starts, len(order)))
-    owners = np.empty(len(order), np.int64)
-    owners[order] = np.repeat(np.arange(len(starts)), sizes)
-    held, grouped = plans[order], plans[order][starts]
-    if side == 1 or len(order) == 0:
-        return Groups(owners, texels[:, :2].astype(np.float32) + np.float32(0.5), grouped)
-    weights = held["excess"][:, :3] @ _LUMINANCE + 1e-30
-    total = np.add.reduceat(weights, starts)
-    own = np.stack([x[order] + 0.5, y[order] + 0.5, held["excess"][:, 3]], axis=1) * weights[:, None]
-    mean = np.add.reduceat(own, starts) / total[:, None]
-    grouped["excess"][:, :3] = np.add.reduceat(held["excess"][:, :3].astype(np.float64), starts)
-    grouped["excess"][:, 3] = mean[:, 2]
-    grouped["box"][:, :2] = np.minimum.reduceat(held["box"][:, :2], starts)
-    grouped["box"][:, 2:] = np.maximum.reduceat(held["box"][:, 2:], starts)
-    grouped["bins"] = np.bitwise_or.reduceat(held["bins"], starts)
-    grouped["front"] = np.maximum.reduceat(held["front"].view(np.float32), starts).view(np.uint32)
-    grouped["cells"] = np.maximum.reduceat(held["cells"], starts)
-    return Groups(owners, mean[:, :2].astype(np.float32), grouped)
+    _, first, group = np.unique(_keys(places, plans, scale), return_index=True, return_inverse=True)
+    count, weights = len(first), np.maximum(luminance, 1e-30)
+    total = np.bincount(group, weights, count)
+
+    def mean(values: DoubleArray) -> DoubleArray:
+        return np.asarray(np.bincount(group, weights * values, count) / total)
+
+    carried = np.zeros(count, CARRIED)
+    for channel in range(3):
+        carried["excess"][:, channel] = np.bincount(group, plans["excess"][:, channel], count)
+    carried["excess"][:, 3] = mean(plans["excess"][:, 3].astype(np.float64))
+    variance = np.zeros(count)
+    for axis in (0, 1):
+        at = places[:, axis].astype(np.float64) + 0.5
+        centre = mean(at)
+        carried["place"][:, axis] = centre
+        variance += mean((at - centre[group]) ** 2) / 2
+    carried["place"][:, 2] = _largest(plans["front"], group, count)
+    carried["place"][:, 3] = np.sqrt(1 + 12 * variance)
+    carried["cells"] = _largest(plans["cells"], group, count)
+    for side in (0, 1):
+        carried["box"][:, side] = -_largest(-plans["box"][:, side], group, count)
+        carried["box"][:, 2 + side] = _largest(plans["box"][:, 2 + side], group, count)
+    return carried, group
+
+
+def _keys(places: NDArray[np.uint32], plans: NDArray[np.void], scale: float) -> LongArray:
+    """Numbers ``(n,)`` that are equal for the texels of a group: of one square and layer, and about as blurred."""
+    half = np.min(plans["box"][:, 2:] - plans["box"][:, :2], axis=1).astype(np.float64) / 2
+    radius = scale * np.maximum(half - _MARGIN_PX, 0.0) / _WIDENED
+    half_pixel = max(1.0, scale / 2)
+    level = np.log2(np.clip(radius / BLUR_PER_SIDE, min(half_pixel, MOST_SIDE), MOST_SIDE)).astype(np.int64)
+    alike = np.floor(np.log(np.maximum(plans["excess"][:, 3], 1e-6)) / _ALIKE).astype(np.int64) + 200
+    blur = np.minimum(2 * radius / (1 << level), 4095).astype(np.int64)
+    key = places[:, 0].astype(np.int64) >> level
+    for value, bits in (
+        (places[:, 1].astype(np.int64) >> level, 16),
+        (places[:, 2].astype(np.int64), 3),
+        (level, 2),
+        (blur, 12),
+        (np.clip(alike, 0, 511), 9),
+        ((plans["cells"] > 0).astype(np.int64), 1),
+    ):
+        key = key << bits | value
+    return np.asarray(key, np.int64)
+
+
+def _largest(values: NDArray[np.float32 | np.uint32], group: IndexArray, count: int) -> NDArray[np.float32 | np.uint32]:
+    """Largest value of each group."""
+    order = np.argsort(group, kind="stable")
+    starts = np.searchsorted(group[order], np.arange(count))
+    return np.asarray(np.maximum.reduceat(values[order], starts))

@@ -7,6 +7,7 @@ box around that, so that the light of all cells is that of the texel whatever th
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 
 import moderngl
@@ -16,32 +17,35 @@ from numpy.typing import NDArray
 from render.gl.cancellation import CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.model.arrays import DoubleArray, FloatArray
+from render.model.area import Area
+from render.model.arrays import DoubleArray, FloatArray, LongArray
+from render.trace.highlights.chosen import pixels_seen
 from render.trace.highlights.iris_levels import bind_iris, iris_levels
 from render.trace.highlights.search import Picture
 from render.trace.ray_buffers import RayBuffers
 
 UNEVEN = 0x10000
 """Flag of a plan's cells, as in ``highlights/plan.comp``."""
+SPLAT_REACH_PX = 4.0
+"""Distance in picture pixels to which a cell sends light, but for the few whose image is larger: tiles see as far around them."""
 MOST_BYTES = 1 << 26
-"""Limit on the sums of one pass over the highlights. A larger picture is made in bands."""
+"""Limit on the sums of one pass over the highlights. A larger picture or tile is made in bands."""
 _CELLS_PER_DISPATCH = 1 << 21
 _HIGHLIGHTS, _OWNERS, _SUMS = 0, 1, 2  # as the shader binds them
 _GROUP = 64
 _SOLUTIONS = 4
 """Count of a loop of the shader."""
+_OCTAVES = 12
+"""Highlights whose cells differ less in brightness, by a power of 2, are summed in the same unit."""
 _HEADROOM = 16.0
 """Largest light of a cell relative to that of a texel over its cells: rays that the lens brings closer together."""
 _HIGHLIGHT = np.dtype(
     [
         ("excess", "f4", 4),
+        ("place", "f4", 4),
         ("middle", "f4", 2),
-        ("bins", "u4", 2),
-        ("place", "f4", 2),
-        ("front", "u4"),
         ("first_cell", "u4"),
-        ("side", "u4"),
-        ("unused", "u4", 3),
+        ("cells", "u4"),
     ]
 )
 
@@ -62,51 +66,55 @@ class Scatterer:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
         self._piece = PieceSize(1 << 14)
 
-    def scatter(self, picture: Picture, places: FloatArray, plans: NDArray[np.void]) -> FloatArray:
-        """Light of highlights, ``(height, width, 3)``.
+    def scatter(self, picture: Picture, highlights: NDArray[np.void], area: Area) -> FloatArray:
+        """Light of highlights in a part of a picture, ``(height, width, 3)``.
 
         Args:
             picture: the picture, whose lens has a table.
-            places: ``(n, 2)`` their places in the layers, pixels.
-            plans: their plans, with the cells of the pupil across and down.
+            highlights: `CARRIED` of each, with the cells of the pupil across and down.
+            area: the part.
         """
-        view, bundle = picture.view, picture.bundle
+        bundle, (left, top, width, height) = picture.bundle, area
+        highlights = highlights[pixels_seen(_widened(highlights["box"]), area) > 0]
+        if len(highlights) == 0:
+            return np.zeros((height, width, 3), np.float32)
         program = self._programs.compute("highlights/scatter.comp", picture.defines | self._buffers.defines(bundle))
         unit = picture.bind(program)
         light = bundle.rgb * bundle.transmittance
-        per_unit = _finest_unit(picture, plans, light)
-        set_uniforms(program, picture=view.size, unit=1 / per_unit, solutions=_SOLUTIONS)
-        drawn = np.empty((view.height, view.width, 3), np.float32)
-        rows = max(1, min(view.height, MOST_BYTES // (24 * view.width)))
+        ranges = _brightness_ranges(picture, highlights, light)
+        set_uniforms(program, solutions=_SOLUTIONS)
+        drawn = np.zeros((height, width, 3), np.float32)
+        rows = max(1, min(height, MOST_BYTES // (24 * width)))
         with Resources() as scope:
             iris = bundle.pattern.iris_image
             if iris is not None:
                 bind_iris(program, scope.keep(iris_levels(self._ctx, iris)), iris, unit)
             self._buffers.bind(program, bundle, first_unit=unit + 1)
-            sums = scope.keep(self._ctx.buffer(reserve=24 * view.width * rows))
+            sums = scope.keep(self._ctx.buffer(reserve=24 * width * rows))
             sums.bind_to_storage_buffer(_SUMS)
-            for first in range(0, view.height, rows):
-                end = min(first + rows, view.height)
+            for number, first in itertools.product(np.unique(ranges), range(0, height, rows)):
+                alike, end = highlights[ranges == number], min(first + rows, height)
+                per_unit = 2.0 ** (_OCTAVES * (int(number) + 1) - 32) * _HEADROOM
                 sums.clear()
-                set_uniforms(program, rows=(first, end))
+                set_uniforms(program, unit=1 / per_unit)
+                set_uniforms(program, first_pixel=(left, top + first), end_pixel=(left + width, top + end))
                 for wavelength, rgb in enumerate(light):
                     self._buffers.choose_wavelength(program, bundle, wavelength)
                     set_uniforms(program, light=tuple(rgb))
-                    for some in self._pieces(plans["cells"].astype(np.int64) ** 2):
-                        self._scatter_some(program, places[some], plans[some])
-                halves = np.frombuffer(sums.read(), np.uint32).reshape(rows, view.width, 3, 2)[: end - first]
-                drawn[first:end] = (halves[..., 1] * 2.0**32 + halves[..., 0]) * per_unit
+                    for some in self._pieces(alike["cells"].astype(np.int64) ** 2):
+                        self._scatter_some(program, alike[some])
+                halves = np.frombuffer(sums.read(), np.uint32).reshape(rows, width, 3, 2)[: end - first]
+                drawn[first:end] += ((halves[..., 1] * 2.0**32 + halves[..., 0]) * per_unit).astype(np.float32)
         return drawn
 
-    def _scatter_some(self, program: moderngl.ComputeShader, places: FloatArray, plans: NDArray[np.void]) -> None:
-        cells = plans["cells"].astype(np.int64) ** 2
-        highlights = np.zeros(len(plans), _HIGHLIGHT)
-        for name in ("excess", "bins", "front"):
-            highlights[name] = plans[name]
-        highlights["middle"] = (plans["box"][:, :2] + plans["box"][:, 2:]) / 2
-        highlights["place"], highlights["side"] = places, plans["cells"]
+    def _scatter_some(self, program: moderngl.ComputeShader, carried: NDArray[np.void]) -> None:
+        cells = carried["cells"].astype(np.int64) ** 2
+        highlights = np.zeros(len(carried), _HIGHLIGHT)
+        for name in ("excess", "place", "cells"):
+            highlights[name] = carried[name]
+        highlights["middle"] = (carried["box"][:, :2] + carried["box"][:, 2:]) / 2
         highlights["first_cell"] = np.cumsum(cells) - cells
-        owners = np.repeat(np.arange(len(plans), dtype=np.uint32), cells)
+        owners = np.repeat(np.arange(len(carried), dtype=np.uint32), cells)
         with Resources() as scope:
             scope.keep(self._ctx.buffer(highlights.tobytes())).bind_to_storage_buffer(_HIGHLIGHTS)
             scope.keep(self._ctx.buffer(owners.tobytes())).bind_to_storage_buffer(_OWNERS)
@@ -126,9 +134,17 @@ class Scatterer:
             first = end
 
 
-def _finest_unit(picture: Picture, plans: NDArray[np.void], light: DoubleArray) -> float:
-    """Radiance that 1 in the sums stands for: the brightest cell's light takes no more than 32 bits."""
+def _brightness_ranges(picture: Picture, highlights: NDArray[np.void], light: DoubleArray) -> LongArray:
+    """Range of brightness, `_OCTAVES` wide, that the light of each highlight's cells is in. The sums of each range have a unit of
+    their own: the brightest cell takes no more than 32 bits, and the light of a highlight does not depend on others."""
     iris = picture.bundle.pattern.iris_image
     most_open = 1.0 if iris is None else float(iris.max())
-    brightest = (plans["excess"][:, :3].max(axis=1) / plans["cells"].astype(np.float64) ** 2).max()
-    return float(max(brightest, 1e-30) * light.max() * most_open * _HEADROOM / picture.scale**2 / 2**32)
+    cell = highlights["excess"][:, :3].max(axis=1) / highlights["cells"].astype(np.float64) ** 2
+    brightest = np.maximum(cell, 1e-30) * light.max() * most_open / picture.scale**2
+    return np.asarray(np.floor(np.log2(brightest) / _OCTAVES), np.int64)
+
+
+def _widened(boxes: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Boxes three times as wide and high: cells may send light beyond the box of their highlight."""
+    size = boxes[:, 2:] - boxes[:, :2]
+    return np.concatenate([boxes[:, :2] - size, boxes[:, 2:] + size], axis=1)

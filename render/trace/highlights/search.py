@@ -13,7 +13,6 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.nbuffers import NBuffers, bind_layers
 from render.layers.peel import Layers
 from render.optics.view import PinholeView
-from render.trace.highlights.grouping import group_side
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import Defines, Program
 from render.trace.rays import RayBundle
@@ -41,7 +40,7 @@ class Picture:
 
     Attributes:
         layers: its layers.
-        nbuffers: their N-buffers.
+        nbuffers: their N-buffers; None where only the layers themselves are read.
         bundle: rays of its lens.
         focus: focal surface.
         focal_map: focal surface as a texture where it is not affine.
@@ -49,7 +48,7 @@ class Picture:
     """
 
     layers: Layers
-    nbuffers: NBuffers
+    nbuffers: NBuffers | None
     bundle: RayBundle
     focus: PictureFocus
     focal_map: moderngl.Texture | None
@@ -71,11 +70,6 @@ class Picture:
         """Layer pixels per picture pixel."""
         return self.layers.view.fx / self.view.fx
 
-    @property
-    def group_side(self) -> int:
-        """Texels of a group of highlights along each axis (`render.trace.highlights.grouping`)."""
-        return group_side(self.scale)
-
     def bind(self, program: Program) -> int:
         """Bind the picture to a program, and return the first texture unit left free."""
         unit = bind_layers(program, self.layers, self.nbuffers, 0)
@@ -85,7 +79,7 @@ class Picture:
         set_uniforms(program, **layer_uniforms(self.layers, self.view), focus=self.focus.affine or (0.0, 0.0, 0.0))
         least_radius = LEAST_RADIUS * max(2.0, self.scale)
         set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=least_radius)
-        set_uniforms(program, texel_px=float(self.group_side), floor_share=FLOOR_SHARE, probes=PROBES, places=PLACES)
+        set_uniforms(program, floor_share=FLOOR_SHARE, probes=PROBES, places=PLACES)
         return unit + 1
 
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from render.model.area import Area
 from render.model.arrays import FloatArray
-
-Area = tuple[int, int, int, int]
-"""Left, top, width and height in pixels."""
 
 
 class TiledPicture:

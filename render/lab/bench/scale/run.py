@@ -23,7 +23,11 @@ from render.lab.bench.scale.case import RAYS
 from render.lab.bench.scale.plan import ScalePlan, SceneSize, plan_from_arguments
 from render.lab.bench.scale.stage import write_stage
 
-MEASURES = ("open_s", "open_cpu_s", "first_s", "first_cpu_s", "frame_s", "frame_cpu_s", "memory_mb")
+MEASURES = (
+    *("open_s", "open_cpu_s", "first_s", "first_cpu_s", "frame_s", "frame_cpu_s", "memory_mb"),
+    *("sketch_s", "sketch_cpu_s", "whole_s", "whole_cpu_s"),
+)
+_HEADS = ("open s", "cpu", "first s", "cpu", "frame s", "cpu", "MB", "sketch s", "cpu", "whole s", "cpu")
 _POLL_S = 0.2
 
 
@@ -42,7 +46,11 @@ class ScaleRow:
         first_cpu_s: the same by the processor's clock.
         frame_s: seconds for a later frame, in which the camera has moved.
         frame_cpu_s: the same by the processor's clock.
-        memory_mb: peak of resident memory, 10⁶ bytes.
+        memory_mb: peak of resident memory until then, 10⁶ bytes.
+        sketch_s: seconds for a sketch while dragging, with simpler levels of meshes where they are far away.
+        sketch_cpu_s: the same by the processor's clock.
+        whole_s: seconds for a sketch of whole meshes, in turns with the others.
+        whole_cpu_s: the same by the processor's clock.
         drawn_triangles: triangles of the scene, instances counted.
         error: last line of a failure.
     """
@@ -58,6 +66,10 @@ class ScaleRow:
     frame_s: float | None = None
     frame_cpu_s: float | None = None
     memory_mb: float | None = None
+    sketch_s: float | None = None
+    sketch_cpu_s: float | None = None
+    whole_s: float | None = None
+    whole_cpu_s: float | None = None
     drawn_triangles: int | None = None
     error: str = ""
 
@@ -155,10 +167,11 @@ def report(result: ScaleBench) -> str:
     lines = [
         f"{result.device}; {result.rays} rays, pictures of 16:9. Seconds from the file to the scene (open) and to the first",
         "picture (first), and of a later frame, with the camera elsewhere: by the wall's clock, and by the processor's, of all",
-        "threads. Memory is the peak that was resident, 10^6 bytes. A measure grows as the value to the power of the exponent:",
-        "fitted to all cases, and between the last two.",
+        "threads. Memory is the peak that was resident, 10^6 bytes. Sketch: the picture while the camera is dragged, with",
+        "simpler levels of meshes that are far away; whole: the same of whole meshes. A measure grows as the value to the power",
+        "of the exponent: fitted to all cases, and between the last two.",
     ]
-    heads = "".join(f"{head:>10}" for head in ("open s", "cpu", "first s", "cpu", "frame s", "cpu", "MB"))
+    heads = "".join(f"{head:>10}" for head in _HEADS)
     for axis in dict.fromkeys(row.axis for row in result.rows):
         lines += ["", f"{axis:>12}{heads}"]
         lines += [_line(row, named=False) for row in result.rows if row.axis == axis]

@@ -16,7 +16,7 @@ from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape, Lens, SeidelErrors
 from render.model.scene import Batch, Dome, Material, Scene
-from render.trace.highlights import scattering
+from render.trace.highlights import finder, grouping, scattering
 from tests.render.kits.data_sheets import SHEET
 from tests.render.kits.lenses import PLANAR
 
@@ -173,6 +173,33 @@ def test_the_blurred_image_of_a_bulb_is_even(renderer: FrameRenderer) -> None:
     inside = np.hypot(*(np.mgrid[:96, :128] + 0.5 - np.array([48.0, 64.0])[:, None, None])) < 5
     spread = [float(picture[inside, 0].std() / picture[inside, 0].mean()) for picture in (carried, by_rays)]
     assert spread[0] < 0.1 * spread[1]
+
+
+@pytest.mark.parametrize("lens", [Lens(), Lens("seidel", seidel=COLOURS)], ids=["thin", "colours"])
+def test_texels_of_a_large_blurred_image_are_carried_in_groups(
+    renderer: FrameRenderer, lens: Lens, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nearly the picture of single texels, with the same light, behind a card too; within few connections it has less noise."""
+    rng = np.random.default_rng(4)
+    lit = [rectangle((float(x), float(y), -5.0), (0.03, 0, 0), (0, 0.03, 0)) for x, y in rng.uniform(-0.9, 0.9, (6, 2))]
+    scene = bulbs(*(plane(square, BULB) for square in lit), card(DARK))
+    camera, few = replace(CAMERA, focus_distance_m=0.3, lens=lens), replace(SETTINGS, rays=16)
+    by_rays = renderer.render(scene, camera, replace(few, connections=False)).color
+    monkeypatch.setattr(finder, "CONNECTIONS_PER_RAY", 0.4)
+    scarce = renderer.render(scene, camera, few).color
+    monkeypatch.setattr(finder, "CONNECTIONS_PER_RAY", 20.0)
+    grouped = renderer.render(scene, camera, few).color
+    monkeypatch.setattr(grouping, "MOST_SIDE", 1)
+    single = renderer.render(scene, camera, few).color
+    monkeypatch.setattr(finder, "CONNECTIONS_PER_RAY", 0.4)
+    scarce_single = renderer.render(scene, camera, few).color
+
+    def apart(picture: FloatArray) -> float:
+        return float(np.sqrt(np.mean((picture - single)[..., :3] ** 2)))
+
+    assert 0 < apart(grouped) < 0.03 * apart(by_rays)
+    np.testing.assert_allclose(grouped[..., :3].mean((0, 1)), single[..., :3].mean((0, 1)), rtol=5e-4)
+    assert apart(scarce) < 0.8 * apart(scarce_single)
 
 
 def test_the_same_picture_twice(renderer: FrameRenderer) -> None:

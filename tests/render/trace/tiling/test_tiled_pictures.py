@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
+from render.gl.cancellation import Cancelled
 from render.lab.reference.metrics import psnr_db
+from render.lab.reference.scenes import rectangle
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.focal_surface import Controls, FocalPlane, FocalSurface
-from render.model.lens import IrisShape, Lens
+from render.model.lens import IrisShape, Lens, SeidelErrors
 from render.model.scene import Batch, Dome, Geometry, Material, Scene
 from render.optics.view import PinholeView
 from render.trace.rays import make_ray_pattern
@@ -21,10 +23,7 @@ from render.trace.tiling.plan import LayerBudget, layers_bytes
 from tests.render.kits.lens_pictures import SOFT_SHEET
 from tests.render.kits.lenses import PLANAR
 
-# in tiles, highlights are left to the rays
-WIDE, TALL = (
-    FrameSettings(width, height, rays=12, supersample=2, connections=False) for width, height in ((136, 80), (72, 104))
-)
+WIDE, TALL = (FrameSettings(*size, rays=12, supersample=2) for size in ((136, 80), (72, 104)))
 ONE_PIECE = LayerBudget()
 WHOLE_STRIP = LayerBudget(bytes=2_000_000, strip_bytes=1 << 40)
 """One strip, drawn with the borders of a picture in one piece, and windows much smaller than it."""
@@ -41,6 +40,20 @@ CAMERAS = {
     "glass": replace(CAMERA, f_stop=2.0, lens=Lens("prescription", prescription=PLANAR.prescription)),
     "data sheet": replace(CAMERA, f_stop=2.8, lens=Lens("dataSheet", data_sheet=SOFT_SHEET)),
 }
+
+BRIGHT = replace(WIDE, rays=32, adaptive=False)
+FEW_STRIPS, FEWER_STRIPS = LayerBudget(4_000_000, 900_000), LayerBudget(6_000_000, 900_000)
+"""The same strips of some twenty pixels in smaller and in larger windows."""
+NEAR = replace(CAMERA, focus_distance_m=0.8)
+FOLDED = Lens("seidel", seidel=SeidelErrors(w040=-60, reference_f_stop=1.4))
+BLURRED = {
+    "thin": NEAR,
+    "bent": replace(CAMERAS["bent"], focus_distance_m=0.8),
+    "shaped iris": replace(NEAR, iris=IrisShape(blades=6)),
+    "glass": replace(CAMERAS["glass"], focus_distance_m=0.8),
+    "folded": replace(NEAR, lens=FOLDED),
+}
+"""Bulbs are out of focus. The last is scattered, that of glass in part."""
 
 
 def confetti(count: int, opacity: float = 1.0) -> Scene:
@@ -72,6 +85,19 @@ def confetti(count: int, opacity: float = 1.0) -> Scene:
         material = Material(base_color=(1, 1, 1), opacity=its_opacity, uses_display_color=True)
         batches.append(Batch(shape, material, np.eye(4)[None], double_sided=True))
     return Scene(tuple(batches), (), Dome((0.4, 0.5, 0.9), np.eye(4)), ("/confetti",))
+
+
+def bulbs_behind_confetti() -> Scene:
+    """Bright squares of one or two texels of the layers at 5 to 15 m, behind and between some triangles, half transparent."""
+    rng, scene = np.random.default_rng(5), confetti(40, opacity=0.5)
+    bulb = Material(name="bulb", base_color=(0, 0, 0), emissive=(60.0, 50.0, 40.0))
+    lit = []
+    for _ in range(60):
+        z = float(rng.uniform(5, 15))
+        x, y = rng.uniform(-0.45, 0.45, 2) * z * [0.75, 0.5]
+        square = rectangle((float(x), float(y), -z), (0.0025 * z, 0, 0), (0, 0.0025 * z, 0))
+        lit.append(Batch(square, bulb, np.eye(4)[None], double_sided=True))
+    return replace(scene, batches=(*scene.batches, *lit))
 
 
 @pytest.fixture
@@ -110,13 +136,14 @@ def test_pixels_do_not_depend_on_the_windows(budget: FrameRenderer, settings: Fr
 
 
 def test_a_tiled_picture_can_be_shown_before_it_is_finished(budget: FrameRenderer) -> None:
-    """Drawn in steps it is the same to the bit, its share grows to 1, and what is shown of it holds the finished pixels."""
-    scene, tracer = confetti(900), budget.device.tracer
-    one = drawn(budget, scene, CAMERA, WIDE, WHOLE_STRIP)
-    view = PinholeView.from_camera(CAMERA, WIDE.width, WIDE.height)
-    pattern = make_ray_pattern(WIDE.rays, CAMERA.iris)
+    """Drawn in steps it is the same to the bit, its share grows to 1, and what is shown of it holds the finished pixels, and in
+    the others the light of highlights."""
+    scene, tracer = bulbs_behind_confetti(), budget.device.tracer
+    one = drawn(budget, scene, NEAR, BRIGHT, WHOLE_STRIP)
+    view = PinholeView.from_camera(NEAR, BRIGHT.width, BRIGHT.height)
+    pattern = make_ray_pattern(BRIGHT.rays, NEAR.iris)
     with budget.graphics.cancellation.cancel_when(lambda: False):
-        work = tracer.trace_steps(budget.device.peeler, CAMERA, view, pattern, layers=4, supersample=2)
+        work = tracer.trace_steps(budget.device.peeler, NEAR, view, pattern, layers=4, supersample=2)
         shares = []
         while True:
             try:
@@ -148,3 +175,43 @@ def test_layers_of_tiles_keep_to_the_budget(budget: FrameRenderer) -> None:
         assert held == layers_bytes(*traced.layers.view.size, 4, lit=memory is ONE_PIECE)
         assert held <= memory.bytes
     assert held < 0.5 * layers_bytes(*traced.layers.whole.size, 4)
+
+
+@pytest.mark.parametrize("camera", BLURRED.values(), ids=BLURRED)
+def test_highlights_of_tiles_are_those_of_one_piece(budget: FrameRenderer, camera: Camera) -> None:
+    """To the bit, where one strip is all of the layers; and through any window of the same strips."""
+    scene = bulbs_behind_confetti()
+    one = drawn(budget, scene, camera, BRIGHT, ONE_PIECE)
+    by_rays = drawn(budget, scene, camera, replace(BRIGHT, connections=False), ONE_PIECE)
+    assert (one != by_rays).any(axis=-1).mean() > 0.03  # something is carried
+    np.testing.assert_array_equal(drawn(budget, scene, camera, BRIGHT, WHOLE_STRIP), one)
+    small, large = (drawn(budget, scene, camera, BRIGHT, memory) for memory in (FEW_STRIPS, FEWER_STRIPS))
+    np.testing.assert_array_equal(small, large)
+
+
+@pytest.mark.parametrize("name", ["thin", "folded"])
+def test_tiles_keep_their_light_with_less_noise(budget: FrameRenderer, name: str) -> None:
+    """The same strips without connections and with many rays have the same light, within 0.1 %."""
+    scene, camera = bulbs_behind_confetti(), BLURRED[name]
+    carried = drawn(budget, scene, camera, BRIGHT, FEW_STRIPS)
+    by_rays = drawn(budget, scene, camera, replace(BRIGHT, connections=False), FEW_STRIPS)
+    truth = drawn(budget, scene, camera, replace(BRIGHT, rays=512, connections=False), FEW_STRIPS)
+    errors = [float(np.mean((picture - truth)[..., :3] ** 2)) for picture in (carried, by_rays)]
+    assert errors[0] < errors[1] / 3
+    np.testing.assert_allclose(carried[..., :3].mean((0, 1)), truth[..., :3].mean((0, 1)), rtol=1e-3)
+
+
+def test_a_tiled_picture_that_was_cancelled_is_drawn_again(budget: FrameRenderer) -> None:
+    """Wherever it was cancelled, nothing of it is left."""
+    scene = bulbs_behind_confetti()
+    whole = drawn(budget, scene, NEAR, BRIGHT, FEW_STRIPS)
+    for passed in range(5, 10_000, 101):
+        polls = iter(range(passed))
+        with budget.graphics.cancellation.cancel_when(lambda polls=polls: next(polls, None) is None):
+            try:
+                budget.render(scene, NEAR, BRIGHT)
+            except Cancelled:
+                continue
+            break
+    assert passed > 200
+    np.testing.assert_array_equal(drawn(budget, scene, NEAR, BRIGHT, FEW_STRIPS), whole)

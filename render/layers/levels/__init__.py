@@ -1,0 +1,1 @@
+"""Simpler levels of meshes, for sketches while dragging."""

@@ -1,0 +1,115 @@
+"""Finds the highlights of layers, and chooses those that are worth carrying.
+
+All of it follows from the layers that are searched and from the lens, not from what is around those layers. So the highlights of
+a strip are the same in each window that holds it (`render.trace.tiling`). At a strip's border, means are those of its own side.
+"""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from render.gl.cancellation import CancellationPoint
+from render.gl.resources import Resources
+from render.gl.shaders import ProgramCache, set_uniforms
+from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
+from render.trace.highlights.chosen import NONE, TAKEN, Highlights
+from render.trace.highlights.evenness import grid_changes
+from render.trace.highlights.grouping import group_texels
+from render.trace.highlights.scattering import UNEVEN
+from render.trace.highlights.search import Picture, find_highlights, measure_means
+from render.trace.lens_table import GridTable
+from render.trace.ray_buffers import RayBuffers
+
+_LIST, _PLANS = 0, 1  # as the shader binds them
+_GROUP = 64
+_PLAN = np.dtype(
+    [
+        ("excess", "f4", 4),
+        ("box", "f4", 4),
+        ("front", "f4"),
+        ("cells", "u4"),
+        ("base", "u4", 2),
+        ("exact", "u4", 2),
+        ("unused", "u4", 2),
+    ]
+)
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+class HighlightFinder:
+    """Finds highlights.
+
+    Args:
+        ctx: context.
+        programs: its programs.
+        cancellation: where the work can be cancelled.
+        buffers: buffers for the rays of the lens; the caller releases them.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint, buffers: RayBuffers
+    ) -> None:
+        self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
+
+    def find(self, picture: Picture, share: float) -> Highlights:
+        """Find and choose highlights.
+
+        Args:
+            picture: the picture, or a strip of its layers.
+            share: its share of all layers, and so of the connections.
+        """
+        with Resources() as scope:
+            means = scope.keep(measure_means(self._ctx, self._programs, picture))
+            texels = find_highlights(self._ctx, self._programs, picture, means)
+            self._cancellation.poll()
+            if len(texels) == 0:
+                return NONE
+            plans = self._plan(picture, means, texels)
+        places = texels.copy()
+        places[:, :2] += np.array(picture.layers.origin, np.uint32)
+        inside = (places[:, :2] < picture.layers.whole.size).all(axis=1) & (plans["box"][:, 2] > plans["box"][:, 0])
+        places, plans = places[inside], plans[inside]
+        if len(places) == 0:
+            return NONE
+        luminance = plans["excess"][:, :3] @ _LUMINANCE
+        carried, group = group_texels(places, plans, luminance, picture.scale)
+        view, bundle = picture.view, picture.bundle
+        rays = min(bundle.count, bundle.pattern.whole)
+        most = share * CONNECTIONS_PER_RAY * rays * view.width * view.height / len(bundle.rgb)
+        area = (0, 0, view.width, view.height)
+        squares = np.bincount(group, luminance**2, len(carried)).astype(np.float64)
+        is_chosen = np.zeros(len(carried), bool)
+        is_chosen[choose_highlights(squares, carried["box"], carried["cells"], area, most)] = True
+        members = is_chosen[group]
+        taken = np.zeros(int(members.sum()), TAKEN)
+        taken["texel"] = places[members]
+        taken["base"], taken["exact"] = plans["base"][members], plans["exact"][members]
+        return Highlights(carried[is_chosen], taken)
+
+    def _plan(self, picture: Picture, means: moderngl.Texture, texels: NDArray[np.uint32]) -> NDArray[np.void]:
+        program = self._programs.compute(
+            "highlights/plan.comp", picture.defines | self._buffers.defines(picture.bundle)
+        )
+        unit = picture.bind(program)
+        means.use(unit)
+        set_uniforms(program, means=unit, count=len(texels))
+        if isinstance(picture.bundle.table, GridTable):
+            set_uniforms(program, grid_changes=grid_changes(picture.bundle.table))
+        packed = np.stack([texels[:, 0] | texels[:, 1] << np.uint32(16), texels[:, 2]], axis=1)
+        with Resources() as scope:
+            places = scope.keep(self._ctx.buffer(packed.tobytes()))
+            plans = scope.keep(self._ctx.buffer(reserve=_PLAN.itemsize * len(texels)))
+            self._buffers.bind(program, picture.bundle, first_unit=unit + 1)
+            places.bind_to_storage_buffer(_LIST)
+            plans.bind_to_storage_buffer(_PLANS)
+            for wavelength in range(len(picture.bundle.rgb)):
+                self._buffers.choose_wavelength(program, picture.bundle, wavelength)
+                set_uniforms(program, is_first=wavelength == 0)
+                program.run(-(-len(texels) // _GROUP))
+                self._ctx.memory_barrier()
+                self._cancellation.poll()
+            read = np.frombuffer(plans.read(), _PLAN).copy()
+        read["cells"] = np.where(read["cells"] & UNEVEN, read["cells"] & (UNEVEN - 1), 0)
+        return read

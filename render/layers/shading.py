@@ -60,7 +60,7 @@ class SurfaceLighter:
             listed = scope.keep(self._ctx.buffer(reserve=4 * (2 + view.width * view.height)))
             listed.write(bytes(8))
             listed.bind_to_storage_buffer(0)
-            set_uniforms(finder, channel=slot.channel, by_quads=by_quads)
+            set_uniforms(finder, channel=slot.channel, by_quads=by_quads, slope_per_px=1 / min(view.fx, view.fy))
             finder.run(*(-(-side // (2 * _QUADS)) for side in view.size))
             self._ctx.memory_barrier()
             for number, count in enumerate(np.frombuffer(listed.read(8), np.uint32)):

@@ -11,10 +11,11 @@ layout(std430, binding = 0) buffer Listed { uint quads; uint pixels; uint places
 uniform sampler2D w_map;
 uniform int channel;            // the layer's channel of w
 uniform bool by_quads;          // false lists single pixels alone
+uniform float slope_per_px;     // angle between the rays of neighbouring pixels
 
 #include "layers/stored_reflector.glsl"
 
-const float ALIKE_NORMALS = 0.1;    // deviation from the mean, relative to the width of the lobe
+const float ALIKE_NORMALS = 0.1;    // deviation of normals from the mean, and angle of a pixel, relative to the width of the lobe
 const float ALIKE_W = 0.01;         // relative difference
 const float ALIKE_ROUGHNESS = 0.05;
 const float ALIKE_REFLECTANCE = 0.02;
@@ -31,7 +32,7 @@ bool are_alike(Reflector s[4], vec4 w)
         if (s[i].clearcoat > 0.0) lobe *= min(1.0, s[i].clearcoat_roughness / s[i].roughness);
         float unlike = max(abs(s[i].roughness - s[0].roughness), abs(s[i].clearcoat_roughness - s[0].clearcoat_roughness));
         unlike = max(unlike, max(abs(s[i].clearcoat - s[0].clearcoat), abs(s[i].occlusion - s[0].occlusion)));
-        alike = alike && dot(off, off) <= lobe * lobe && unlike <= ALIKE_ROUGHNESS;
+        alike = alike && dot(off, off) <= lobe * lobe && slope_per_px <= lobe && unlike <= ALIKE_ROUGHNESS;
         alike = alike && max(f0.r, max(f0.g, f0.b)) <= ALIKE_REFLECTANCE;
     }
     return alike;

@@ -1,4 +1,4 @@
-"""Groups of neighbouring texels that are carried as one highlight, where they are much smaller than their blurred image or than a pixel.
+"""Groups of neighbouring texels that are carried as one highlight, where they are small beside their blurred image or a pixel.
 
 The circles of confusion of a lamp's texels are all as large, and there are four times as many in a picture of twice the size: to
 carry each by itself would take sixteen times the connections. A group has the sum of its texels' light, at their centre, in a

@@ -90,6 +90,7 @@ def test_pictures_converge_to_the_one_by_rays_alone(renderer: FrameRenderer, oth
 MASK = np.ones((64, 64))
 MASK[16:48, 20:50] = 0.1
 NEAR = replace(CAMERA, focus_distance_m=0.5)
+SPHERICAL = replace(CAMERA, lens=Lens("seidel", seidel=SeidelErrors(w040=-60, reference_f_stop=1.4)))
 COLOURS = SeidelErrors(w040=3, w131=4, w222=2, w220=2, axial_color_mm=0.2, reference_f_stop=1.4)
 CAMERAS = {
     "round": NEAR,
@@ -99,6 +100,9 @@ CAMERAS = {
     "squeeze": replace(NEAR, lens=Lens(squeeze=2.0)),
     "colours": replace(NEAR, lens=Lens("seidel", seidel=COLOURS)),
     "colours, blades": replace(NEAR, iris=IrisShape(blades=7), lens=Lens("seidel", seidel=COLOURS)),
+    "folded": SPHERICAL,
+    "folded, blades": replace(SPHERICAL, iris=IrisShape(blades=6, rotation_rad=0.3)),
+    "folded, mask": replace(SPHERICAL, iris=IrisShape(mask=MASK)),
     "power": replace(NEAR, lens=Lens(pupil_power=(1.0, 0.997, 1.003, 1.0), expressive_blend=1.0)),
 }
 """Lenses without distortion and vignetting: they bring all light of a bulb to the picture."""
@@ -133,7 +137,7 @@ def test_highlights_through_glass_are_those_of_many_rays(renderer: FrameRenderer
 
 
 FOLDED = {
-    "spherical": replace(CAMERA, lens=Lens("seidel", seidel=SeidelErrors(w040=-60, reference_f_stop=1.4))),
+    "spherical": SPHERICAL,
     "glass near focus": replace(CAMERA, focus_distance_m=1.5, lens=GLASS),
 }
 """Lenses whose blurred images fold: spherical aberration is larger than the defocus, and of the other sign."""

@@ -14,7 +14,7 @@ from render.lab.reference.scenes import rectangle
 from render.layers.peel import PICTURE
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
-from render.model.lens import IrisShape, Lens, SeidelErrors
+from render.model.lens import Glass, HeightField, IrisShape, Lens, Prescription, SeidelErrors, Surface
 from render.model.scene import Batch, Dome, Material, Scene
 from render.trace.highlights import finder, grouping, scattering
 from tests.render.kits.data_sheets import SHEET
@@ -117,6 +117,15 @@ def test_a_bulbs_blurred_image_has_the_light_of_its_texels(renderer: FrameRender
     assert not np.array_equal(carried, by_rays)
 
 
+SINGLET = Prescription(
+    (
+        Surface(51.0, 6.0, Glass(1.5168, 64.17), 14.0),
+        Surface(-51.0, 2.0, semi_diameter_mm=14.0),
+        Surface(0.0, 0.0, is_stop=True),
+    ),
+    f_stop=2.8,
+    name="singlet",
+)
 GLASS = Lens("prescription", "planar", PLANAR.prescription)
 TABLES = {
     "glass": replace(NEAR, f_stop=4.0, lens=GLASS),
@@ -156,6 +165,18 @@ def test_folded_images_are_scattered_with_all_their_light(
     np.testing.assert_allclose(carried[..., :3].mean((0, 1)), truth[..., :3].mean((0, 1)), rtol=3e-3)
     monkeypatch.setattr(scattering, "MOST_BYTES", 24 * SETTINGS.width * 37)
     np.testing.assert_array_equal(renderer.render(bulbs(), camera, SETTINGS).color, carried)
+
+
+def test_highlights_through_a_height_field_are_scattered_with_all_their_light(renderer: FrameRenderer) -> None:
+    y, x = np.mgrid[-1:1:64j, -1:1:64j]
+    lens = Lens("heightField", prescription=SINGLET, height_field=HeightField(0.002 * np.sin(4 * x) * np.sin(3 * y)))
+    camera = replace(CAMERA, f_stop=2.8, lens=lens)
+    carried, by_rays = pictures(renderer, bulbs(), camera, wavelengths=1)
+    many = replace(SETTINGS, wavelengths=1, rays=512, connections=False)
+    truth = renderer.render(bulbs(), camera, many).color
+    errors = [float(np.mean((picture - truth)[..., :3] ** 2)) for picture in (carried, by_rays)]
+    assert errors[0] < errors[1] / 8
+    np.testing.assert_allclose(carried[..., :3].mean((0, 1)), truth[..., :3].mean((0, 1)), rtol=3e-3)
 
 
 def test_what_the_sharp_layer_holds_is_not_carried(renderer: FrameRenderer) -> None:

@@ -167,7 +167,7 @@ def test_folded_images_are_scattered_with_all_their_light(
     np.testing.assert_array_equal(renderer.render(bulbs(), camera, SETTINGS).color, carried)
 
 
-def test_highlights_through_a_height_field_are_scattered_with_all_their_light(renderer: FrameRenderer) -> None:
+def test_highlights_through_a_height_field_keep_their_light(renderer: FrameRenderer) -> None:
     y, x = np.mgrid[-1:1:64j, -1:1:64j]
     lens = Lens("heightField", prescription=SINGLET, height_field=HeightField(0.002 * np.sin(4 * x) * np.sin(3 * y)))
     camera = replace(CAMERA, f_stop=2.8, lens=lens)

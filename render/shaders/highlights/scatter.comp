@@ -149,16 +149,15 @@ void main()
     if (any(lessThan(place + reach, vec2(first_pixel))) || any(greaterThan(place - reach, vec2(end_pixel)))) return;
 
     float share = light_weight(rays, ray.weight) / (float(from.cells) * float(from.cells) * stretch);
-#if defined(SHAPED_IRIS) && defined(POLYNOMIAL_LENS)
-    bool is_known = row[REGION + 3] <= 0.0;  // no rim cuts the iris's image
-#elif defined(SHAPED_IRIS)
-    const bool is_known = true;
-#endif
+    bool is_iris_alone = false;  // no rim cuts its image
 #ifdef SHAPED_IRIS
-    if (is_known) share *= openings[cell];
-    else
+    is_iris_alone = true;
+#ifdef POLYNOMIAL_LENS
+    is_iris_alone = row[REGION + 3] <= 0.0;
 #endif
-    share *= open_share(rays, pupil_point(rays, disc), pupil_from_cell, 1.0, 1.0 / 3.0, false);
+    if (is_iris_alone) share *= openings[cell];
+#endif
+    if (!is_iris_alone) share *= open_share(rays, pupil_point(rays, disc), pupil_from_cell, 1.0, 1.0 / 3.0, false);
     if (!(share > 0.0)) return;
     share *= share_past(rays.centre, on_layers(rays, ray, vec2(0.0)), from.place.z);
     if (share > 0.0) splat(share * light * from.excess.rgb, place, width, own);

@@ -66,6 +66,7 @@ class Scatterer:
     ) -> None:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
         self._piece = PieceSize(1 << 14)
+        self._openings: _Openings | None = None
 
     def scatter(self, picture: Picture, highlights: NDArray[np.void], area: Area) -> FloatArray:
         """Light of highlights in a part of a picture, ``(height, width, 3)``.
@@ -91,7 +92,7 @@ class Scatterer:
             if iris is not None:
                 bind_iris(program, scope.keep(iris_levels(self._ctx, iris)), iris, unit)
             self._buffers.bind(program, bundle, first_unit=unit + 1)
-            openings = None if iris is None else _Openings(iris)
+            openings = None if iris is None else self._openings_of(iris)
             sums = scope.keep(self._ctx.buffer(reserve=24 * width * rows))
             sums.bind_to_storage_buffer(_SUMS)
             for number, first in itertools.product(np.unique(ranges), range(0, height, rows)):
@@ -108,6 +109,12 @@ class Scatterer:
                 halves = np.frombuffer(sums.read(), np.uint32).reshape(rows, width, 3, 2)[: end - first]
                 drawn[first:end] += ((halves[..., 1] * 2.0**32 + halves[..., 0]) * per_unit).astype(np.float32)
         return drawn
+
+    def _openings_of(self, iris: FloatArray) -> _Openings:
+        """Transmissions of an iris, kept for the next tile or picture."""
+        if self._openings is None or self._openings.image is not iris:
+            self._openings = _Openings(iris)
+        return self._openings
 
     def _scatter_some(
         self, program: moderngl.ComputeShader, carried: NDArray[np.void], openings: _Openings | None
@@ -142,10 +149,14 @@ class Scatterer:
 
 
 class _Openings:
-    """Transmission of an iris over the cells of the pupil, relative to its mean."""
+    """Transmission of an iris over the cells of the pupil, relative to its mean.
+
+    Attributes:
+        image: ``(side, side)`` transmission over the square around the disc.
+    """
 
     def __init__(self, image: FloatArray) -> None:
-        self._image = image
+        self.image = image
         self._made: dict[int, FloatArray] = {}
 
     def of_cells(self, side: int) -> FloatArray:
@@ -154,9 +165,9 @@ class _Openings:
             finer = 2 * -(-_FINE_CELLS // (2 * side))  # even: no point is at 0
             line = (np.arange(side * finer) + 0.5) * 2 / (side * finer) - 1
             x, y = _on_disc(*np.meshgrid(line, line))
-            last = len(self._image) - 1
+            last = len(self.image) - 1
             column, row = (np.clip((v + 1) / 2 * (last + 1), 0, last).astype(int) for v in (x, y))
-            means = self._image[row, column].reshape(side, finer, side, finer).mean(axis=(1, 3), dtype=np.float64)
+            means = self.image[row, column].reshape(side, finer, side, finer).mean(axis=(1, 3), dtype=np.float64)
             self._made[side] = (means / means.mean()).astype(np.float32).ravel()
         return self._made[side]
 

@@ -167,10 +167,11 @@ def test_folded_images_are_scattered_with_all_their_light(
     np.testing.assert_array_equal(renderer.render(bulbs(), camera, SETTINGS).color, carried)
 
 
-def test_highlights_through_a_height_field_keep_their_light(renderer: FrameRenderer) -> None:
+@pytest.mark.parametrize("iris", [IrisShape(), IrisShape(blades=6)], ids=["round", "blades"])
+def test_highlights_through_a_height_field_keep_their_light(renderer: FrameRenderer, iris: IrisShape) -> None:
     y, x = np.mgrid[-1:1:64j, -1:1:64j]
     lens = Lens("heightField", prescription=SINGLET, height_field=HeightField(0.002 * np.sin(4 * x) * np.sin(3 * y)))
-    camera = replace(CAMERA, f_stop=2.8, lens=lens)
+    camera = replace(CAMERA, f_stop=2.8, lens=lens, iris=iris)
     carried, by_rays = pictures(renderer, bulbs(), camera, wavelengths=1)
     many = replace(SETTINGS, wavelengths=1, rays=512, connections=False)
     truth = renderer.render(bulbs(), camera, many).color

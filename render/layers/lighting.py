@@ -59,10 +59,14 @@ class Lighting:
         mips = int(np.log2(max(dome_map.width, dome_map.height)))
         block = pack_lights(self._lights, self._dome, self._harmonics, mips, world_from_camera, self._plan.slots)
         self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera)
+
+    def bind_maps(self) -> None:
+        """Bind the dome's image and the shadow maps to their texture units, which other passes may use too."""
+        shadows = self._maps.texture
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
-        dome_map._bind()
+        self._dome_map._bind()
         GL.glActiveTexture(GL.GL_TEXTURE0 + SHADOW_UNIT)
-        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, self._maps.texture)
+        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, shadows)
 
     def draw_background(self, view: PinholeView, targets: LayerTargets) -> None:
         """Draw the background behind all surfaces: the dome, or black."""

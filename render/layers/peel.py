@@ -382,6 +382,7 @@ class Peeler:
         if passed and not layer.unlit:
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
+            self._lighting.bind_maps()
             has_clearcoat = any(draw.batch.material.clearcoat > 0 for draw in layer.draws)
             self._lighter.light(layer.slot, layer.view, has_clearcoat=has_clearcoat, by_quads=layer.sampling.by_quads)
         return passed != 0

@@ -22,6 +22,9 @@ struct Highlight {
 layout(std430, binding = 0) readonly buffer Highlights { Highlight highlights[]; };
 layout(std430, binding = 1) readonly buffer Owners { uint owners[]; };
 layout(std430, binding = 2) buffer Sums { uint sums[]; };
+#ifdef SHAPED_IRIS
+layout(std430, binding = 3) readonly buffer Openings { float openings[]; };  // of each cell: the iris's mean transmission
+#endif
 
 uniform int count;              // cells
 uniform ivec2 first_pixel;      // of the picture in `sums`
@@ -146,7 +149,15 @@ void main()
     if (any(lessThan(place + reach, vec2(first_pixel))) || any(greaterThan(place - reach, vec2(end_pixel)))) return;
 
     float share = light_weight(rays, ray.weight) / (float(from.cells) * float(from.cells) * stretch);
-    share *= open_share(rays, pupil_point(rays, disc), pupil_from_cell, 1.0, 1.0 / 3.0, false);
+    bool is_iris_alone = false;  // no rim cuts its image
+#ifdef SHAPED_IRIS
+    is_iris_alone = true;
+#ifdef POLYNOMIAL_LENS
+    is_iris_alone = row[REGION + 3] <= 0.0;
+#endif
+    if (is_iris_alone) share *= openings[cell];
+#endif
+    if (!is_iris_alone) share *= open_share(rays, pupil_point(rays, disc), pupil_from_cell, 1.0, 1.0 / 3.0, false);
     if (!(share > 0.0)) return;
     share *= share_past(rays.centre, on_layers(rays, ray, vec2(0.0)), from.place.z);
     if (share > 0.0) splat(share * light * from.excess.rgb, place, width, own);

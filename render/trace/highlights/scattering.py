@@ -31,8 +31,9 @@ SPLAT_REACH_PX = 4.0
 MOST_BYTES = 1 << 26
 """Limit on the sums of one pass over the highlights. A larger picture or tile is made in bands."""
 _CELLS_PER_DISPATCH = 1 << 21
-_HIGHLIGHTS, _OWNERS, _SUMS = 0, 1, 2  # as the shader binds them
+_HIGHLIGHTS, _OWNERS, _SUMS, _OPENINGS = 0, 1, 2, 3  # as the shader binds them
 _GROUP = 64
+_FINE_CELLS = 256  # at least so many points across the pupil are averaged
 _SOLUTIONS = 4
 """Count of a loop of the shader."""
 _OCTAVES = 12
@@ -65,6 +66,7 @@ class Scatterer:
     ) -> None:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
         self._piece = PieceSize(1 << 14)
+        self._openings: _Openings | None = None
 
     def scatter(self, picture: Picture, highlights: NDArray[np.void], area: Area) -> FloatArray:
         """Light of highlights in a part of a picture, ``(height, width, 3)``.
@@ -90,6 +92,7 @@ class Scatterer:
             if iris is not None:
                 bind_iris(program, scope.keep(iris_levels(self._ctx, iris)), iris, unit)
             self._buffers.bind(program, bundle, first_unit=unit + 1)
+            openings = None if iris is None else self._openings_of(iris)
             sums = scope.keep(self._ctx.buffer(reserve=24 * width * rows))
             sums.bind_to_storage_buffer(_SUMS)
             for number, first in itertools.product(np.unique(ranges), range(0, height, rows)):
@@ -102,12 +105,20 @@ class Scatterer:
                     self._buffers.choose_wavelength(program, bundle, wavelength)
                     set_uniforms(program, light=tuple(rgb))
                     for some in self._pieces(alike["cells"].astype(np.int64) ** 2):
-                        self._scatter_some(program, alike[some])
+                        self._scatter_some(program, alike[some], openings)
                 halves = np.frombuffer(sums.read(), np.uint32).reshape(rows, width, 3, 2)[: end - first]
                 drawn[first:end] += ((halves[..., 1] * 2.0**32 + halves[..., 0]) * per_unit).astype(np.float32)
         return drawn
 
-    def _scatter_some(self, program: moderngl.ComputeShader, carried: NDArray[np.void]) -> None:
+    def _openings_of(self, iris: FloatArray) -> _Openings:
+        """Transmissions of an iris, kept for the next tile or picture."""
+        if self._openings is None or self._openings.image is not iris:
+            self._openings = _Openings(iris)
+        return self._openings
+
+    def _scatter_some(
+        self, program: moderngl.ComputeShader, carried: NDArray[np.void], openings: _Openings | None
+    ) -> None:
         cells = carried["cells"].astype(np.int64) ** 2
         highlights = np.zeros(len(carried), _HIGHLIGHT)
         for name in ("excess", "place", "cells"):
@@ -118,6 +129,9 @@ class Scatterer:
         with Resources() as scope:
             scope.keep(self._ctx.buffer(highlights.tobytes())).bind_to_storage_buffer(_HIGHLIGHTS)
             scope.keep(self._ctx.buffer(owners.tobytes())).bind_to_storage_buffer(_OWNERS)
+            if openings is not None:
+                held = np.concatenate([openings.of_cells(int(side)) for side in carried["cells"]])
+                scope.keep(self._ctx.buffer(held.tobytes())).bind_to_storage_buffer(_OPENINGS)
             set_uniforms(program, count=len(owners))
             program.run(-(-len(owners) // _GROUP))
             self._ctx.memory_barrier()
@@ -132,6 +146,39 @@ class Scatterer:
             end = max(first + 1, int(np.searchsorted(ends, done + most, side="right")))
             yield slice(first, end)
             first = end
+
+
+class _Openings:
+    """Transmission of an iris over the cells of the pupil, relative to its mean.
+
+    Attributes:
+        image: ``(side, side)`` transmission over the square around the disc.
+    """
+
+    def __init__(self, image: FloatArray) -> None:
+        self.image = image
+        self._made: dict[int, FloatArray] = {}
+
+    def of_cells(self, side: int) -> FloatArray:
+        """Means over the cells, row by row, where there are so many across and down; their own mean is 1."""
+        if side not in self._made:
+            finer = 2 * -(-_FINE_CELLS // (2 * side))  # even: no point is at 0
+            line = (np.arange(side * finer) + 0.5) * 2 / (side * finer) - 1
+            x, y = _on_disc(*np.meshgrid(line, line))
+            last = len(self.image) - 1
+            column, row = (np.clip((v + 1) / 2 * (last + 1), 0, last).astype(int) for v in (x, y))
+            means = self.image[row, column].reshape(side, finer, side, finer).mean(axis=(1, 3), dtype=np.float64)
+            self._made[side] = (means / means.mean()).astype(np.float32).ravel()
+        return self._made[side]
+
+
+def _on_disc(x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """Points of the unit disc for those of the square from -1 to 1 as in ``highlights/scatter.comp``, none of which is at 0."""
+    is_wide = np.abs(x) > np.abs(y)
+    radius = np.where(is_wide, x, y)
+    angle = np.pi / 4 * np.where(is_wide, y, x) / radius
+    along, across = radius * np.cos(angle), radius * np.sin(angle)
+    return np.where(is_wide, along, across), np.where(is_wide, across, along)
 
 
 def _brightness_ranges(picture: Picture, highlights: NDArray[np.void], light: DoubleArray) -> LongArray:

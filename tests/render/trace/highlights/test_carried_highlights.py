@@ -14,7 +14,7 @@ from render.lab.reference.scenes import rectangle
 from render.layers.peel import PICTURE
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
-from render.model.lens import IrisShape, Lens, SeidelErrors
+from render.model.lens import Glass, HeightField, IrisShape, Lens, Prescription, SeidelErrors, Surface
 from render.model.scene import Batch, Dome, Material, Scene
 from render.trace.highlights import finder, grouping, scattering
 from tests.render.kits.data_sheets import SHEET
@@ -90,6 +90,7 @@ def test_pictures_converge_to_the_one_by_rays_alone(renderer: FrameRenderer, oth
 MASK = np.ones((64, 64))
 MASK[16:48, 20:50] = 0.1
 NEAR = replace(CAMERA, focus_distance_m=0.5)
+SPHERICAL = replace(CAMERA, lens=Lens("seidel", seidel=SeidelErrors(w040=-60, reference_f_stop=1.4)))
 COLOURS = SeidelErrors(w040=3, w131=4, w222=2, w220=2, axial_color_mm=0.2, reference_f_stop=1.4)
 CAMERAS = {
     "round": NEAR,
@@ -99,6 +100,9 @@ CAMERAS = {
     "squeeze": replace(NEAR, lens=Lens(squeeze=2.0)),
     "colours": replace(NEAR, lens=Lens("seidel", seidel=COLOURS)),
     "colours, blades": replace(NEAR, iris=IrisShape(blades=7), lens=Lens("seidel", seidel=COLOURS)),
+    "folded": SPHERICAL,
+    "folded, blades": replace(SPHERICAL, iris=IrisShape(blades=6, rotation_rad=0.3)),
+    "folded, mask": replace(SPHERICAL, iris=IrisShape(mask=MASK)),
     "power": replace(NEAR, lens=Lens(pupil_power=(1.0, 0.997, 1.003, 1.0), expressive_blend=1.0)),
 }
 """Lenses without distortion and vignetting: they bring all light of a bulb to the picture."""
@@ -113,6 +117,15 @@ def test_a_bulbs_blurred_image_has_the_light_of_its_texels(renderer: FrameRender
     assert not np.array_equal(carried, by_rays)
 
 
+SINGLET = Prescription(
+    (
+        Surface(51.0, 6.0, Glass(1.5168, 64.17), 14.0),
+        Surface(-51.0, 2.0, semi_diameter_mm=14.0),
+        Surface(0.0, 0.0, is_stop=True),
+    ),
+    f_stop=2.8,
+    name="singlet",
+)
 GLASS = Lens("prescription", "planar", PLANAR.prescription)
 TABLES = {
     "glass": replace(NEAR, f_stop=4.0, lens=GLASS),
@@ -133,7 +146,7 @@ def test_highlights_through_glass_are_those_of_many_rays(renderer: FrameRenderer
 
 
 FOLDED = {
-    "spherical": replace(CAMERA, lens=Lens("seidel", seidel=SeidelErrors(w040=-60, reference_f_stop=1.4))),
+    "spherical": SPHERICAL,
     "glass near focus": replace(CAMERA, focus_distance_m=1.5, lens=GLASS),
 }
 """Lenses whose blurred images fold: spherical aberration is larger than the defocus, and of the other sign."""
@@ -152,6 +165,19 @@ def test_folded_images_are_scattered_with_all_their_light(
     np.testing.assert_allclose(carried[..., :3].mean((0, 1)), truth[..., :3].mean((0, 1)), rtol=3e-3)
     monkeypatch.setattr(scattering, "MOST_BYTES", 24 * SETTINGS.width * 37)
     np.testing.assert_array_equal(renderer.render(bulbs(), camera, SETTINGS).color, carried)
+
+
+@pytest.mark.parametrize("iris", [IrisShape(), IrisShape(blades=6)], ids=["round", "blades"])
+def test_highlights_through_a_height_field_keep_their_light(renderer: FrameRenderer, iris: IrisShape) -> None:
+    y, x = np.mgrid[-1:1:64j, -1:1:64j]
+    lens = Lens("heightField", prescription=SINGLET, height_field=HeightField(0.002 * np.sin(4 * x) * np.sin(3 * y)))
+    camera = replace(CAMERA, f_stop=2.8, lens=lens, iris=iris)
+    carried, by_rays = pictures(renderer, bulbs(), camera, wavelengths=1)
+    many = replace(SETTINGS, wavelengths=1, rays=512, connections=False)
+    truth = renderer.render(bulbs(), camera, many).color
+    errors = [float(np.mean((picture - truth)[..., :3] ** 2)) for picture in (carried, by_rays)]
+    assert errors[0] < errors[1] / 8
+    np.testing.assert_allclose(carried[..., :3].mean((0, 1)), truth[..., :3].mean((0, 1)), rtol=3e-3)
 
 
 def test_bars_before_what_is_in_focus_keep_their_light(renderer: FrameRenderer) -> None:

@@ -1,22 +1,20 @@
 #version 450 core
 // Mark the texels of layers that are highlights: far brighter than what is around them, and so blurred that rays miss them mostly.
 // in:  layers (march.glsl), means
-// out: for each block of 8x8 texels and each layer 64 bits in `marks`, row after row
+// out: for each block of 8x8 texels and each layer 64 bits in `marks`, row after row; they are 0 before
 
 #include "trace/march.glsl"
 #include "highlights/surroundings.glsl"
 #include "highlights/pixel_focus.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, binding = 0) writeonly buffer Marks { uvec2 marks[]; };
+layout(std430, binding = 0) buffer Marks { uint marks[]; };
 
 uniform int layer_count;
 uniform float blur_px;          // circle of confusion at a difference of 1/m, layer pixels
 uniform float least_radius;     // layer pixels
 uniform float noise;            // standard deviation of a pixel relative to its surroundings from which a texel is a highlight
 uniform float rays;             // rays per pixel
-
-shared uint bits[2];
 
 bool is_highlight(ivec2 texel, int layer, float w, vec2 focused)
 {
@@ -37,13 +35,10 @@ void main()
     uint place = gl_LocalInvocationIndex, blocks = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
     uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     for (int layer = 0; layer < layer_count; ++layer) {
-        if (place < 2u) bits[place] = 0u;
-        barrier();
         float w = inside ? stored_w(texel, layer) : 0.0;
-        if (w == 0.0) inside = false;  // the layers behind are empty too
-        else if (is_highlight(texel, layer, w, focused)) atomicOr(bits[place >> 5], 1u << (place & 31u));
-        barrier();
-        if (place == 0u) marks[uint(layer) * blocks + block] = uvec2(bits[0], bits[1]);
-        barrier();
+        if (w == 0.0) break;  // the layers behind are empty too
+        if (is_highlight(texel, layer, w, focused)) {
+            atomicOr(marks[2u * (uint(layer) * blocks + block) + (place >> 5)], 1u << (place & 31u));
+        }
     }
 }

@@ -90,7 +90,7 @@ def measure_means(ctx: moderngl.Context, programs: ProgramCache, picture: Pictur
     width, height = _blocks(picture.layers)
     means = ctx.texture((width, height), 2, dtype="f4")
     means.bind_to_image(_IMAGE, read=False, write=True)
-    program.run(width, height)
+    program.run(-(-width // _BLOCK), -(-height // _BLOCK))
     ctx.memory_barrier()
     means.repeat_x = means.repeat_y = False
     means.build_mipmaps()
@@ -122,6 +122,7 @@ def find_highlights(
         marks = scope.keep(ctx.buffer(reserve=4 * size))
         noise = NOISE
         while True:
+            marks.clear()
             marks.bind_to_storage_buffer(_MARKS)
             set_uniforms(program, noise=noise)
             program.run(width, height)

@@ -24,8 +24,8 @@ Settings:
     motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
 
 Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 20 s on two CPU cores under
-llvmpipe, most of it for drawing and lighting the layers; 15 s with three layer pixels for a pixel. What the rays take
-is proportional to their number, not to that of the lens surfaces.
+llvmpipe, most of it for drawing and lighting the layers. What the rays take is proportional to their number, not to
+that of the lens surfaces.
 
 Memory: layers take some 104 bytes for each layer pixel. Above 1 GiB the picture is traced in tiles, whose number does
 not change the pixels (`render.trace.tiling.plan`), but that adaptive rays are distributed over each tile by itself.

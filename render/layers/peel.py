@@ -20,7 +20,7 @@ from render.layers.lighting import Lighting
 from render.layers.movement import Movement
 from render.layers.moving_draws import MovingDraws
 from render.layers.nearest import nearest_depth_m, nearest_drawn_depth_m
-from render.layers.reach import ReachBounder
+from render.layers.reach import OpenSides, ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.rest import RestMerger
 from render.layers.shading import SurfaceLighter
@@ -106,7 +106,7 @@ class PeelKey:
     umbra: float
     unlit: bool
     sampling: SurfaceSampling
-    reachable: bool
+    reachable: OpenSides | None
     sheets: int
     is_sketch: bool = False
 
@@ -200,7 +200,7 @@ class Peeler:
         unlit: bool = False,
         sampling: SurfaceSampling = PLAIN,
         moves: Mapping[int, Movement] | None = None,
-        reachable: bool = False,
+        reachable: OpenSides | None = None,
         sheets: int = 0,
         is_sketch: bool = False,
         cache_slot: str = PICTURE,
@@ -219,7 +219,8 @@ class Peeler:
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
             moves: movements of the batches (`render.layers.movement`), where the layers are to hold motion.
-            reachable: leave out surfaces that no ray of the umbra's pupil can meet (`render.layers.reach`). Has no effect where
+            reachable: leave out surfaces that no ray of the umbra's pupil can meet (`render.layers.reach`), which may come in
+                through these sides; None to draw what is behind all layers. Has no effect where
                 surfaces move.
             sheets: at most this many surfaces in a pixel, up to `MAX_LAYERS`, where some may be partly transparent: those do not
                 count against ``layers``. No effect where it is less than ``layers``.
@@ -271,9 +272,10 @@ class Peeler:
                 if count == sheets:
                     self._merge_rest(layer, targets, count - 1)
                     break
-                if key.reachable and not moving.any:
+                if key.reachable is not None and not moving.any:
                     slopes = targets.packed_slopes[(count - 1) // LAYERS_PER_PACK]
-                    layer = replace(layer, reach=self._reach.bound(layer.slot, slopes, umbra, is_first=count == 1))
+                    reach = self._reach.bound(layer.slot, slopes, umbra, is_first=count == 1, open_sides=key.reachable)
+                    layer = replace(layer, reach=reach)
                 solid_first = count + 1 == sheets
                 layer = replace(layer, slot=slots[count], previous=layer.slot, number=count, solid_first=solid_first)
                 if count >= layers:

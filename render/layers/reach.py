@@ -27,8 +27,11 @@ surface up to `MEETING_PX` beside its pixel; both ends of the way, and the block
 the difference that the tracer takes for one surface (``UNLIKE``). What is left moves up a layer, so that fewer layers hold
 more. Pictures stay the same but for rays whose walk begins elsewhere, since the N-buffers hold less.
 
-Not bounded are layers that hold moving surfaces, where each ray is searched for along the surface's own line; layers that are
-drawn in strips, into which rays come from beside; and layers that are blurred, whose hidden parts are spread too. Rays that
+**Strips.** Rays come into a strip of the layers from beside. One that is behind the layer at the border is behind the surface
+of a pixel there, so that each of these pixels counts as a gap with that surface's ``w``.
+
+Not bounded are layers that hold moving surfaces, where each ray is searched for along the surface's own line, and layers that are
+blurred, whose hidden parts are spread too. Rays that
 cross more than ``MAX_STEPS`` pixels in one interval of depths skip some, and may slip through a closed layer; they then see
 what lies behind the surface that is left out.
 """
@@ -47,6 +50,9 @@ BLOCK_PX = 2
 """Side of a block, pixels."""
 MEETING_PX = 0.55
 """Greatest distance along either axis from a pixel to where a ray meets its surface: half a segment, and the overlap."""
+OpenSides = tuple[bool, bool, bool, bool]
+"""Whether more layers lie beyond the left, upper, right and lower side of those that are bounded."""
+CLOSED: OpenSides = (False, False, False, False)
 _NOWHERE = -1e30
 _SPREAD_GROUP = 32  # invocations of a work group of layers/reach_spread.comp
 
@@ -63,7 +69,9 @@ class ReachBounder:
         self._ctx, self._programs = ctx, programs
         self._textures: tuple[moderngl.Texture, moderngl.Texture, moderngl.Texture] | None = None
 
-    def bound(self, slot: Slot, slopes: moderngl.Texture, umbra: float, *, is_first: bool) -> moderngl.Texture:
+    def bound(
+        self, slot: Slot, slopes: moderngl.Texture, umbra: float, *, is_first: bool, open_sides: OpenSides = CLOSED
+    ) -> moderngl.Texture:
         """Bound the reach behind a layer and those before it.
 
         Args:
@@ -71,6 +79,7 @@ class ReachBounder:
             slopes: slopes of its pack.
             umbra: `render.layers.umbra.umbra_reach` of the rays, 1/m.
             is_first: whether it is the first layer of its peeling; otherwise the last call was for the layer before.
+            open_sides: sides that rays come in through.
 
         Returns:
             R32F: for each block of 2x2 pixels the greatest w of what a ray may meet, 1/m. Valid until the next call.
@@ -83,7 +92,7 @@ class ReachBounder:
         for unit, (name, texture) in enumerate((("w", slot.w), ("slopes", slopes), ("reach_before", reach))):
             texture.use(unit)
             set_uniforms(program, **{name: unit})
-        set_uniforms(program, channel=slot.channel, umbra=umbra)
+        set_uniforms(program, channel=slot.channel, umbra=umbra, open_sides=tuple(map(int, open_sides)))
         gaps.bind_to_image(0, read=False, write=True)
         program.run(-(-gaps.width // 8), -(-gaps.height // 8))
         self._ctx.memory_barrier()

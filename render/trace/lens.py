@@ -169,16 +169,15 @@ class LensTracer:
 
         def peel(part: PinholeView) -> Layers:
             own = sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
-            whole = (
-                part.size == wide.size
-            )  # rays come into a part from beside it, behind surfaces that it does not show
+            left, top = round(wide.cx - part.cx), round(wide.cy - part.cy)
+            beyond = left > 0, top > 0, left + part.width < wide.width, top + part.height < wide.height
             return peeler.peel(
                 part,
                 layers=layers,
                 umbra=umbra,
                 unlit=unlit,
                 sampling=own,
-                reachable=whole,
+                reachable=beyond,
                 sheets=sheets,
             )
 

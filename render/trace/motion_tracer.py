@@ -20,6 +20,7 @@ from render.layers.movement import Movement, nearest_moving_w, swept_bounds
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Layers, Peeler
+from render.layers.reach import CLOSED
 from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import DoubleArray, FloatArray
@@ -163,7 +164,14 @@ class _ShutterSweep:
         umbra = umbra_reach(pupil_px)
         sheets = layers if peeler.is_opaque or pupil_px == 0 else MAX_LAYERS
         peeled = peeler.peel(
-            wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling, moves=moves, reachable=True, sheets=sheets
+            wide,
+            layers=layers,
+            umbra=umbra,
+            unlit=unlit,
+            sampling=sampling,
+            moves=moves,
+            reachable=CLOSED,
+            sheets=sheets,
         )
         return peeled, nearest_w
 

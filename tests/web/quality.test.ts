@@ -24,7 +24,7 @@ describe("quality", () => {
       height: 540,
       rays: 100,
       layers: 4,
-      supersample: 2,
+      supersample: 0,
       format: "png",
     });
     const large = restQuality(3840, 2160);

@@ -1,7 +1,8 @@
 #version 450 core
 // Gaps of a peeled layer through which lens rays may pass behind it: the greatest inverse depth at which they do, for each 2x2 pixels.
 // in:  w of the layer (1/m; 0 empty, negative partly transparent) and its slopes; the reach behind the layers before (1/m), if any
-// out: w of the nearest surface beside a gap in the block, 1/m; NOWHERE without a gap
+// out: w of the nearest surface beside a gap in the block, 1/m; NOWHERE without a gap. Rays may come from beyond an open side, behind
+//      the surfaces along it.
 // The argument is in render/layers/reach.py.
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -11,6 +12,7 @@ uniform sampler2D w;
 uniform usampler2D slopes;
 uniform int channel;
 uniform float umbra;  // 1/m
+uniform ivec4 open_sides;   // 1 where more layers lie beyond the left, upper, right and lower side
 #ifdef BEHIND_OTHERS
 uniform sampler2D reach_before;
 #endif
@@ -58,7 +60,9 @@ void main()
     for (int y = 0; y < 2; ++y)
         for (int x = 0; x < 2; ++x) {
             int i = SIDE * y + x;
-            if (patches[i].clear) most = max(most, patches[i].top);
+            ivec2 pixel = 2 * block + ivec2(x, y), beyond = max(textureSize(w, 0) - 1 - pixel, ivec2(0));
+            bool at_open_side = any(lessThan(ivec4(pixel, beyond), open_sides));
+            if (patches[i].clear || at_open_side) most = max(most, patches[i].top);
             most = max(most, gap_between(patches[i], patches[i + 1], vec2(1.0, 0.0)));
             most = max(most, gap_between(patches[i], patches[i + SIDE], vec2(0.0, 1.0)));
             most = max(most, gap_between(patches[i], patches[i + SIDE + 1], vec2(1.0, 1.0)));

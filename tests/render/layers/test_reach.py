@@ -11,9 +11,10 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
+from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import checkerboard, rectangle, sphere
 from render.layers.peel import Layers, Peeler
-from render.layers.reach import BLOCK_PX, ReachBounder
+from render.layers.reach import BLOCK_PX, CLOSED, OpenSides, ReachBounder
 from render.layers.targets import LayerTargets
 from render.layers.umbra import umbra_reach
 from render.model.arrays import FloatArray
@@ -21,6 +22,7 @@ from render.model.camera import Camera
 from render.model.lens import Lens
 from render.model.scene import Batch, Dome, Material, Scene
 from render.optics.view import PinholeView
+from render.trace.tiling.plan import LayerBudget
 from tests.render.kits.lenses import PLANAR
 
 HERE = np.eye(4)[None]
@@ -38,7 +40,9 @@ def bounder(renderer: FrameRenderer) -> Iterator[ReachBounder]:
     made.release()
 
 
-def bound_of(renderer: FrameRenderer, bounder: ReachBounder, *fields: FloatArray) -> FloatArray:
+def bound_of(
+    renderer: FrameRenderer, bounder: ReachBounder, *fields: FloatArray, open_sides: OpenSides = CLOSED
+) -> FloatArray:
     """Bound the reach behind layers ``(height, width)`` of surfaces that face the eye, for each pixel."""
     height, width = fields[0].shape
     targets = LayerTargets.allocate(renderer.graphics.ctx, width, height, len(fields))
@@ -48,7 +52,9 @@ def bound_of(renderer: FrameRenderer, bounder: ReachBounder, *fields: FloatArray
         )
         targets.packed_slopes[0].write(np.full((height, width, 4), FLAT, np.uint16).tobytes())
         for i, slot in enumerate(targets.slots):
-            reach = bounder.bound(slot, targets.packed_slopes[0], umbra_reach(PUPIL_PX), is_first=i == 0)
+            reach = bounder.bound(
+                slot, targets.packed_slopes[0], umbra_reach(PUPIL_PX), is_first=i == 0, open_sides=open_sides
+            )
         blocks = np.frombuffer(reach.read(), np.float32).reshape(reach.height, reach.width)
         return blocks.repeat(BLOCK_PX, 0).repeat(BLOCK_PX, 1)[:height, :width]
     finally:
@@ -101,6 +107,19 @@ def test_no_ray_is_nearer_than_the_bound(renderer: FrameRenderer, bounder: Reach
     assert (most <= bound + 1e-6).all()
     seen = most > 0
     assert np.median((np.minimum(bound, np.abs(field)) - most)[seen]) < 10 / PUPIL_PX
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_rays_come_into_a_strip_through_its_open_sides(
+    renderer: FrameRenderer, bounder: ReachBounder, seed: int
+) -> None:
+    """Sampled rays of the whole never exceed the bound of a strip that is cut from it, and some exceed that of closed sides."""
+    field = height_field(seed)
+    most = reached(field, 40_000, seed)
+    for strip, sides in (((slice(None), slice(30, 52)), (1, 0, 1, 0)), ((slice(20, 60), slice(None)), (0, 1, 0, 0))):
+        opened = bound_of(renderer, bounder, field[strip], open_sides=tuple(map(bool, sides)))
+        assert (most[strip] <= opened + 1e-6).all()
+        assert (opened >= bound_of(renderer, bounder, field[strip])).all()
 
 
 def test_a_closed_wall_lets_nothing_past_and_a_gap_some(renderer: FrameRenderer, bounder: ReachBounder) -> None:
@@ -167,10 +186,10 @@ def pictures(
     """Draw a picture with all surfaces, and one with only what rays reach."""
     settings = FrameSettings(120, 90, rays=64, layers=8, supersample=2, shading="unlit")
     peel, drawn = Peeler.peel, []
-    for reachable in (False, True):
+    for is_bounded in (False, True):
 
-        def chosen(self: Peeler, view: PinholeView, reachable: bool = reachable, **options: Any) -> Layers:
-            return peel(self, view, **(options | {"reachable": reachable}))
+        def chosen(self: Peeler, view: PinholeView, is_bounded: bool = is_bounded, **options: Any) -> Layers:
+            return peel(self, view, **(options if is_bounded else options | {"reachable": None}))
 
         monkeypatch.setattr(Peeler, "peel", chosen)
         drawn.append(renderer.render(scene, camera, settings).color)
@@ -178,12 +197,19 @@ def pictures(
     return drawn[0], drawn[1]
 
 
+def assert_alike(reachable: FloatArray, everything: FloatArray) -> None:
+    """Walks begin elsewhere where N-buffers hold less, and take other steps: some rays along edges meet what is beside."""
+    assert psnr_db(reachable, everything) > 60
+    assert np.abs(reachable - everything).max() < 0.03
+    np.testing.assert_allclose(reachable.mean(axis=(0, 1)), everything.mean(axis=(0, 1)), rtol=2e-4)
+
+
 @pytest.mark.parametrize("f_stop", [0.7, 2.0])
 def test_pictures_of_opaque_scenes_stay_the_same(
     renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch, f_stop: float
 ) -> None:
     everything, reachable = pictures(renderer, monkeypatch, clutter(1, panes=False), replace(CAMERA, f_stop=f_stop))
-    np.testing.assert_array_equal(reachable, everything)
+    assert_alike(reachable, everything)
 
 
 def test_pictures_through_a_prescription_stay_the_same(
@@ -192,14 +218,20 @@ def test_pictures_through_a_prescription_stay_the_same(
     lens = Lens("prescription", PLANAR.prescription.name, PLANAR.prescription)
     camera = replace(CAMERA, f_stop=PLANAR.f_stop, focal_length_mm=PLANAR.focal_length_mm, lens=lens)
     everything, reachable = pictures(renderer, monkeypatch, clutter(2, panes=False), camera)
-    np.testing.assert_array_equal(reachable, everything)
+    assert_alike(reachable, everything)
+
+
+def test_pictures_in_tiles_stay_the_same(renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(renderer.device.tracer, "budget", LayerBudget(2_000_000, 400_000))
+    everything, reachable = pictures(renderer, monkeypatch, clutter(1, panes=False), CAMERA)
+    assert_alike(reachable, everything)
 
 
 def test_pictures_of_panes_stay_the_same(renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
     """A surface may take the place of a hidden one in its layer, so that a ray reads it from the pixel beside: in few pixels."""
     everything, reachable = pictures(renderer, monkeypatch, clutter(3, panes=True), CAMERA)
     changed = (reachable != everything).any(-1)
-    assert changed.mean() < 1e-3
+    assert changed.mean() < 0.02
     np.testing.assert_allclose(reachable, everything, atol=0.02)
 
 
@@ -213,9 +245,9 @@ def test_only_texels_near_edges_are_drawn_behind(renderer: FrameRenderer) -> Non
         peeler.load(Scene(tuple(Batch(one, Material(), HERE) for one in (far, behind)), prim_paths=("/a",)))
         umbra = umbra_reach(VIEW.fx * 0.04)
         assert peeler.peel(VIEW, layers=4, umbra=umbra, unlit=True).count == 2
-        assert peeler.peel(VIEW, layers=4, umbra=umbra, unlit=True, reachable=True).count == 1
+        assert peeler.peel(VIEW, layers=4, umbra=umbra, unlit=True, reachable=CLOSED).count == 1
         peeler.load(Scene(tuple(Batch(one, Material(), HERE) for one in (card, far)), prim_paths=("/a",)))
-        layers = peeler.peel(VIEW, layers=4, umbra=umbra, unlit=True, reachable=True)
+        layers = peeler.peel(VIEW, layers=4, umbra=umbra, unlit=True, reachable=CLOSED)
         w = np.frombuffer(layers.targets.packed_w[0].read(), np.float32).reshape(VIEW.height, VIEW.width, 4)
         hidden, seen = w[..., 0] > 0.9, w[..., 1] != 0
         assert layers.count == 2

@@ -170,7 +170,7 @@ def test_an_empty_stage_has_nothing_to_frame(pullfocus: Command, tmp_path: Path)
         (["--frames", "1:3"], "####"),
         (["--rays", "0"], "rays"),
         (["--layers", "99"], "layers"),
-        (["--supersample", "0"], "supersample"),
+        (["--supersample", "0.5"], "supersample"),
         (["--wavelengths", "0"], "wavelengths must be from 1 to 64, got 0"),
         (["--wavelengths", "65"], "wavelengths must be from 1 to 64, got 65"),
         (["--seed", "-1"], "seed"),

@@ -201,7 +201,7 @@ def test_transforms_that_are_no_numbers(client, prim):
         {"adaptive": "often"},
         {"layers": 0},
         {"layers": 10**6},
-        {"supersample": 0},
+        {"supersample": 0.5},
         {"supersample": 99},
         {"wavelengths": 0},
         {"wavelengths": 65},

@@ -6,12 +6,11 @@ partly transparent surfaces. The sensor offset of each sample anti-aliases.
 
 Settings:
     rays        renderings, 1 to 4096 (100). All pixels share one pattern, so that too few show as ghosts, not as noise.
-    supersample filter width of textures, as if layers were that fine (2).
+    supersample filter width of textures, as if layers were that fine; 0 for that of the lens engine's (0).
     seed        of the pattern (0).
     layers, tiled and wavelengths have no effect.
 
-Cost: the demo shot at 960x540 with 100 rays takes 64 s on two CPU cores, which is 19 times the engine ``lens``; it is
-proportional to rays times triangles.
+Cost: proportional to rays times triangles. The demo shot at 960x540 with 100 rays took 64 s on two CPU cores.
 
 Limits: thin lenses with a plane of focus, tilted or not. Other lenses and bent focal surfaces are refused. Motion is drawn moment
 by moment.
@@ -79,6 +78,6 @@ class AccumulationEngine(Engine):
             make_lens_points(camera, settings.rays, settings.seed)[ray_range(settings.rays, *request.part)],
             focal_surface(camera).plane,
             unlit=request.is_unlit,
-            sampling=choose_view_sampling(camera, view, settings.rays, traced_scale(settings)),
+            sampling=choose_view_sampling(camera, view, settings.rays, traced_scale(settings, request.part[1])),
             on_progress=request.on_progress,
         )

@@ -4,7 +4,7 @@ Computes: as ``flag``, but each pixel tests every point around it and sums the l
 
 Settings:
     layers      peeled layers at most, 1 to 8 (4).
-    supersample pixels that are blurred to one pixel of the picture, along each axis, rounded up to a whole number (2).
+    supersample pixels that are blurred to one pixel of the picture, along each axis, rounded up to a whole number; 0 for 2 (0).
     rays, tiled, wavelengths and seed have no effect while the iris is open.
 
 Cost: proportional to the square of the largest radius. A picture of 384x384 takes 0.07 s of processor time on two CPU cores

@@ -6,7 +6,7 @@ picture, weights to 20.
 
 Settings:
     layers      peeled layers at most, 1 to 8 (4).
-    supersample pixels that are blurred to one pixel of the picture, along each axis, rounded up to a whole number (2).
+    supersample pixels that are blurred to one pixel of the picture, along each axis, rounded up to a whole number; 0 for 2 (0).
     rays, tiled, wavelengths and seed have no effect while the iris is open.
 
 Cost: proportional to the area of the circles of confusion; 40 bytes a pixel for each side of the focus, and tables of 3 MB

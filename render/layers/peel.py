@@ -219,8 +219,8 @@ class Peeler:
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
             moves: movements of the batches (`render.layers.movement`), where the layers are to hold motion.
-            reachable: leave out surfaces that no ray of the umbra's pupil can meet (`render.layers.reach`), which may come in
-                through these sides; None to draw what is behind all layers. Has no effect where
+            reachable: sides that rays may come in through, to leave out surfaces that no ray of the umbra's pupil can meet
+                (`render.layers.reach`); None to draw what is behind all layers. Has no effect where
                 surfaces move.
             sheets: at most this many surfaces in a pixel, up to `MAX_LAYERS`, where some may be partly transparent: those do not
                 count against ``layers``. No effect where it is less than ``layers``.

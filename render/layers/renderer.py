@@ -162,8 +162,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     def draw_layer(self, layer: LayerPass) -> None:
         """Draw the nearest surfaces behind the previous layer.
 
-        Depth is drawn first, then colour where the depth is equal: shading is the most expensive part, and this way each pixel
-        is shaded once, however many surfaces lie behind it.
+        Depth is drawn first, then colour where the depth is equal: materials are expensive, and this way each pixel's is
+        evaluated once, however many surfaces lie behind it. Light is added later (`render.layers.shading`).
         """
         umbra = layer.umbra if layer.moving is None else 0.0  # where surfaces move apart, it may be cut short
         selection = self._sketched if layer.is_sketch else self._selection

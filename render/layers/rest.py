@@ -36,18 +36,19 @@ _GROUP = 8
 @dataclass(frozen=True)
 class _RestTargets:
     """Textures of one size: radiance (RGBA16F, one slice) and w (R32F) of one surface, light (RGBA32F) of all so far,
-    premultiplied."""
+    premultiplied; what light falls on, None for unlit ones."""
 
     radiance: moderngl.TextureArray
     w: moderngl.Texture
     light: moderngl.Texture
     depth: DepthTexture
-    reflectors: Reflectors
+    reflectors: Reflectors | None
     slot: Slot
 
     def release(self) -> None:
         for texture in (self.radiance, self.w, self.light, self.depth, self.reflectors, self.slot):
-            texture.release()
+            if texture is not None:
+                texture.release()
 
 
 class RestMerger:
@@ -74,7 +75,7 @@ class RestMerger:
         draws = [some for some in last.draws if some.may_be_translucent]
         if not draws:
             return
-        held = self._allocate(targets.width, targets.height)
+        held = self._allocate(targets.width, targets.height, lit=not last.unlit)
         GL.glClearTexImage(held.light.glo, 0, GL.GL_RGBA, GL.GL_FLOAT, np.zeros(4, np.float32))
         rest = Rest(last.slot, held.light)
         layer = replace(last, draws=draws, slot=held.slot, solid_first=False, reach=None, rest=rest)
@@ -117,19 +118,19 @@ class RestMerger:
         program.run(-(-targets.width // _GROUP), -(-targets.height // _GROUP))
         self._ctx.memory_barrier()
 
-    def _allocate(self, width: int, height: int) -> _RestTargets:
+    def _allocate(self, width: int, height: int, *, lit: bool) -> _RestTargets:
         held = self._targets
-        if held is None or held.w.size != (width, height):
+        if held is None or held.w.size != (width, height) or (held.reflectors is None and lit):
             self.release()
-            held = self._targets = _allocate(self._ctx, width, height)
+            held = self._targets = _allocate(self._ctx, width, height, lit=lit)
         return held
 
 
-def _allocate(ctx: moderngl.Context, width: int, height: int) -> _RestTargets:
+def _allocate(ctx: moderngl.Context, width: int, height: int, *, lit: bool) -> _RestTargets:
     with Construction() as making:
         try:
             radiance = making.keep(ctx.texture_array((width, height, 1), 4, dtype="f2"))
-            reflectors = Reflectors.allocate(making, ctx, (width, height))
+            reflectors = Reflectors.allocate(making, ctx, (width, height)) if lit else None
             w = making.keep(ctx.texture((width, height), 1, dtype="f4"))
             light = making.keep(ctx.texture((width, height), 4, dtype="f4"))
         except moderngl.Error as error:
@@ -137,7 +138,8 @@ def _allocate(ctx: moderngl.Context, width: int, height: int) -> _RestTargets:
         for texture in (radiance, w, light):
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         depth = making.keep(DepthTexture(width, height))
-        none = (None, None, None)
-        framebuffer = make_framebuffer(making, depth, (radiance, 0), w, *none, *reflectors.textures)
-        slot = Slot(make_framebuffer(making, depth), framebuffer, w, 0, LitSlot(radiance, 0, reflectors))
+        others = () if reflectors is None else (None, None, None, *reflectors.textures)
+        framebuffer = make_framebuffer(making, depth, (radiance, 0), w, *others)
+        own = None if reflectors is None else LitSlot(radiance, 0, reflectors)
+        slot = Slot(make_framebuffer(making, depth), framebuffer, w, 0, own)
     return _RestTargets(radiance, w, light, depth, reflectors, slot)

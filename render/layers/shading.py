@@ -1,8 +1,8 @@
 """Light on the surfaces of a layer, added after they are drawn.
 
 A rasteriser shades whole blocks of pixels for each triangle, and a triangle of a dense mesh covers one or two pixels of them.
-So the colour pass stores what light falls on (``layers/reflector.glsl``), and each pixel is lit once, after it (Saito & Takahashi
-1990, "Comprehensible rendering of 3-D shapes").
+So the colour pass stores what light falls on (``layers/reflector.glsl``), and each pixel, or quad of alike pixels, is lit
+once, after it (Saito & Takahashi 1990, "Comprehensible rendering of 3-D shapes").
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from render.gl.limits import make_storage
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.lights import MAX_LIGHTS
@@ -17,6 +18,8 @@ from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.targets import MOST_RADIANCE, Slot
 from render.optics.view import PinholeView
 
+MOST_LISTED = 1 << 24
+"""Pixels that are listed at once: 64 MiB."""
 _QUADS = 8  # side of a work group that lists
 _GROUP = 64  # pixels or quads of a work group that lights
 _ROW = 1024  # work groups in a row
@@ -52,20 +55,24 @@ class SurfaceLighter:
         # a pixel's ray leaves the eye with the slope (right and up for each metre ahead) of the inverse projection
         unshear = np.linalg.inv(np.reshape(view.shear, (2, 2)))
         per_px = unshear @ np.diag([1 / view.fx, -1 / view.fy])
-        first = -per_px @ [view.cx, view.cy]
+        first_slope = -per_px @ [view.cx, view.cy]
         set_uniforms(program, channel=slot.channel, slice=lit.slice, eye=(view.eye_x_m, view.eye_y_m, 0.0))
-        set_uniforms(program, slope_per_px=tuple(per_px.T.ravel()), first_slope=tuple(first))
+        set_uniforms(program, slope_per_px=tuple(per_px.T.ravel()), first_slope=tuple(first_slope))
         lit.radiance.bind_to_image(0, read=True, write=True)
+        rows = min(view.height, max(1, MOST_LISTED // (2 * view.width)) * 2)
         with Resources() as scope:
-            listed = scope.keep(self._ctx.buffer(reserve=4 * (2 + view.width * view.height)))
-            listed.write(bytes(8))
+            listed = scope.keep(make_storage(self._ctx, 4 * (2 + view.width * rows), "the list of lit pixels"))
             listed.bind_to_storage_buffer(0)
             set_uniforms(finder, channel=slot.channel, by_quads=by_quads, slope_per_px=1 / min(view.fx, view.fy))
-            finder.run(*(-(-side // (2 * _QUADS)) for side in view.size))
-            self._ctx.memory_barrier()
-            for number, count in enumerate(np.frombuffer(listed.read(8), np.uint32)):
-                groups = -(-int(count) // _GROUP)
-                if groups:
-                    set_uniforms(program, by_quads=number == 0)
-                    program.run(min(groups, _ROW), -(-groups // _ROW))
-                    self._ctx.memory_barrier()
+            for first in range(0, view.height, rows):
+                listed.write(bytes(8))
+                end = min(first + rows, view.height)
+                set_uniforms(finder, rows=(first, end))
+                finder.run(-(-view.width // (2 * _QUADS)), -(-(end - first) // (2 * _QUADS)))
+                self._ctx.memory_barrier()
+                for number, count in enumerate(np.frombuffer(listed.read(8), np.uint32)):
+                    groups = -(-int(count) // _GROUP)
+                    if groups:
+                        set_uniforms(program, by_quads=number == 0)
+                        program.run(min(groups, _ROW), -(-groups // _ROW))
+                        self._ctx.memory_barrier()

@@ -21,7 +21,7 @@ LAYERS_PER_PACK = 4
 MOST_RADIANCE = 65000.0
 """Limit on radiance, which layers hold in half precision."""
 MAX_LAYER_PIXELS = 80_000_000
-"""Limit on a layer's pixels. Eight layers take some 125 bytes a pixel: ten gigabytes; with motion, twice that."""
+"""Limit on a layer's pixels. Eight lit layers take some 150 bytes a pixel: twelve gigabytes; with motion, nearly twice that."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
 
 Attachment = moderngl.Texture | tuple[moderngl.TextureArray, int] | None
@@ -62,6 +62,7 @@ class Reflectors:
 
 
 REFLECTOR_BYTES_PER_PX = 24
+"""Memory of `Reflectors`, bytes per pixel."""
 
 
 @dataclass(frozen=True)

@@ -35,15 +35,18 @@ def traced_scale(settings: FrameSettings, moments: int = 1) -> float:
 
 
 def blurred_scale(settings: FrameSettings) -> float:
-    """Pixels per picture pixel of a single image that is blurred, and of the textures of accumulated views."""
+    """Pixels per picture pixel of a single image that is blurred."""
     return settings.supersample or COARSE_SCALE
+
+
+OFFSETS = 4
+"""Offsets of the layers of moments: successive moments share one, so that what stands still is not peeled at each."""
 
 
 def texel_offset(part: Part) -> tuple[float, float]:
     """Offset of the layers of one of several moments, layer pixels from -0.5 to 0.5, so that the edges of what stands still are
     sampled in other places at each: the R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences")."""
     number, parts = part
-    if parts == 1:
-        return 0.0, 0.0
-    x, y = np.modf(0.5 + number * np.array([0.7548776662466927, 0.5698402909980532]))[0] - 0.5
+    place = number * OFFSETS // parts
+    x, y = np.modf(0.5 + place * np.array([0.7548776662466927, 0.5698402909980532]))[0] - 0.5
     return float(x), float(y)

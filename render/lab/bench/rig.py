@@ -102,9 +102,10 @@ class LensRig:
         return self._peeler.nearest_w(PinholeView.from_camera(camera, settings.width, settings.height))
 
     def layers_bytes(self, camera: Camera, width: int, height: int, layers: int) -> int:
-        """Memory of ``layers`` layers of exactly ``width`` by ``height`` pixels, and of their N-buffers."""
+        """Memory of ``layers`` unlit layers of exactly ``width`` by ``height`` pixels, and of their N-buffers."""
         view = PinholeView.from_camera(camera, width, height)
-        peeled = self._peeler.peel(view, layers=layers, umbra=umbra_reach(view.fx * pupil_radius_m(camera)))
+        umbra = umbra_reach(view.fx * pupil_radius_m(camera))
+        peeled = self._peeler.peel(view, layers=layers, umbra=umbra, unlit=True)
         return peeled.targets.bytes + self._nbuffers.build(peeled, self._peeler.nearest_w(view)).bytes
 
     def close(self) -> None:

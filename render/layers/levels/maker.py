@@ -41,11 +41,16 @@ class LevelMaker:
             self._work[key] = _Work(wanted[key], self._threads)
 
     def made(self) -> dict[int, Levels]:
-        """Levels that are ready, by the id of their geometry."""
+        """Levels that are ready, by the id of their geometry. A mesh whose levels could not be made has none."""
         found = {}
         for key, work in self._work.items():
-            levels = work.result.result() if work.result.done() else None
-            if levels is not None:
+            made = work.result
+            if (
+                made.done()
+                and not made.cancelled()
+                and made.exception() is None
+                and (levels := made.result()) is not None
+            ):
                 found[key] = levels
         return found
 

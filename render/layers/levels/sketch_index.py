@@ -91,7 +91,7 @@ class SketchIndex:
             self._index.remove_nodes(self._nodes, {})
             self._nodes = {}
             self._draw_whole()
-        return bool(self._nodes.keys() - before.keys())
+        return self._nodes.keys() != before.keys()
 
     def drop(self) -> None:
         """Draw no levels until the next `update`, and take those out of the graph whose geometries the render index has lost."""

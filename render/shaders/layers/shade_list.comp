@@ -10,6 +10,7 @@ layout(std430, binding = 0) buffer Listed { uint quads; uint pixels; uint places
 
 uniform sampler2D w_map;
 uniform int channel;            // the layer's channel of w
+uniform ivec2 rows;             // first row that is listed, and one past the last
 uniform bool by_quads;          // false lists single pixels alone
 uniform float slope_per_px;     // angle between the rays of neighbouring pixels
 
@@ -40,7 +41,7 @@ bool are_alike(Reflector s[4], vec4 w)
 
 void main()
 {
-    ivec2 first = 2 * ivec2(gl_GlobalInvocationID.xy), size = textureSize(w_map, 0);
+    ivec2 first = 2 * ivec2(gl_GlobalInvocationID.xy) + ivec2(0, rows.x), size = ivec2(textureSize(w_map, 0).x, rows.y);
     vec4 w;
     Reflector s[4];
     for (int i = 0; i < 4; ++i) {

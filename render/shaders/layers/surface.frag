@@ -48,6 +48,12 @@ void main()
     out_albedo = vec4(min((1.0 - s.metallic) * s.base_color, vec3(MAX_HALF)), s.roughness);
     out_reflectance = vec4(min(s.f0, vec3(MAX_HALF)), s.occlusion);
     out_normal = vec4(octahedral(s.normal), s.clearcoat, s.clearcoat_roughness);
+    float sum = dot(out_albedo, vec4(1.0)) + dot(out_reflectance, vec4(1.0)) + dot(out_normal, vec4(1.0));
+    if (isnan(sum) || isinf(sum)) {  // an invalid surface reflects nothing
+        out_albedo = vec4(0.0, 0.0, 0.0, 1.0);
+        out_reflectance = vec4(0.0);
+        out_normal = vec4(0.5, 0.5, 0.0, 1.0);
+    }
 #endif
     if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // invalid light counts as none
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), s.opacity);

@@ -150,7 +150,6 @@ vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
     return texelFetch(radiance, ivec3(same ? there : found, hit.layer), 0);
 }
 
-
 // March a ray through the layers: premultiplied radiance and coverage, composited front to back.
 vec4 march(vec2 a, vec2 b)
 {

@@ -141,7 +141,11 @@ class Scatterer:
         """Divide a list of highlights into dispatches: short enough to cancel between, or for a driver."""
         ends, first = np.cumsum(cells), 0
         while first < len(ends):
-            most = self._piece.units if self._cancellation.is_cancellable else _CELLS_PER_DISPATCH
+            most = (
+                min(self._piece.units, _CELLS_PER_DISPATCH)
+                if self._cancellation.is_cancellable
+                else _CELLS_PER_DISPATCH
+            )
             done = int(ends[first - 1]) if first else 0
             end = max(first + 1, int(np.searchsorted(ends, done + most, side="right")))
             yield slice(first, end)

@@ -72,7 +72,7 @@ def living() -> dict[str, list[int]]:
 
 
 def layers(ctx: Any, programs: ProgramCache) -> object:
-    return LayerTargets.allocate(ctx, 40, 30, 8)
+    return LayerTargets.allocate(ctx, 40, 30, 8, lit=True)
 
 
 def surfaces(ctx: Any, programs: ProgramCache) -> object:

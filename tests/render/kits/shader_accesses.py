@@ -20,6 +20,7 @@ from typing import Any
 
 import moderngl
 from OpenGL.raw.GL.VERSION.GL_1_0 import glGetIntegerv
+from OpenGL.raw.GL.VERSION.GL_2_0 import glGetUniformiv
 
 from render.gl.compat import GL
 from tests.render.kits.compiled_shaders import preprocess
@@ -167,8 +168,11 @@ class Accesses:
         """Units of a sampler, and the textures that moderngl bound there; a unit has one for each kind."""
         if sampler not in program:
             return []
-        value = program[sampler].value
-        units = value if isinstance(value, (tuple, list)) else [value]
+        if kind.endswith("Shadow"):  # moderngl does not know these samplers, and reads no unit
+            units = [_uniform(program.glo, program[sampler].location)]
+        else:
+            value = program[sampler].value
+            units = value if isinstance(value, (tuple, list)) else [value]
         bound = [(unit, self.textures.get((unit, _sampled_kind(kind)))) for unit in units]
         return [(unit, texture) for unit, texture in bound if texture is not None and _is_bound(texture, unit)]
 
@@ -275,6 +279,13 @@ def _integer(name: int) -> int:
     """A value of the context. PyOpenGL's own ``glGetIntegerv`` makes an array for each; this is asked at every dispatch."""
     value = ctypes.c_int()
     glGetIntegerv(name, ctypes.byref(value))
+    return value.value
+
+
+def _uniform(program: int, location: int) -> int:
+    """An integer uniform of a program."""
+    value = ctypes.c_int()
+    glGetUniformiv(program, location, ctypes.byref(value))
     return value.value
 
 

@@ -67,7 +67,7 @@ class Device:
             wavelengths=settings.wavelengths,
             layers=settings.layers,
             supersample=traced_scale(settings, request.part[1]),
-            texel_offset=texel_offset(request.part),
+            texel_offset=texel_offset(settings, request.part),
             unlit=request.is_unlit,
             connections=settings.connections,
             on_progress=request.on_progress,

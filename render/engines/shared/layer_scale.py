@@ -43,9 +43,12 @@ OFFSETS = 4
 """Offsets of the layers of moments: successive moments share one, so that what stands still is not peeled at each."""
 
 
-def texel_offset(part: Part) -> tuple[float, float]:
+def texel_offset(settings: FrameSettings, part: Part) -> tuple[float, float]:
     """Offset of the layers of one of several moments, layer pixels from -0.5 to 0.5, so that the edges of what stands still are
-    sampled in other places at each: the R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences")."""
+    sampled in other places at each: the R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+    None where the resolution is requested, as for exact comparisons."""
+    if settings.supersample > 0:
+        return 0.0, 0.0
     number, parts = part
     place = number * OFFSETS // parts
     x, y = np.modf(0.5 + place * np.array([0.7548776662466927, 0.5698402909980532]))[0] - 0.5

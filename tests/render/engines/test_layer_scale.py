@@ -36,9 +36,10 @@ def test_engines_that_blur_one_picture_have_two_pixels_unless_asked() -> None:
 
 def test_offsets_of_moments_fill_a_layer_pixel_evenly() -> None:
     """Sixteen moments have four offsets, far from each other and within half a pixel, and a single picture has none."""
-    offsets = np.unique([texel_offset((part, 16)) for part in range(16)], axis=0)
+    offsets = np.unique([texel_offset(FrameSettings(), (part, 16)) for part in range(16)], axis=0)
     assert offsets.shape == (4, 2)
     assert np.abs(offsets).max() <= 0.5
     apart = np.linalg.norm(offsets[:, None] - offsets, axis=-1)[~np.eye(4, dtype=bool)]
     assert apart.min() > 0.35
-    assert texel_offset((0, 1)) == (0.0, 0.0)
+    assert texel_offset(FrameSettings(), (0, 1)) == (0.0, 0.0)
+    assert texel_offset(FrameSettings(supersample=2), (3, 4)) == (0.0, 0.0)

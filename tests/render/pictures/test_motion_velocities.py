@@ -301,7 +301,7 @@ def test_the_reference_has_no_velocities() -> None:
 def test_the_demo_shot_moves_alike_both_ways(renderer: FrameRenderer, demo_file: Path) -> None:
     """Robots that walk, an umbrella that sways, a camera that travels and racks its focus; lit, `bench motion` measures it."""
     shot = Shot.open(demo_file)
-    settings = FrameSettings(240, 135, shading="unlit", rays=32, motion=8)
+    settings = FrameSettings(240, 135, shading="unlit", rays=32, motion=8, supersample=2)
     lens = shot.camera_at(None, 48, settings.width, settings.height)
     exact, fast = (
         expose_frame(renderer, shot, None, lens, 48, replace(settings, motion_by=way)).color

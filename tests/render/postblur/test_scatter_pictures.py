@@ -35,7 +35,7 @@ from tests.render.kits.lens_pictures import (
 )
 from tests.render.kits.lenses import DOUBLE_GAUSS, PLANAR, TELEPHOTO
 
-SMALL = FrameSettings(160, 120, rays=512, supersample=2, tiled=False)
+SMALL = FrameSettings(160, 120, rays=512, supersample=2, tiled=False, connections=False)
 
 
 def both(renderer: FrameRenderer, camera: Camera, depth_m: float) -> tuple[FloatArray, FloatArray]:

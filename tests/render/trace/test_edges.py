@@ -73,7 +73,7 @@ def test_moments_whose_layers_are_offset_have_finer_edges(renderer: FrameRendere
                         pattern,
                         layers=1,
                         supersample=scale,
-                        texel_offset=texel_offset((part, of)),
+                        texel_offset=texel_offset(FrameSettings(), (part, of)),
                         unlit=True,
                     ).color
                     for part in range(of)

@@ -16,6 +16,8 @@ MOST_LINES = 6600
 """Layer pixels along the shorter side up to which layers are finer than `COARSE_SCALE`: the more there are, the fewer
 fit into the window of a picture in tiles (`render.trace.tiling.plan`), and a window must be as wide as the rays
 reach."""
+OFFSETS = 4
+"""Offsets of the layers of moments: successive moments share one, so that what stands still is not peeled at each."""
 
 
 def traced_scale(settings: FrameSettings, moments: int = 1) -> float:
@@ -37,10 +39,6 @@ def traced_scale(settings: FrameSettings, moments: int = 1) -> float:
 def blurred_scale(settings: FrameSettings) -> float:
     """Pixels per picture pixel of a single image that is blurred."""
     return settings.supersample or COARSE_SCALE
-
-
-OFFSETS = 4
-"""Offsets of the layers of moments: successive moments share one, so that what stands still is not peeled at each."""
 
 
 def texel_offset(settings: FrameSettings, part: Part) -> tuple[float, float]:

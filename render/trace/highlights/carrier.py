@@ -215,7 +215,7 @@ class HighlightCarrier:
         with Resources() as scope:
             iris = bundle.pattern.iris_image
             if iris is not None:
-                bind_iris(program, scope.keep(iris_levels(self._ctx, iris)), iris, unit)
+                bind_iris(program, scope.keep(iris_levels(self._ctx, self._programs, iris)), iris, unit)
             self._buffers.bind(program, bundle, first_unit=unit + 1)
             canvas = scope.keep(self._ctx.texture((width, height), 4, dtype="f4"))
             target = scope.keep(self._ctx.framebuffer(color_attachments=[canvas]))

@@ -5,26 +5,25 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from render.gl.shaders import set_uniforms
+from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.arrays import FloatArray
+from render.trace.highlights.mipmaps import build_mipmaps
 from render.trace.ray_buffers import Program
 
-_TRILINEAR = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
 
-
-def iris_levels(ctx: moderngl.Context, image: FloatArray) -> moderngl.Texture:
+def iris_levels(ctx: moderngl.Context, programs: ProgramCache, image: FloatArray) -> moderngl.Texture:
     """Upload the image of an iris with mipmaps; the caller releases it.
 
     Args:
         ctx: context.
+        programs: its programs.
         image: ``(side, side)`` transmission over the square around the disc; the texture has twice the side, dark around it.
     """
     side = len(image)
     padded = np.pad(np.asarray(image, np.float32), side // 2)
     texture = ctx.texture(padded.shape, 1, padded.tobytes(), dtype="f4")
     texture.repeat_x = texture.repeat_y = False
-    texture.build_mipmaps()
-    texture.filter = _TRILINEAR
+    build_mipmaps(ctx, programs, texture)
     return texture
 
 

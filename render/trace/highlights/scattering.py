@@ -90,7 +90,7 @@ class Scatterer:
         with Resources() as scope:
             iris = bundle.pattern.iris_image
             if iris is not None:
-                bind_iris(program, scope.keep(iris_levels(self._ctx, iris)), iris, unit)
+                bind_iris(program, scope.keep(iris_levels(self._ctx, self._programs, iris)), iris, unit)
             self._buffers.bind(program, bundle, first_unit=unit + 1)
             openings = None if iris is None else self._openings_of(iris)
             sums = scope.keep(self._ctx.buffer(reserve=24 * width * rows))

@@ -13,6 +13,7 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.nbuffers import NBuffers, bind_layers
 from render.layers.peel import Layers
 from render.optics.view import PinholeView
+from render.trace.highlights.mipmaps import build_mipmaps
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import Defines, Program
 from render.trace.rays import RayBundle
@@ -31,7 +32,6 @@ PROBES, PLACES = 5, 9
 MOST_MARKS = 1 << 18
 _BLOCK = 8
 _MARKS, _IMAGE = 0, 2  # as the shaders bind them
-_TRILINEAR = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +93,7 @@ def measure_means(ctx: moderngl.Context, programs: ProgramCache, picture: Pictur
     program.run(-(-width // _BLOCK), -(-height // _BLOCK))
     ctx.memory_barrier()
     means.repeat_x = means.repeat_y = False
-    means.build_mipmaps()
-    means.filter = _TRILINEAR
+    build_mipmaps(ctx, programs, means)
     return means
 
 

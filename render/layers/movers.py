@@ -76,7 +76,7 @@ class Movers:
             set_uniforms(program, movers=0, shutter_time=shutter_time, writes_indices=writes_indices)
             self._run(program)
 
-    def bind(self, program: moderngl.ComputeShader, first_unit: int) -> None:
+    def bind(self, program: moderngl.ComputeShader | moderngl.Program, first_unit: int) -> None:
         """Bind the results for the tracer; textures take two units."""
         self._motion.use(first_unit)
         self._movers.use(first_unit + 1)

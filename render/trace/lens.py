@@ -74,7 +74,7 @@ class LensTracer:
         self._carried = self._highlights.nothing
         self._tiles = TileTracer(ctx, self._nbuffers, self._tracer, self._highlights)
         self._bundles = BundleMaker(ctx, programs)
-        self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._bundles)
+        self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._highlights, self._bundles)
 
     def picture(
         self,

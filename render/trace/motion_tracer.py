@@ -2,8 +2,9 @@
 
 The camera's own motion, focus and stop are exact at each moment (`render.trace.moment_view`). Moving surfaces follow a
 straight line from their position as the shutter opens to that in the middle, and another to that as it closes
-(``trace/march_moving.glsl``); their shading, shadows and visibility stay those of the middle. Peeling every moment is
-slower, and has none of these limits.
+(``trace/march_moving.glsl``); their shading, shadows and visibility stay those of the middle. Highlights are carried at each
+moment to where its camera sees them (`render.trace.highlights.carrier`). Peeling every moment is slower, and has none of these
+limits.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from typing import TypedDict
 
 import moderngl
 import numpy as np
@@ -28,6 +30,7 @@ from render.model.camera import Camera
 from render.model.limits import MAX_LAYERS
 from render.optics.view import PinholeView
 from render.trace.bundles import BundleMaker, merge_wavelengths
+from render.trace.highlights.carrier import HighlightCarrier
 from render.trace.layer_view import MAX_BLUR_SHARE, MAX_SLOPE, RayExtent, bound_rays, extend_view, transform_extent
 from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus, picture_focus
@@ -54,6 +57,13 @@ class ShutterSample:
     lines: tuple[int, int]
 
 
+class _MomentArguments(TypedDict):
+    """Arguments that say at which moment layers are traced."""
+
+    moment_view: MomentView
+    movers: Movers | None
+
+
 class MotionTracer:
     """Traces the moments of a shutter interval through layers that are peeled once."""
 
@@ -63,10 +73,11 @@ class MotionTracer:
         programs: ProgramCache,
         nbuffers: NBufferBuilder,
         tracer: Tracer,
+        highlights: HighlightCarrier,
         bundles: BundleMaker,
     ) -> None:
         self._ctx, self._programs = ctx, programs
-        self._nbuffers, self._tracer, self._bundles = nbuffers, tracer, bundles
+        self._nbuffers, self._tracer, self._highlights, self._bundles = nbuffers, tracer, highlights, bundles
 
     def trace_moments(
         self,
@@ -79,6 +90,7 @@ class MotionTracer:
         layers: int,
         supersample: float,
         unlit: bool = False,
+        connections: bool = True,
         on_progress: Callable[[float], None] | None = None,
     ) -> Generator[FloatArray, None, None]:
         """Trace the picture of each moment by its part of the rays. Close the generator if it is not exhausted.
@@ -92,6 +104,7 @@ class MotionTracer:
             layers: at most this many layers, and more where partly transparent surfaces are in front of opaque ones.
             supersample: layer pixels per picture pixel along each axis.
             unlit: take the base colour as radiance.
+            connections: carry highlights to the pixels of their blurred images (`render.trace.highlights.carrier`).
             on_progress: called with the share that is done.
         """
         sweep = _ShutterSweep(self._bundles, middle, samples, wavelengths)
@@ -110,19 +123,19 @@ class MotionTracer:
                 if stop <= first:
                     yield np.zeros((sample.view.height, sample.view.width, 4), np.float32)
                     continue
-                passes = self._tracer.passes(
-                    peeled,
-                    nbuffers,
-                    bundle,
-                    focus,
-                    sample.view,
-                    moment_view=moment_view,
-                    movers=movers,
-                    area=(0, first, sample.view.width, stop - first),
-                )
-                for _ in passes:
+                area = 0, first, sample.view.width, stop - first
+                moment: _MomentArguments = {"moment_view": moment_view, "movers": movers}
+                carried = self._highlights.nothing
+                if connections:
+                    found = self._highlights.find(peeled, bundle, focus, sample.view, area=area, **moment)
+                    carried = self._highlights.carry(
+                        found, peeled, nbuffers, bundle, focus, sample.view, area, **moment
+                    )
+                for _ in carried.without(
+                    self._tracer.passes(peeled, nbuffers, bundle, focus, sample.view, area=area, **moment)
+                ):
                     pass
-                yield _pad_lines(self._tracer.picture(), first, sample.view.height)
+                yield _pad_lines(carried.add_to(self._tracer.picture()), first, sample.view.height)
                 if on_progress is not None:
                     on_progress((i + 1) / len(samples))
 

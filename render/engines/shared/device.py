@@ -106,6 +106,7 @@ class Device:
             layers=settings.layers,
             supersample=blurred_scale(settings),
             unlit=request.is_unlit,
+            connections=settings.connections,
             on_progress=request.on_progress,
         )
 

@@ -4,6 +4,9 @@
 // out: radiance, added to the picture
 
 #include "trace/march.glsl"
+#ifdef MOVERS
+#include "trace/march_moving.glsl"
+#endif
 #include "highlights/connection.glsl"
 #include "highlights/opening.glsl"
 #include "highlights/passing.glsl"

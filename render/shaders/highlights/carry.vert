@@ -5,7 +5,7 @@
 
 in vec4 in_box;         // first and last place, whole pixels
 in vec4 in_excess;      // radiance times opacity; w (1/m)
-in vec4 in_place;       // in the layers; inverse depth from which on surfaces are in the way; side, layer pixels
+in vec4 in_place;       // in the picture's frame; inverse depth on the layers from which on surfaces are in the way; side, layer pixels
 
 uniform ivec2 area_first;   // pixel of the picture at the corner of the area that is drawn
 uniform vec2 area_size;     // pixels

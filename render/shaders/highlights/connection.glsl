@@ -1,4 +1,5 @@
-// The ray that joins a pixel of the picture and a texel of a layer, through the pupil.
+// The ray that joins a pixel of the picture and a texel of a layer, through the pupil. Both are in the picture's frame, in layer pixels: on
+// the layers themselves, unless the camera has moved since they were peeled.
 // A pupil point l is on the unit disc, in the picture's frame; with a polynomial table in that of the pixel and the axis, as its rows.
 
 #define LENS_RAYS
@@ -85,7 +86,7 @@ Landing land(PixelRays rays, vec2 l, float w)
 // The joining ray from the table, its pupil point, and the derivative of its place on the layers by that.
 struct Joined { bool found; LensRay from; vec2 l; mat2 layers_from_pupil; };
 
-// Find the ray of a pixel that passes layer place q at inverse depth w by Newton's method. Beyond the disc the lens is continued as it
+// Find the ray of a pixel that passes place q at inverse depth w by Newton's method. Beyond the disc the lens is continued as it
 // is at the rim, and the ray is that of the rim.
 Joined join(PixelRays rays, vec2 q, float w)
 {

@@ -6,6 +6,7 @@
 #include "trace/march.glsl"
 #include "highlights/surroundings.glsl"
 #include "highlights/pixel_focus.glsl"
+#include "highlights/texel.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = 0) buffer Marks { uint marks[]; };
@@ -16,10 +17,12 @@ uniform float least_radius;     // layer pixels
 uniform float noise;            // standard deviation of a pixel relative to its surroundings from which a texel is a highlight
 uniform float rays;             // rays per pixel
 
-bool is_highlight(ivec2 texel, int layer, float w, vec2 focused)
+bool is_highlight(ivec2 texel, int layer, float w)
 {
-    float radius = blur_px * focused.y * abs(abs(w) - focused.x);
-    if (radius < least_radius) return false;
+    Seen seen = seen_texel(texel, layer, abs(w));
+    vec2 focused = focus_at((seen.place - offset) / scale);
+    float radius = blur_px * focused.y * abs(seen.w - focused.x);
+    if (seen.w == 0.0 || radius < least_radius) return false;
     float light = luminance_of(texelFetch(radiance, ivec3(texel, layer), 0), w), around = luminance_around(texel, radius);
     // a ray finds the texel with probability 1 over the area of its circle of confusion and the pixel
     float excess = light - around, hits = rays * (3.14159 * radius * radius + scale * scale);
@@ -31,13 +34,12 @@ void main()
 {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
     bool inside = all(lessThan(texel, textureSize(packed_w, 0)));
-    vec2 focused = focus_at((vec2(texel + layer_first) + 0.5 - offset) / scale);
     uint place = gl_LocalInvocationIndex, blocks = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
     uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     for (int layer = 0; layer < layer_count; ++layer) {
         float w = inside ? stored_w(texel, layer) : 0.0;
         if (w == 0.0) break;  // the layers behind are empty too
-        if (is_highlight(texel, layer, w, focused)) {
+        if (is_highlight(texel, layer, w)) {
             atomicOr(marks[2u * (uint(layer) * blocks + block) + (place >> 5)], 1u << (place & 31u));
         }
     }

@@ -18,16 +18,31 @@ uvec2 bins_along(vec2 centre, LensRay ray, float front)
     return occupied;
 }
 
-// `centre`: the pixel's; `front`: inverse depth from which on surfaces are in the way.
-float share_past(vec2 centre, LensRay ray, float front)
+#ifdef MOVERS
+// Share that surfaces met beyond `front` let pass, at this moment.
+float share_along(LensRay ray, Walk walk, ivec2 last, float front)
 {
-    if (front >= w_range.y) return 1.0;
-    uvec2 bins = bins_along(centre, ray, front);
-    if (bins == uvec2(0u)) return 1.0;
-    ivec2 last = layer_last;
-    interval_count = 0;
-    find_intervals(bins, vec2(front, w_range.y));
-    Walk walk = Walk(ray.a, ray.b, max(max(abs(ray.b.x), abs(ray.b.y)), 1e-12), 0, 0, 0, 0.0, 0.0);
+    Segment at;
+    Met before = NO_HIT;
+    float share = 1.0, limit = 1e30;
+    bool on = true;
+    for (int through = 0; through < 2 * most_tries;) {
+        if (on && !walk_on(walk, last, at)) break;
+        Met met = nearest_met(ray.a, ray.b, at, limit, before, last);
+        on = met.hit.layer < 0 || met.w <= front;
+        if (on) continue;
+        if (met.hit.opaque) return 0.0;
+        share *= 1.0 - radiance_at(ray.a, met.b, last, met.pixel, met.hit).a;
+        limit = met.w;
+        before = met;
+        ++through;
+    }
+    return share;
+}
+#else
+// Share that surfaces met beyond `front` let pass.
+float share_along(LensRay ray, Walk walk, ivec2 last, float front)
+{
     Segment at;
     float share = 1.0, limit = 1e30;
     while (walk_on(walk, last, at)) {
@@ -40,4 +55,17 @@ float share_past(vec2 centre, LensRay ray, float front)
         }
     }
     return share;
+}
+#endif
+
+// `centre`: the pixel's; `front`: inverse depth from which on surfaces are in the way.
+float share_past(vec2 centre, LensRay ray, float front)
+{
+    if (front >= w_range.y) return 1.0;
+    uvec2 bins = bins_along(centre, ray, front);
+    if (bins == uvec2(0u)) return 1.0;
+    interval_count = 0;
+    find_intervals(bins, vec2(front, w_range.y));
+    Walk walk = Walk(ray.a, ray.b, max(max(abs(ray.b.x), abs(ray.b.y)), 1e-12), 0, 0, 0, 0.0, 0.0);
+    return share_along(ray, walk, layer_last, front);
 }

@@ -11,14 +11,17 @@ layout(local_size_x = 64) in;
 #include "trace/march.glsl"
 #include "highlights/surroundings.glsl"
 #include "highlights/connection.glsl"
+#include "highlights/texel.glsl"
 
 struct Plan {
-    vec4 excess;        // radiance times opacity; w (1/m)
+    vec4 excess;        // radiance times opacity, over a layer pixel of the picture's camera; w seen from it (1/m)
     vec4 box;           // first and last place, picture pixels
-    float front;        // inverse depth from which on surfaces are in the way, 1/m
+    float front;        // inverse depth on the layers from which on surfaces are in the way, 1/m
     uint cells;         // of the pupil across and down, + UNEVEN where the blurred image is uneven
     uvec2 base;         // what rays are to see, four halves; opacity is the texel's own
     uvec2 exact;        // what the texel holds
+    vec2 place;         // of its centre in the picture's frame, layer pixels
+    float area;         // of the texel's image there, layer pixels²
 };
 layout(std430, binding = 0) readonly buffer Texels { uvec2 texels[]; };
 layout(std430, binding = 1) buffer Plans { Plan plans[]; };
@@ -123,7 +126,7 @@ float measure_rings(vec2 q, float w, vec2 middle, inout vec2 low, inout vec2 hig
     return longest;
 }
 
-// Blurred image of a texel at layer place q.
+// Blurred image of a texel at place q of the picture's frame, layer pixels.
 Blurred blurred_image(vec2 q, float w)
 {
     vec2 middle = (q - offset) / scale, low = vec2(1e9), high = vec2(-1e9), areas = vec2(1e30, -1e30);
@@ -137,7 +140,7 @@ Blurred blurred_image(vec2 q, float w)
 #ifdef POLYNOMIAL_LENS
             l = in_plane(rays, place);
 #endif
-            LensRay ray = on_layers(rays, table_ray(rays, l), vec2(0.0));
+            LensRay ray = on_picture(rays, table_ray(rays, l), vec2(0.0));
             if (ray.weight <= 0.0) return LEFT;  // of a grid
             miss = (q - met_at(ray, w)) / scale;
             p += miss;
@@ -175,32 +178,26 @@ Blurred blurred_image(vec2 q, float w)
     return Blurred(vec4(middle - half_size, middle + half_size), cells);
 }
 
-// Greatest relative change of a surface's w within its pixel.
-float reach_at(ivec2 texel, int layer)
-{
-#ifdef EIGHT_LAYERS
-    if (layer >= 4) return reach_of(texelFetch(slopes_far, texel, 0))[layer - 4];
-#endif
-    return reach_of(texelFetch(slopes, texel, 0))[layer];
-}
-
 void main()
 {
     int i = int(gl_GlobalInvocationID.x);
     if (i >= count) return;
     ivec2 texel = ivec2(texels[i].x & 0xffffu, texels[i].x >> 16);
     int layer = int(texels[i].y);
-    float stored = stored_w(texel, layer), w = abs(stored);
+    float stored = stored_w(texel, layer);
+    Seen seen = seen_texel(texel, layer, abs(stored));
+    float w = seen.w;
     vec4 surface = texelFetch(radiance, ivec3(texel, layer), 0);
-    vec2 q = vec2(texel + layer_first) + 0.5, focused = focus_at((q - offset) / scale);
+    vec2 q = seen.place, focused = focus_at((q - offset) / scale);
 
     float share = min(1.0, luminance_around(texel, blur_px * focused.y * abs(w - focused.x)) / luminance_of(surface, stored));
     uvec2 base = uvec2(packHalf2x16(share * surface.rg), packHalf2x16(vec2(share * surface.b, surface.a)));
     vec3 held = vec3(unpackHalf2x16(base.x), unpackHalf2x16(base.y).x);
-    vec3 excess = (surface.rgb - held) * (stored > 0.0 ? 1.0 : surface.a);
-    float front = w + UNLIKE * w + 2.0 * reach_at(texel, layer) * w;
+    vec3 excess = (surface.rgb - held) * (stored > 0.0 ? 1.0 : surface.a) * seen.area;
+    float front = seen.w_on_layers;
+    front += UNLIKE * front + 2.0 * reach_at(texel, layer) * front;
 
-    Blurred image = is_first || plans[i].box.z > plans[i].box.x ? blurred_image(q, w) : LEFT;
+    Blurred image = w > 0.0 && (is_first || plans[i].box.z > plans[i].box.x) ? blurred_image(q, w) : LEFT;
     vec4 box = image.box;
     uint cells = image.cells;
     if (!is_first) {
@@ -208,5 +205,6 @@ void main()
         box = both ? vec4(min(box.xy, plans[i].box.xy), max(box.zw, plans[i].box.zw)) : vec4(0.0);
         cells = max(cells & ~UNEVEN, plans[i].cells & ~UNEVEN) | ((cells | plans[i].cells) & UNEVEN);
     }
-    plans[i] = Plan(vec4(excess, w), box, front, cells, base, uvec2(packHalf2x16(surface.rg), packHalf2x16(surface.ba)));
+    plans[i] = Plan(vec4(excess, w), box, front, cells, base, uvec2(packHalf2x16(surface.rg), packHalf2x16(surface.ba)),
+                    q, seen.area);
 }

@@ -8,13 +8,16 @@
 layout(local_size_x = 64) in;
 
 #include "trace/march.glsl"
+#ifdef MOVERS
+#include "trace/march_moving.glsl"
+#endif
 #include "highlights/connection.glsl"
 #include "highlights/opening.glsl"
 #include "highlights/passing.glsl"
 
 struct Highlight {
     vec4 excess;        // radiance times opacity; w (1/m)
-    vec4 place;         // in the layers; inverse depth from which on surfaces are in the way; side, layer pixels
+    vec4 place;         // in the picture's frame; inverse depth on the layers from which on surfaces are in the way; side, layer pixels
     vec2 middle;        // of its blurred image, picture pixels
     uint first_cell;
     uint cells;         // across and down
@@ -23,7 +26,7 @@ layout(std430, binding = 0) readonly buffer Highlights { Highlight highlights[];
 layout(std430, binding = 1) readonly buffer Owners { uint owners[]; };
 layout(std430, binding = 2) buffer Sums { uint sums[]; };
 #ifdef SHAPED_IRIS
-layout(std430, binding = 3) readonly buffer Openings { float openings[]; };  // of each cell: the iris's mean transmission
+layout(std430, binding = 6) readonly buffer Openings { float openings[]; };  // of each cell: the iris's mean transmission
 #endif
 
 uniform int count;              // cells

@@ -146,8 +146,8 @@ LensRay from_where_the_camera_is(LensRay ray)
 }
 #endif
 
-// Ray through a point of the pupil as a line on the layers; `from` is its table's, or its pupil point alone.
-LensRay on_layers(PixelRays rays, LensRay from, vec2 jitter)
+// Ray through a point of the pupil as a line seen from the picture's camera; `from` is its table's, or its pupil point alone.
+LensRay on_picture(PixelRays rays, LensRay from, vec2 jitter)
 {
     LensRay ray = from;
 #if defined(POLYNOMIAL_LENS) || defined(GRID_LENS)
@@ -156,6 +156,13 @@ LensRay on_layers(PixelRays rays, LensRay from, vec2 jitter)
 #endif
     ray.b *= rays.pupil * focal_px;
     ray.a = rays.centre + scale * jitter + focal_px * ray.a - ray.b * rays.w_f;
+    return ray;
+}
+
+// The same ray as a line on the layers.
+LensRay on_layers(PixelRays rays, LensRay from, vec2 jitter)
+{
+    LensRay ray = on_picture(rays, from, jitter);
 #ifdef CARRIED_CAMERA
     return from_where_the_camera_is(ray);
 #else

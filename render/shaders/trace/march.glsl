@@ -26,6 +26,13 @@ uvec4 arrivals_at(ivec2 pixel)
 {
     return arrivals[(pixel.y / BLOCK) * textureSize(ranges, 0).x + pixel.x / BLOCK];
 }
+
+// Motion of a layer's surface at this moment, and 1 where it moves.
+vec4 motion_at(ivec2 pixel, int layer)
+{
+    uvec4 stored = texelFetch(motion, ivec3(pixel, layer), 0);
+    return stored.w == 0u ? vec4(0.0) : vec4(motion_in_half(stored, shutter_time >= 0.0), 1.0);
+}
 #endif
 
 const int MAX_STEPS = 160;      // a ray that crosses more pixels skips some; the pixel of a hit is read again

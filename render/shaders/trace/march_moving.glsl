@@ -18,13 +18,6 @@ struct Search { int kind; vec4 mover; int round; };
 
 const Met NO_HIT = Met(Hit(0.0, -1, false, 0.0), 0.0, vec2(0.0), ivec2(-9));
 
-// Motion of a layer's surface at this moment, and 1 where it moves.
-vec4 motion_at(ivec2 pixel, int layer)
-{
-    uvec4 stored = texelFetch(motion, ivec3(pixel, layer), 0);
-    return stored.w == 0u ? vec4(0.0) : vec4(motion_in_half(stored, shutter_time >= 0.0), 1.0);
-}
-
 vec4 mover_of(uint number)
 {
     int i = int(number - 1u), across = textureSize(movers, 0).x, down = textureSize(movers, 0).y;

@@ -7,7 +7,8 @@ wavelength by wavelength. Neighbouring texels that are small beside that image a
 (`render.trace.highlights.grouping`). Where a table's blurred image is uneven or folds (caustics), the pupil is divided into
 cells, and each sends its light to the pixels under its image (`render.trace.highlights.scattering`). The expectation of the
 picture stays the same. A picture in tiles finds the highlights of each strip of its layers once, and carries them to the pixels
-of each tile in turn. Motion by velocities is left to the rays.
+of each tile in turn. In motion by velocities, they are found and carried anew for each moment: texels are where they have moved
+to, and are seen from the moment's camera, and so is what is in front of them.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers
 from render.layers.peel import Layers
 from render.model.area import Area
@@ -37,6 +39,7 @@ from render.trace.highlights.light_balance import balance_light
 from render.trace.highlights.scattering import Scatterer
 from render.trace.highlights.search import Picture
 from render.trace.lens_table import PolynomialTable
+from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
@@ -128,22 +131,36 @@ class HighlightCarrier:
         self.nothing = CarriedHighlights(ctx, programs)
 
     def find(
-        self, layers: Layers, bundle: RayBundle, focus: PictureFocus, view: PinholeView, share: float = 1.0
+        self,
+        layers: Layers,
+        bundle: RayBundle,
+        focus: PictureFocus,
+        view: PinholeView,
+        share: float = 1.0,
+        *,
+        moment_view: MomentView | None = None,
+        movers: Movers | None = None,
+        area: Area | None = None,
     ) -> Highlights:
         """Find the highlights of layers, and choose those to be carried.
 
         Args:
-            layers: layers from the picture's own eye, at any resolution and with any margin, or a strip of them.
+            layers: layers from the picture's own eye (or that of ``moment_view``), at any resolution and with any margin, or a
+                strip of them.
             bundle: rays of the lens.
             focus: focal surface.
             view: projection of the picture.
             share: share that these layers have in all of the picture's, and so in its connections.
+            moment_view: the camera at a moment, where it may have moved from the position that the layers were peeled from.
+            movers: moving surfaces of the layers, set to that moment.
+            area: part of the picture that is traced; None for all of it.
         """
         if bundle.pattern.whole == 1 or bundle.reach_m <= 0 or layers.count == 0:
             return NONE
         with Resources() as scope:
             scope.callback(self._buffers.release)
-            return self._finder.find(self._picture(layers, None, bundle, focus, view), share)
+            picture = self._picture(layers, None, bundle, focus, view, moment_view, movers)
+            return self._finder.find(picture, share, area or (0, 0, view.width, view.height))
 
     def carry(
         self,
@@ -154,6 +171,9 @@ class HighlightCarrier:
         focus: PictureFocus,
         view: PinholeView,
         area: Area | None = None,
+        *,
+        moment_view: MomentView | None = None,
+        movers: Movers | None = None,
     ) -> CarriedHighlights:
         """Draw the light that highlights add to a picture or to a part of it.
 
@@ -165,11 +185,13 @@ class HighlightCarrier:
             focus: focal surface.
             view: projection of the picture.
             area: the part; None for all of the picture.
+            moment_view: as for `find`.
+            movers: as for `find`.
         """
         if len(found.carried) == 0:
             return self.nothing
         area = area or (0, 0, view.width, view.height)
-        picture = self._picture(layers, nbuffers, bundle, focus, view)
+        picture = self._picture(layers, nbuffers, bundle, focus, view, moment_view, movers)
         scattered, light = found.carried["cells"] > 0, np.zeros((area[3], area[2], 3), np.float32)
         with Resources() as scope:
             scope.callback(self._buffers.release)
@@ -186,11 +208,18 @@ class HighlightCarrier:
         self._buffers.release()
 
     def _picture(
-        self, layers: Layers, nbuffers: NBuffers | None, bundle: RayBundle, focus: PictureFocus, view: PinholeView
+        self,
+        layers: Layers,
+        nbuffers: NBuffers | None,
+        bundle: RayBundle,
+        focus: PictureFocus,
+        view: PinholeView,
+        moment_view: MomentView | None,
+        movers: Movers | None,
     ) -> Picture:
         if isinstance(bundle.table, PolynomialTable) and bundle.pattern.iris_points is None:
             bundle = replace(bundle, table=balance_light(bundle.table))
-        return Picture(layers, nbuffers, bundle, focus, self._focal_map(focus), view)
+        return Picture(layers, nbuffers, bundle, focus, self._focal_map(focus), view, moment_view, movers)
 
     def _focal_map(self, focus: PictureFocus) -> moderngl.Texture | None:
         """Focal surface of the whole picture, which its tiles share; None where it is affine."""

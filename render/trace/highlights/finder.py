@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from render.gl.cancellation import CancellationPoint
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.model.area import Area
 from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
 from render.trace.highlights.chosen import NONE, TAKEN, Highlights
 from render.trace.highlights.evenness import grid_changes
-from render.trace.highlights.grouping import group_texels
+from render.trace.highlights.grouping import MOST_PLACE, group_texels
 from render.trace.highlights.scattering import UNEVEN
 from render.trace.highlights.search import Picture, find_highlights, measure_means
 from render.trace.lens_table import GridTable
@@ -32,7 +33,9 @@ _PLAN = np.dtype(
         ("cells", "u4"),
         ("base", "u4", 2),
         ("exact", "u4", 2),
-        ("unused", "u4", 2),
+        ("place", "f4", 2),
+        ("area", "f4"),
+        ("unused", "u4", 3),
     ]
 )
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -53,12 +56,13 @@ class HighlightFinder:
     ) -> None:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
 
-    def find(self, picture: Picture, share: float) -> Highlights:
+    def find(self, picture: Picture, share: float, area: Area) -> Highlights:
         """Find and choose highlights.
 
         Args:
             picture: the picture, or a strip of its layers.
             share: its share of all layers, and so of the connections.
+            area: part of the picture that is traced.
         """
         with Resources() as scope:
             means = scope.keep(measure_means(self._ctx, self._programs, picture))
@@ -70,15 +74,15 @@ class HighlightFinder:
         places = texels.copy()
         places[:, :2] += np.array(picture.layers.origin, np.uint32)
         inside = (places[:, :2] < picture.layers.whole.size).all(axis=1) & (plans["box"][:, 2] > plans["box"][:, 0])
+        inside &= ((plans["place"] >= 0) & (plans["place"] < MOST_PLACE)).all(axis=1)
         places, plans = places[inside], plans[inside]
         if len(places) == 0:
             return NONE
         luminance = plans["excess"][:, :3] @ _LUMINANCE
-        carried, group = group_texels(places, plans, luminance, picture.scale)
-        view, bundle = picture.view, picture.bundle
+        carried, group = group_texels(places[:, 2], plans, luminance, picture.scale)
+        bundle = picture.bundle
         rays = min(bundle.count, bundle.pattern.whole)
-        most = share * CONNECTIONS_PER_RAY * rays * view.width * view.height / len(bundle.rgb)
-        area = (0, 0, view.width, view.height)
+        most = share * CONNECTIONS_PER_RAY * rays * area[2] * area[3] / len(bundle.rgb)
         squares = np.bincount(group, luminance**2, len(carried)).astype(np.float64)
         is_chosen = np.zeros(len(carried), bool)
         is_chosen[choose_highlights(squares, carried["box"], carried["cells"], area, most)] = True

@@ -17,26 +17,28 @@ BLUR_PER_SIDE = 8.0
 """Least radius of a blurred image relative to the side of the groups in it; groups of half a pixel are never too large."""
 MOST_SIDE = 8
 """Limit on the side of a group, layer pixels."""
+MOST_PLACE = 1 << 16
+"""Limit on the places of texels in the picture's frame, layer pixels."""
 _WIDENED, _MARGIN_PX = 1.04, 2.0  # of boxes, by highlights/plan.comp
 _ALIKE = 0.1
 """Relative difference of inverse depth within a group."""
 
 
 def group_texels(
-    places: NDArray[np.uint32], plans: NDArray[np.void], luminance: DoubleArray, scale: float
+    layers: NDArray[np.uint32], plans: NDArray[np.void], luminance: DoubleArray, scale: float
 ) -> tuple[NDArray[np.void], IndexArray]:
     """Group texels.
 
     Args:
-        places: ``(n, 3)`` in the whole picture's layers, and layer.
-        plans: excess, box, front and cells of each.
+        layers: ``(n,)`` layer of each.
+        plans: excess, box, front, cells, place and area of each; places are from 0 to `MOST_PLACE`.
         luminance: ``(n,)`` of their excess.
         scale: layer pixels per picture pixel.
 
     Returns:
         `CARRIED` of each group, and ``(n,)`` the group of each texel.
     """
-    _, first, group = np.unique(_keys(places, plans, scale), return_index=True, return_inverse=True)
+    _, first, group = np.unique(_keys(layers, plans, scale), return_index=True, return_inverse=True)
     count, weights = len(first), np.maximum(luminance, 1e-30)
     total = np.bincount(group, weights, count)
 
@@ -49,12 +51,12 @@ def group_texels(
     carried["excess"][:, 3] = mean(plans["excess"][:, 3].astype(np.float64))
     variance = np.zeros(count)
     for axis in (0, 1):
-        at = places[:, axis].astype(np.float64) + 0.5
+        at = plans["place"][:, axis].astype(np.float64)
         centre = mean(at)
         carried["place"][:, axis] = centre
         variance += mean((at - centre[group]) ** 2) / 2
     carried["place"][:, 2] = _largest(plans["front"], group, count)
-    carried["place"][:, 3] = np.sqrt(1 + 12 * variance)
+    carried["place"][:, 3] = np.sqrt(mean(plans["area"].astype(np.float64)) + 12 * variance)
     carried["cells"] = _largest(plans["cells"], group, count)
     for side in (0, 1):
         carried["box"][:, side] = -_largest(-plans["box"][:, side], group, count)
@@ -62,18 +64,19 @@ def group_texels(
     return carried, group
 
 
-def _keys(places: NDArray[np.uint32], plans: NDArray[np.void], scale: float) -> LongArray:
+def _keys(layers: NDArray[np.uint32], plans: NDArray[np.void], scale: float) -> LongArray:
     """Numbers ``(n,)`` that are equal for the texels of a group: of one square and layer, and about as blurred."""
+    places = np.floor(plans["place"]).astype(np.int64)
     half = np.min(plans["box"][:, 2:] - plans["box"][:, :2], axis=1).astype(np.float64) / 2
     radius = scale * np.maximum(half - _MARGIN_PX, 0.0) / _WIDENED
     half_pixel = max(1.0, scale / 2)
     level = np.log2(np.clip(radius / BLUR_PER_SIDE, min(half_pixel, MOST_SIDE), MOST_SIDE)).astype(np.int64)
     alike = np.floor(np.log(np.maximum(plans["excess"][:, 3], 1e-6)) / _ALIKE).astype(np.int64) + 200
     blur = np.minimum(2 * radius / (1 << level), 4095).astype(np.int64)
-    key = places[:, 0].astype(np.int64) >> level
+    key = places[:, 0] >> level
     for value, bits in (
-        (places[:, 1].astype(np.int64) >> level, 16),
-        (places[:, 2].astype(np.int64), 3),
+        (places[:, 1] >> level, 16),
+        (layers.astype(np.int64), 3),
         (level, 2),
         (blur, 12),
         (np.clip(alike, 0, 511), 9),

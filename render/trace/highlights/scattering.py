@@ -31,7 +31,8 @@ SPLAT_REACH_PX = 4.0
 MOST_BYTES = 1 << 26
 """Limit on the sums of one pass over the highlights. A larger picture or tile is made in bands."""
 _CELLS_PER_DISPATCH = 1 << 21
-_HIGHLIGHTS, _OWNERS, _SUMS, _OPENINGS = 0, 1, 2, 3  # as the shader binds them
+_HIGHLIGHTS, _OWNERS, _SUMS = 0, 1, 2  # as the shader binds them
+_OPENINGS = 6  # in place of the iris's points, which the shader does not read; movers have 3
 _GROUP = 64
 _FINE_CELLS = 256  # at least so many points across the pupil are averaged
 _SOLUTIONS = 4

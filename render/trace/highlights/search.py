@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers, bind_layers
 from render.layers.peel import Layers
 from render.optics.view import PinholeView
 from render.trace.highlights.mipmaps import build_mipmaps
+from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import Defines, Program
 from render.trace.rays import RayBundle
@@ -45,6 +47,8 @@ class Picture:
         focus: focal surface.
         focal_map: focal surface as a texture where it is not affine.
         view: projection of the picture.
+        moment_view: the camera at a moment, where it may have moved from the position that the layers were peeled from.
+        movers: moving surfaces of the layers, set to that moment.
     """
 
     layers: Layers
@@ -53,12 +57,19 @@ class Picture:
     focus: PictureFocus
     focal_map: moderngl.Texture | None
     view: PinholeView
+    moment_view: MomentView | None = None
+    movers: Movers | None = None
 
     @property
     def defines(self) -> Defines:
-        """Defines of its layers and focus."""
-        defines: Defines = {"EIGHT_LAYERS": 1} if self.layers.count > 4 else {}
-        return defines | ({} if self.focal_map is None else {"FOCAL_MAP": 1})
+        """Defines of its layers, focus and moment."""
+        given = {
+            "EIGHT_LAYERS": self.layers.count > 4,
+            "FOCAL_MAP": self.focal_map is not None,
+            "CARRIED_CAMERA": self.moment_view is not None,
+            "MOVERS": self.movers is not None,
+        }
+        return {name: 1 for name, is_given in given.items() if is_given}
 
     @property
     def blur_px(self) -> float:
@@ -77,6 +88,11 @@ class Picture:
             self.focal_map.use(unit)
             program["focal_map"] = unit
         set_uniforms(program, **layer_uniforms(self.layers, self.view), focus=self.focus.affine or (0.0, 0.0, 0.0))
+        if self.moment_view is not None:
+            set_uniforms(program, **self.moment_view.uniforms(self.layers.view))
+        if self.movers is not None:
+            self.movers.bind(program, unit + 1)
+            unit += 2
         least_radius = LEAST_RADIUS * max(2.0, self.scale)
         set_uniforms(program, layer_count=self.layers.count, blur_px=self.blur_px, least_radius=least_radius)
         set_uniforms(program, floor_share=FLOOR_SHARE, probes=PROBES, places=PLACES)

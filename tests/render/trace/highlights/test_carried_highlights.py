@@ -15,17 +15,14 @@ from render.layers.peel import PICTURE
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.lens import Glass, HeightField, IrisShape, Lens, Prescription, SeidelErrors, Surface
-from render.model.scene import Batch, Dome, Material, Scene
+from render.model.scene import Batch, Material, Scene
 from render.trace.highlights import finder, grouping, scattering
+from tests.render.kits.bulbs import BULB, DARK, PANE, WALL, in_the_dark, plane
 from tests.render.kits.data_sheets import SHEET
 from tests.render.kits.lenses import PLANAR
 
 SETTINGS = FrameSettings(128, 96, rays=64, supersample=2, adaptive=False)
 CAMERA = Camera(np.eye(4), 50.0, 32.0, 24.0, f_stop=1.4, focus_distance_m=0.8, near_m=0.1)
-WALL = Material(name="wall", base_color=(0, 0, 0), emissive=(0.2, 0.25, 0.3))
-BULB = Material(name="bulb", base_color=(0, 0, 0), emissive=(12.0, 10.0, 8.0))
-DARK = Material(name="dark", base_color=(0, 0, 0), emissive=(0.05, 0.05, 0.05))
-PANE = Material(name="pane", base_color=(0, 0, 0), emissive=(0.02, 0.02, 0.02), opacity=0.4)
 IN_FRONT = (-0.05, -0.03, -1.0)
 
 
@@ -37,17 +34,13 @@ def bulbs(*others: Batch) -> Scene:
     ]
     wall = rectangle((0.0, 0.0, -6.0), (6.0, 0, 0), (0, 6.0, 0))
     batches = [plane(wall, WALL), *(plane(square, BULB) for square in lit), *others]
-    return Scene(tuple(batches), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
+    return in_the_dark(*batches)
 
 
 def one_bulb() -> Scene:
     """Make a bright square on the axis, in the dark."""
     square = rectangle((0.0, 0.0, -5.0), (0.02, 0, 0), (0, 0.02, 0))
-    return Scene((plane(square, BULB),), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
-
-
-def plane(geometry: object, material: Material) -> Batch:
-    return Batch(geometry, material, np.eye(4)[None], double_sided=True)  # type: ignore[arg-type]
+    return in_the_dark(plane(square, BULB))
 
 
 def card(material: Material) -> Batch:
@@ -186,7 +179,7 @@ def test_bars_before_what_is_in_focus_keep_their_light(renderer: FrameRenderer) 
     bars = [
         plane(rectangle((float(x), 0.0, -1.515), (0.003, 0, 0), (0, 0.2, 0)), BULB) for x in np.linspace(-0.3, 0.3, 9)
     ]
-    scene = Scene((wall, *bars), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
+    scene = in_the_dark(wall, *bars)
     carried, by_rays = pictures(renderer, scene, replace(CAMERA, focus_distance_m=5.0), rays=256)
     np.testing.assert_allclose(carried[..., :3].mean((0, 1)), by_rays[..., :3].mean((0, 1)), rtol=3e-3)
 
@@ -194,7 +187,7 @@ def test_bars_before_what_is_in_focus_keep_their_light(renderer: FrameRenderer) 
 def test_the_blurred_image_of_a_bulb_is_even(renderer: FrameRenderer) -> None:
     """Within its circle of confusion, the standard deviation falls to a tenth at least."""
     square = rectangle((0.0, 0.0, -5.0), (0.01, 0, 0), (0, 0.01, 0))
-    scene = Scene((plane(square, BULB),), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
+    scene = in_the_dark(plane(square, BULB))
     carried, by_rays = pictures(renderer, scene, replace(CAMERA, focus_distance_m=0.5))
     inside = np.hypot(*(np.mgrid[:96, :128] + 0.5 - np.array([48.0, 64.0])[:, None, None])) < 5
     spread = [float(picture[inside, 0].std() / picture[inside, 0].mean()) for picture in (carried, by_rays)]
@@ -270,7 +263,7 @@ def test_sharp_pictures_carry_nothing(renderer: FrameRenderer, changes: dict[str
 
 def test_a_bright_wall_is_left_to_the_rays(renderer: FrameRenderer) -> None:
     wall = rectangle((0.0, 0.0, -6.0), (6.0, 0, 0), (0, 6.0, 0))
-    carried, by_rays = pictures(renderer, Scene((plane(wall, BULB),), (), Dome((0, 0, 0), np.eye(4)), ("/p",)), CAMERA)
+    carried, by_rays = pictures(renderer, in_the_dark(plane(wall, BULB)), CAMERA)
     np.testing.assert_array_equal(carried, by_rays)
 
 

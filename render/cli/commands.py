@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -12,20 +13,22 @@ from render.cli.parser import Parser
 from render.stage.opening import quiet_diagnostics
 
 
-def run_command(typed: Sequence[str], added: Sequence[str]) -> None:
-    """Parse the arguments of a command and run it.
+def parse_command(typed: Sequence[str], added: Sequence[str]) -> Callable[[], None]:
+    """Parse the arguments of a command, and return a function that runs it.
 
     Args:
         typed: the arguments as typed after `pullfocus`.
         added: names of the commands that entry points add, for the help.
 
     Raises:
-        PullfocusError: the command failed.
+        PullfocusError: the arguments are wrong; the function raises where the command fails.
     """
-    parsed = _argument_tree(typed, added).parse_args(typed)
-    run: Callable[[argparse.Namespace], None] = parsed.run
+    return partial(_run, _argument_tree(typed, added).parse_args(typed))
+
+
+def _run(parsed: argparse.Namespace) -> None:
     with quiet_diagnostics():
-        run(parsed)
+        parsed.run(parsed)
 
 
 class _ShowVersion(argparse.Action):

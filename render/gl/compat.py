@@ -6,7 +6,7 @@ Why each adaptation is here:
 - PyOpenGL picks its platform when it is first imported; without ``PYOPENGL_PLATFORM=egl`` it looks for an X display.
 - pyrender imports its viewer, and so pyglet, which looks for X libraries unless ``PYGLET_HEADLESS`` is set.
 - PyOpenGL knows the type of a ``ctypes.byref`` under its name before Python 3.12.
-- pyrender's platform requests OpenGL 4.1, and NVIDIA's driver gives exactly that; `make_context` asks for 4.5.
+- pyrender's platform requests OpenGL 4.1, and NVIDIA's driver gives exactly that; `make_context` asks for 4.5 first.
 - pyrender pins PyOpenGL 3.1.0 (2014), which knows OpenGL up to 4.4; ``glClipControl`` of 4.5 is fetched from the driver.
 - PyOpenGL asks for the names of all extensions in one string, which the core profile refuses: it is given the list.
 - pyrender's context cannot be a debug context, whose driver reports errors and undefined use; `make_context` can ask for one.
@@ -183,7 +183,7 @@ def make_context(platform: pyrender_egl.EGLPlatform, *, debug: bool = False) -> 
         platform: platform that gets the context.
         debug: make a debug context, which checks more and can report (`report_to`).
     """
-    platform.init_context()
+    _open_display(platform)
     config_attributes = [
         EGL.EGL_SURFACE_TYPE,
         EGL.EGL_PBUFFER_BIT,
@@ -201,13 +201,32 @@ def make_context(platform: pyrender_egl.EGLPlatform, *, debug: bool = False) -> 
     attributes = (EGL.EGLint * len(version))(*version)
     context = EGL.eglCreateContext(platform._egl_display, configs[0], EGL.EGL_NO_CONTEXT, attributes)
     if context:
-        release_context(platform)
         platform._egl_context = context
-    platform.make_current()
+        platform.make_current()
+    else:
+        platform.init_context()
     if not GLQuerier.extensions:
         included = [name for _, names in VERSION_EXTENSIONS for name in names]  # by OpenGL 4.2
         count = GL.glGetIntegerv(GL.GL_NUM_EXTENSIONS)
         GLQuerier.extensions = [*(GL.glGetStringi(GL.GL_EXTENSIONS, i) for i in range(count)), *included]
+
+
+def _open_display(platform: pyrender_egl.EGLPlatform) -> None:
+    """Open the display of a platform's device, as pyrender's ``init_context`` does before it makes a context of its own.
+
+    Raises:
+        GraphicsError: EGL refuses.
+    """
+    screen = os.environ.pop("DISPLAY", None)  # of X, which a device without a screen does not have
+    try:
+        platform._egl_display = platform._egl_device.get_display()
+    finally:
+        if screen is not None:
+            os.environ["DISPLAY"] = screen
+    if not EGL.eglInitialize(platform._egl_display, ctypes.c_long(), ctypes.c_long()):
+        raise GraphicsError("EGL does not initialise its display")
+    if not EGL.eglBindAPI(EGL.EGL_OPENGL_API):
+        raise GraphicsError("EGL has no OpenGL")
 
 
 def release_context(platform: pyrender_egl.EGLPlatform) -> None:

@@ -237,7 +237,7 @@ def test_control_c_within_a_call_of_opengl_stops_too(
     def interrupt(*_: object) -> None:
         raise ctypes.ArgumentError("argument 4: KeyboardInterrupt: ")
 
-    monkeypatch.setattr("render.cli.commands.run_command", interrupt)
+    monkeypatch.setattr("render.cli.commands.parse_command", interrupt)
     assert main(["record", str(shot), str(shot.parent / "f.png")]) == 130
     assert capsys.readouterr().err.startswith("pullfocus: stopped")
 

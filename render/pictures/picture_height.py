@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from render.errors import CameraError
 from render.model.limits import check_picture_size
 from render.shot.shot import Shot
@@ -9,7 +11,10 @@ from render.stage import read_camera
 
 
 def picture_height(shot: Shot, camera_path: str | None, time: float, width: int) -> int:
-    """Give the height in pixels at which a picture shows exactly the camera's film gate.
+    """Give the height in pixels at which a picture shows the camera's film gate: that of usdrecord, to the pixel.
+
+    It is the width over the aspect ratio in single precision, without its fraction, as in ``UsdAppUtilsFrameRecorder``
+    (OpenUSD). The gate is conformed to that shape when the camera is read.
 
     Args:
         shot: the shot.
@@ -30,4 +35,5 @@ def picture_height(shot: Shot, camera_path: str | None, time: float, width: int)
     if not (camera.horizontal_aperture_mm > 0 and camera.vertical_aperture_mm > 0):
         gate = f"{camera.horizontal_aperture_mm:g} × {camera.vertical_aperture_mm:g} mm"
         raise CameraError(f"the film gate of {camera.path} must be larger than 0, got {gate}", path=camera.path)
-    return max(1, round(width * camera.vertical_aperture_mm / camera.horizontal_aperture_mm))
+    aspect = np.float32(camera.horizontal_aperture_mm) / np.float32(camera.vertical_aperture_mm)
+    return max(1, int(np.float32(width) / aspect))

@@ -30,7 +30,7 @@ from render.model.camera import Camera
 from render.model.limits import MAX_LAYERS
 from render.optics.view import PinholeView
 from render.trace.bundles import BundleMaker, merge_wavelengths
-from render.trace.highlights.carrier import HighlightCarrier
+from render.trace.highlights.carrier import HighlightCarrier, SeenMoment
 from render.trace.layer_view import MAX_BLUR_SHARE, MAX_SLOPE, RayExtent, bound_rays, extend_view, transform_extent
 from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus, picture_focus
@@ -113,12 +113,22 @@ class MotionTracer:
             movers = stack.enter_context(Movers(self._ctx, self._programs, peeled)) if peeled.may_move else None
             nearest = max(nearest_w, nearest_moving_w(moves.values(), peeled.view))
             nbuffers = self._nbuffers.build(peeled, nearest, movers)
-            for i, sample in enumerate(samples):
-                moment_view = MomentView(middle, sample.view, sample.shutter_time)
-                if movers is not None:
-                    movers.update(sample.shutter_time)
+
+            def seen(sample: ShutterSample) -> SeenMoment:
                 focus = picture_focus(sample.camera, sample.view)
                 bundle = _merge_wavelengths(sweep.bundle(sample), focus, max(peeled.view.fx, peeled.view.fy), nearest_w)
+                return bundle, focus, MomentView(middle, sample.view, sample.shutter_time)
+
+            candidates = None
+            if connections:
+                searched = [samples[i] for i in sorted({0, len(samples) // 2, len(samples) - 1})]
+                candidates = self._highlights.search(peeled, map(seen, searched), movers)
+            if candidates is not None:
+                stack.callback(candidates.release)
+            for i, sample in enumerate(samples):
+                if movers is not None:
+                    movers.update(sample.shutter_time)
+                bundle, focus, moment_view = seen(sample)
                 first, stop = sample.lines
                 if stop <= first:
                     yield np.zeros((sample.view.height, sample.view.width, 4), np.float32)
@@ -126,8 +136,10 @@ class MotionTracer:
                 area = 0, first, sample.view.width, stop - first
                 moment: _MomentArguments = {"moment_view": moment_view, "movers": movers}
                 carried = self._highlights.nothing
-                if connections:
-                    found = self._highlights.find(peeled, bundle, focus, sample.view, area=area, **moment)
+                if candidates is not None:
+                    found = self._highlights.find(
+                        peeled, bundle, focus, sample.view, area=area, candidates=candidates, **moment
+                    )
                     carried = self._highlights.carry(
                         found, peeled, nbuffers, bundle, focus, sample.view, area, **moment
                     )

@@ -7,13 +7,13 @@ wavelength by wavelength. Neighbouring texels that are small beside that image a
 (`render.trace.highlights.grouping`). Where a table's blurred image is uneven or folds (caustics), the pupil is divided into
 cells, and each sends its light to the pixels under its image (`render.trace.highlights.scattering`). The expectation of the
 picture stays the same. A picture in tiles finds the highlights of each strip of its layers once, and carries them to the pixels
-of each tile in turn. In motion by velocities, they are found and carried anew for each moment: texels are where they have moved
+of each tile in turn. In motion by velocities, they are chosen and carried anew for each moment: texels are where they have moved
 to, and are seen from the moment's camera, and so is what is in front of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TypeVar
@@ -33,7 +33,7 @@ from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.focal_map import FocalMaps
 from render.trace.highlights.chosen import NONE, Highlights, pixels_seen
-from render.trace.highlights.finder import HighlightFinder
+from render.trace.highlights.finder import Candidates, HighlightFinder
 from render.trace.highlights.iris_levels import bind_iris, iris_levels
 from render.trace.highlights.light_balance import balance_light
 from render.trace.highlights.scattering import Scatterer
@@ -50,6 +50,8 @@ _INSTANCE = np.dtype([("box", "f4", 4), ("excess", "f4", 4), ("place", "f4", 4)]
 _ATTRIBUTES = ("in_box", "in_excess", "in_place")
 
 Step = TypeVar("Step")
+SeenMoment = tuple[RayBundle, PictureFocus, MomentView]
+"""A moment of the exposure: rays of its lens, focal surface and camera."""
 
 
 class CarriedHighlights:
@@ -130,6 +132,22 @@ class HighlightCarrier:
         self._scatterer = Scatterer(ctx, programs, cancellation, self._buffers)
         self.nothing = CarriedHighlights(ctx, programs)
 
+    def search(self, layers: Layers, moments: Iterable[SeenMoment], movers: Movers | None) -> Candidates | None:
+        """Search layers for texels that are highlights at any of some moments; the caller releases them. None without blur.
+
+        Args:
+            layers: layers of the middle of these.
+            moments: the moments.
+            movers: moving surfaces of the layers.
+        """
+        blurred = [moment for moment in moments if _is_blurred(layers, moment[0])]
+        if not blurred:
+            return None
+        return self._finder.search(
+            self._picture(layers, None, bundle, focus, moment_view.view, moment_view, movers)
+            for bundle, focus, moment_view in blurred
+        )
+
     def find(
         self,
         layers: Layers,
@@ -141,6 +159,7 @@ class HighlightCarrier:
         moment_view: MomentView | None = None,
         movers: Movers | None = None,
         area: Area | None = None,
+        candidates: Candidates | None = None,
     ) -> Highlights:
         """Find the highlights of layers, and choose those to be carried.
 
@@ -154,13 +173,14 @@ class HighlightCarrier:
             moment_view: the camera at a moment, where it may have moved from the position that the layers were peeled from.
             movers: moving surfaces of the layers, set to that moment.
             area: part of the picture that is traced; None for all of it.
+            candidates: texels to choose from; None to search for them.
         """
-        if bundle.pattern.whole == 1 or bundle.reach_m <= 0 or layers.count == 0:
+        if not _is_blurred(layers, bundle):
             return NONE
         with Resources() as scope:
             scope.callback(self._buffers.release)
             picture = self._picture(layers, None, bundle, focus, view, moment_view, movers)
-            return self._finder.find(picture, share, area or (0, 0, view.width, view.height))
+            return self._finder.find(picture, share, area or (0, 0, view.width, view.height), candidates)
 
     def carry(
         self,
@@ -285,6 +305,10 @@ class HighlightCarrier:
     def _stop_drawing(self, before: moderngl.Framebuffer) -> None:
         self._ctx.enable_only(moderngl.NOTHING)
         before.use()
+
+
+def _is_blurred(layers: Layers, bundle: RayBundle) -> bool:
+    return bundle.pattern.whole > 1 and bundle.reach_m > 0 and layers.count > 0
 
 
 def _instances(highlights: NDArray[np.void]) -> NDArray[np.void]:

@@ -6,12 +6,16 @@ a strip are the same in each window that holds it (`render.trace.tiling`). At a 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import chain
+
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from render.gl.cancellation import CancellationPoint
-from render.gl.resources import Resources
+from render.gl.resources import Construction, Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.area import Area
 from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
@@ -41,6 +45,23 @@ _PLAN = np.dtype(
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Texels that may be carried, and the means around them.
+
+    Attributes:
+        texels: ``(n, 3)`` x, y and layer.
+        means: from `render.trace.highlights.search.measure_means`; `release` releases them.
+    """
+
+    texels: NDArray[np.uint32]
+    means: moderngl.Texture
+
+    def release(self) -> None:
+        """Release the memory."""
+        self.means.release()
+
+
 class HighlightFinder:
     """Finds highlights.
 
@@ -56,21 +77,35 @@ class HighlightFinder:
     ) -> None:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
 
-    def find(self, picture: Picture, share: float, area: Area) -> Highlights:
+    def search(self, pictures: Iterable[Picture]) -> Candidates:
+        """Search the same layers, as one or more pictures see them, for texels that are highlights in any of these."""
+        found: list[NDArray[np.uint32]] = []
+        some = iter(pictures)
+        first = next(some)
+        with Construction() as making:
+            means = making.keep(measure_means(self._ctx, self._programs, first))
+            for picture in chain([first], some):
+                found.append(find_highlights(self._ctx, self._programs, picture, means))
+                self._cancellation.poll()
+        return Candidates(found[0] if len(found) == 1 else np.unique(np.concatenate(found), axis=0), means)
+
+    def find(self, picture: Picture, share: float, area: Area, candidates: Candidates | None = None) -> Highlights:
         """Find and choose highlights.
 
         Args:
             picture: the picture, or a strip of its layers.
             share: its share of all layers, and so of the connections.
             area: part of the picture that is traced.
+            candidates: texels to choose from; None to search for them.
         """
         with Resources() as scope:
-            means = scope.keep(measure_means(self._ctx, self._programs, picture))
-            texels = find_highlights(self._ctx, self._programs, picture, means)
-            self._cancellation.poll()
+            if candidates is None:
+                candidates = self.search([picture])
+                scope.callback(candidates.release)
+            texels = candidates.texels
             if len(texels) == 0:
                 return NONE
-            plans = self._plan(picture, means, texels)
+            plans = self._plan(picture, candidates.means, texels)
         places = texels.copy()
         places[:, :2] += np.array(picture.layers.origin, np.uint32)
         inside = (places[:, :2] < picture.layers.whole.size).all(axis=1) & (plans["box"][:, 2] > plans["box"][:, 0])

@@ -21,7 +21,7 @@ def parse_command(typed: Sequence[str], added: Sequence[str]) -> Callable[[], No
         added: names of the commands that entry points add, for the help.
 
     Raises:
-        PullfocusError: the arguments are wrong; the function raises where the command fails.
+        PullfocusError: the arguments are wrong. The returned function raises it where the command fails.
     """
     return partial(_run, _argument_tree(typed, added).parse_args(typed))
 

@@ -84,7 +84,7 @@ def _run(typed: list[str]) -> int:
     compile_methods_late()
     for name in _LATE_PACKAGES:
         import_late(name)
-    with _uncollected():
+    with _without_collection():
         # Imported here because these commands import USD and GL, which the process of an added command (`serve`) does not load.
         from render.cli.commands import parse_command
 
@@ -95,8 +95,9 @@ def _run(typed: list[str]) -> int:
 
 
 @contextmanager
-def _uncollected() -> Iterator[None]:
-    """Import modules without searching them for garbage, which takes a tenth of the start: they live as long as the process."""
+def _without_collection() -> Iterator[None]:
+    """Turn garbage collection off while modules are imported: they live as long as the process, and searching them takes a tenth
+    of the start."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:

@@ -199,12 +199,11 @@ def make_context(platform: pyrender_egl.EGLPlatform, *, debug: bool = False) -> 
     version += [EGL.EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL.EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT]
     version += [_EGL_CONTEXT_FLAGS, _EGL_DEBUG_BIT if debug else 0, EGL.EGL_NONE]
     attributes = (EGL.EGLint * len(version))(*version)
-    context = EGL.eglCreateContext(platform._egl_display, configs[0], EGL.EGL_NO_CONTEXT, attributes)
-    if context:
-        platform._egl_context = context
-        platform.make_current()
-    else:
+    try:
+        platform._egl_context = EGL.eglCreateContext(platform._egl_display, configs[0], EGL.EGL_NO_CONTEXT, attributes)
+    except OpenGLError:  # PyOpenGL raises where EGL refuses
         platform.init_context()
+    platform.make_current()
     if not GLQuerier.extensions:
         included = [name for _, names in VERSION_EXTENSIONS for name in names]  # by OpenGL 4.2
         count = GL.glGetIntegerv(GL.GL_NUM_EXTENSIONS)
@@ -215,7 +214,7 @@ def _open_display(platform: pyrender_egl.EGLPlatform) -> None:
     """Open the display of a platform's device, as pyrender's ``init_context`` does before it makes a context of its own.
 
     Raises:
-        GraphicsError: EGL refuses.
+        OpenGLError: EGL refuses.
     """
     screen = os.environ.pop("DISPLAY", None)  # of X, which a device without a screen does not have
     try:
@@ -223,10 +222,8 @@ def _open_display(platform: pyrender_egl.EGLPlatform) -> None:
     finally:
         if screen is not None:
             os.environ["DISPLAY"] = screen
-    if not EGL.eglInitialize(platform._egl_display, ctypes.c_long(), ctypes.c_long()):
-        raise GraphicsError("EGL does not initialise its display")
-    if not EGL.eglBindAPI(EGL.EGL_OPENGL_API):
-        raise GraphicsError("EGL has no OpenGL")
+    EGL.eglInitialize(platform._egl_display, ctypes.c_long(), ctypes.c_long())
+    EGL.eglBindAPI(EGL.EGL_OPENGL_API)
 
 
 def release_context(platform: pyrender_egl.EGLPlatform) -> None:

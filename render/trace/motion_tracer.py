@@ -126,13 +126,13 @@ class MotionTracer:
             if candidates is not None:
                 stack.callback(candidates.release)
             for i, sample in enumerate(samples):
-                if movers is not None:
-                    movers.update(sample.shutter_time)
-                bundle, focus, moment_view = seen(sample)
                 first, stop = sample.lines
                 if stop <= first:
                     yield np.zeros((sample.view.height, sample.view.width, 4), np.float32)
                     continue
+                if movers is not None:
+                    movers.update(sample.shutter_time)
+                bundle, focus, moment_view = seen(sample)
                 area = 0, first, sample.view.width, stop - first
                 moment: _MomentArguments = {"moment_view": moment_view, "movers": movers}
                 carried = self._highlights.nothing

@@ -27,9 +27,9 @@ void main()
     PixelRays rays = rays_from(gl_FragCoord.xy + vec2(area_first));
     Joined joined = join(rays, place.xy, w);
     if (!joined.found) discard;
-    float density = light_at(rays, joined.l, joined.from.weight, inverse(joined.layers_from_pupil), place.w);
+    float density = light_at(rays, joined.l, joined.from.weight, inverse(joined.place_from_pupil), place.w);
     if (density <= 0.0) discard;
-    density *= INVERSE_PI / abs(determinant(joined.layers_from_pupil));
+    density *= INVERSE_PI / abs(determinant(joined.place_from_pupil));
     float share = share_past(rays.centre, on_layers(rays, joined.from, vec2(0.0)), place.z);
     color = vec4(share * density * light * excess.rgb, 0.0);
 }

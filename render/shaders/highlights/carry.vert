@@ -4,7 +4,7 @@
 // out: the highlight
 
 in vec4 in_box;         // first and last place, whole pixels
-in vec4 in_excess;      // radiance times opacity; w (1/m)
+in vec4 in_excess;      // radiance times opacity times area (layer pixels²); w seen from the picture's camera (1/m)
 in vec4 in_place;       // in the picture's frame; inverse depth on the layers from which on surfaces are in the way; side, layer pixels
 
 uniform ivec2 area_first;   // pixel of the picture at the corner of the area that is drawn

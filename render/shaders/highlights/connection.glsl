@@ -83,8 +83,8 @@ Landing land(PixelRays rays, vec2 l, float w)
     return landing;
 }
 
-// The joining ray from the table, its pupil point, and the derivative of its place on the layers by that.
-struct Joined { bool found; LensRay from; vec2 l; mat2 layers_from_pupil; };
+// The joining ray from the table, its pupil point, and the derivative, by that point, of the place that the ray passes.
+struct Joined { bool found; LensRay from; vec2 l; mat2 place_from_pupil; };
 
 // Find the ray of a pixel that passes place q at inverse depth w by Newton's method. Beyond the disc the lens is continued as it
 // is at the rim, and the ray is that of the rim.
@@ -95,7 +95,7 @@ Joined join(PixelRays rays, vec2 q, float w)
     vec2 wanted = q - rays.centre, on = vec2(0.0);
     for (int round = 0; round < JOIN_ROUNDS && !joined.found; ++round) {
         Landing landing = land(rays, on, w);
-        joined.layers_from_pupil = landing.by_pupil;
+        joined.place_from_pupil = landing.by_pupil;
         joined.from = landing.from;
         if (!(abs(determinant(landing.by_pupil)) > 1e-6)) break;
         joined.l = on + inverse(landing.by_pupil) * (wanted - landing.place);

@@ -1,5 +1,5 @@
 #version 450 core
-// One level of a mipmap from the level before: means over rectangles, weighed by area where a side is odd.
+// One level of a mipmap from the level before: means over rectangles, weighted by area where a side is odd.
 // in:  finer
 // out: coarser
 // variants: ONE_CHANNEL for one channel in place of two

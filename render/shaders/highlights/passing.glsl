@@ -58,7 +58,8 @@ float share_along(LensRay ray, Walk walk, ivec2 last, float front)
 }
 #endif
 
-// `centre`: the pixel's; `front`: inverse depth from which on surfaces are in the way.
+// `centre`: the pixel's, in the picture's frame. Where the camera has moved it is not that of the layers, which does no harm:
+// `square_toward` holds the ray's box for any centre. `front`: inverse depth from which on surfaces are in the way.
 float share_past(vec2 centre, LensRay ray, float front)
 {
     if (front >= w_range.y) return 1.0;

@@ -14,7 +14,7 @@ layout(local_size_x = 64) in;
 #include "highlights/texel.glsl"
 
 struct Plan {
-    vec4 excess;        // radiance times opacity, over a layer pixel of the picture's camera; w seen from it (1/m)
+    vec4 excess;        // radiance times opacity times area (layer pixels²); w seen from the picture's camera (1/m)
     vec4 box;           // first and last place, picture pixels
     float front;        // inverse depth on the layers from which on surfaces are in the way, 1/m
     uint cells;         // of the pupil across and down, + UNEVEN where the blurred image is uneven
@@ -65,7 +65,7 @@ bool is_blocked(PixelRays rays, vec2 l)
 #endif
 }
 
-// Note the area that the pupil has on the layers near an open point of it, relative to the pupil's.
+// Note the area that the pupil has in the picture's frame near an open point of it, relative to the pupil's.
 void note_area(PixelRays rays, vec2 l, float w, inout vec2 areas)
 {
     if (is_blocked(rays, l)) return;

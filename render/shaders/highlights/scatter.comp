@@ -16,7 +16,7 @@ layout(local_size_x = 64) in;
 #include "highlights/passing.glsl"
 
 struct Highlight {
-    vec4 excess;        // radiance times opacity; w (1/m)
+    vec4 excess;        // radiance times opacity times area (layer pixels²); w seen from the picture's camera (1/m)
     vec4 place;         // in the picture's frame; inverse depth on the layers from which on surfaces are in the way; side, layer pixels
     vec2 middle;        // of its blurred image, picture pixels
     uint first_cell;

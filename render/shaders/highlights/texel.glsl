@@ -1,4 +1,5 @@
-// A layer's texel as the picture's camera sees it. At a moment of the exposure it has moved by its own motion, and the camera by its own.
+// A layer's texel as the picture's camera sees it. Both may have moved since the layers were peeled. The area is that of a surface that
+// moves without turning.
 
 #ifdef CARRIED_CAMERA
 #include "layers/carried.glsl"
@@ -8,7 +9,7 @@ uniform vec2 focal_px;
 uniform mat3 camera_turn;
 uniform vec3 camera_move;
 #endif
-const float LEAST_AHEAD = 0.02; // least distance ahead of the camera along the layers' axis, relative to that of the layers' eye
+const float LEAST_AHEAD = 0.02; // least depth ahead of the moment's camera, along the layers' axis, relative to that ahead of the layers' eye
 #endif
 
 // Slopes of a surface's w over a layer pixel, as they are stored.

@@ -7,8 +7,8 @@ wavelength by wavelength. Neighbouring texels that are small beside that image a
 (`render.trace.highlights.grouping`). Where a table's blurred image is uneven or folds (caustics), the pupil is divided into
 cells, and each sends its light to the pixels under its image (`render.trace.highlights.scattering`). The expectation of the
 picture stays the same. A picture in tiles finds the highlights of each strip of its layers once, and carries them to the pixels
-of each tile in turn. In motion by velocities, they are chosen and carried anew for each moment: texels are where they have moved
-to, and are seen from the moment's camera, and so is what is in front of them.
+of each tile in turn. In motion by velocities they are chosen and carried anew for each moment: texels, and what is in front of
+them, are where they have moved to, as the moment's camera sees them.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ class HighlightCarrier:
         """Search layers for texels that are highlights at any of some moments; the caller releases them. None without blur.
 
         Args:
-            layers: layers of the middle of these.
+            layers: peeled in the middle of the exposure.
             moments: the moments.
             movers: moving surfaces of the layers.
         """

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from render.model.area import Area
 
 CARRIED = np.dtype([("box", "f4", 4), ("excess", "f4", 4), ("place", "f4", 4), ("cells", "u4")])
-"""First and last place of a blurred image in the picture, pixels; radiance over the surroundings times opacity, and inverse
-depth; place in the picture's frame, inverse depth on the layers from which on surfaces are in the way, and side, layer pixels;
-cells of the pupil across and down by which it is scattered, or 0 where it is joined to pixels."""
+"""First and last place of a blurred image in the picture, pixels; radiance over the surroundings times opacity and area, and
+inverse depth seen from the picture's camera; place in the picture's frame, inverse depth on the layers from which on surfaces are
+in the way, and side, layer pixels; cells of the pupil across and down by which it is scattered, or 0 where it is joined to
+pixels."""
 TAKEN = np.dtype([("texel", "u4", 3), ("base", "u4", 2), ("exact", "u4", 2)])
 """Place in the whole picture's layers and layer; radiance that rays are to see, and the texel's own, four halves each."""
 

@@ -6,7 +6,7 @@ a strip are the same in each window that holds it (`render.trace.tiling`). At a 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
 
@@ -77,14 +77,17 @@ class HighlightFinder:
     ) -> None:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
 
-    def search(self, pictures: Iterable[Picture]) -> Candidates:
-        """Search the same layers, as one or more pictures see them, for texels that are highlights in any of these."""
+    def search(self, pictures: Iterator[Picture]) -> Candidates:
+        """Search the same layers, as one or more pictures see them, for texels that are highlights in any of these.
+
+        Args:
+            pictures: at least one. Each is made when it is needed, since they may share the texture of their focal maps.
+        """
         found: list[NDArray[np.uint32]] = []
-        some = iter(pictures)
-        first = next(some)
+        first = next(pictures)
         with Construction() as making:
             means = making.keep(measure_means(self._ctx, self._programs, first))
-            for picture in chain([first], some):
+            for picture in chain([first], pictures):
                 found.append(find_highlights(self._ctx, self._programs, picture, means))
                 self._cancellation.poll()
         return Candidates(found[0] if len(found) == 1 else np.unique(np.concatenate(found), axis=0), means)
@@ -100,7 +103,7 @@ class HighlightFinder:
         """
         with Resources() as scope:
             if candidates is None:
-                candidates = self.search([picture])
+                candidates = self.search(iter([picture]))
                 scope.callback(candidates.release)
             texels = candidates.texels
             if len(texels) == 0:
@@ -118,7 +121,7 @@ class HighlightFinder:
         bundle = picture.bundle
         rays = min(bundle.count, bundle.pattern.whole)
         most = share * CONNECTIONS_PER_RAY * rays * area[2] * area[3] / len(bundle.rgb)
-        squares = np.bincount(group, luminance**2, len(carried)).astype(np.float64)
+        squares = np.bincount(group, luminance**2 / np.maximum(plans["area"], 1e-6), len(carried)).astype(np.float64)
         is_chosen = np.zeros(len(carried), bool)
         is_chosen[choose_highlights(squares, carried["box"], carried["cells"], area, most)] = True
         members = is_chosen[group]

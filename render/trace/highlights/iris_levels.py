@@ -5,6 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.arrays import FloatArray
 from render.trace.highlights.mipmaps import build_mipmaps
@@ -21,9 +22,10 @@ def iris_levels(ctx: moderngl.Context, programs: ProgramCache, image: FloatArray
     """
     side = len(image)
     padded = np.pad(np.asarray(image, np.float32), side // 2)
-    texture = ctx.texture(padded.shape, 1, padded.tobytes(), dtype="f4")
-    texture.repeat_x = texture.repeat_y = False
-    build_mipmaps(ctx, programs, texture)
+    with Construction() as making:
+        texture = making.keep(ctx.texture(padded.shape, 1, padded.tobytes(), dtype="f4"))
+        texture.repeat_x = texture.repeat_y = False
+        build_mipmaps(ctx, programs, texture)
     return texture
 
 

@@ -1,7 +1,7 @@
 """Mipmaps of textures of floats, by a compute shader.
 
-The driver's own are means of other shape on each driver, and Mesa's software rasteriser compiles their shader anew in each
-process, which takes 0.1 s.
+The driver's own (``glGenerateMipmap``) are not used: where a side is odd, drivers average in different ways, and Mesa's
+software rasteriser compiles its shader anew in each process, which takes 0.1 s.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def build_mipmaps(ctx: moderngl.Context, programs: ProgramCache, texture: modern
     Args:
         ctx: context.
         programs: its programs.
-        texture: its level 0 is filled, and visible to images.
+        texture: level 0 is filled, and a memory barrier has followed what images stored there.
     """
     sizes = _level_sizes(texture.width, texture.height)
     internal, layout = (getattr(GL, name) for name in _FORMATS[texture.components])

@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.gl.resources import Resources
+from render.gl.resources import Construction, Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers, bind_layers
@@ -74,12 +74,13 @@ class Picture:
     @property
     def blur_px(self) -> float:
         """Circle of confusion at a difference of 1/m of inverse depth, layer pixels; its radius."""
-        return max(self.layers.view.fx, self.layers.view.fy) * self.bundle.reach_m
+        return self.scale * max(self.view.fx, self.view.fy) * self.bundle.reach_m
 
     @property
     def scale(self) -> float:
-        """Layer pixels per picture pixel."""
-        return self.layers.view.fx / self.view.fx
+        """Layer pixels per picture pixel of the camera that the layers were peeled for."""
+        peeled_for = self.view if self.moment_view is None else self.moment_view.peeled_for
+        return self.layers.view.fx / peeled_for.fx
 
     def bind(self, program: Program) -> int:
         """Bind the picture to a program, and return the first texture unit left free."""
@@ -101,15 +102,16 @@ class Picture:
 
 def measure_means(ctx: moderngl.Context, programs: ProgramCache, picture: Picture) -> moderngl.Texture:
     """Mean luminance of blocks of 8x8 layer pixels and of ever larger ones, a mipmap; the caller releases it."""
-    program = programs.compute("highlights/means.comp", picture.defines)
+    program = programs.compute("highlights/means.comp", {"EIGHT_LAYERS": 1} if picture.layers.count > 4 else {})
     picture.bind(program)
     width, height = _blocks(picture.layers)
-    means = ctx.texture((width, height), 2, dtype="f4")
-    means.bind_to_image(_IMAGE, read=False, write=True)
-    program.run(-(-width // _BLOCK), -(-height // _BLOCK))
-    ctx.memory_barrier()
-    means.repeat_x = means.repeat_y = False
-    build_mipmaps(ctx, programs, means)
+    with Construction() as making:
+        means = making.keep(ctx.texture((width, height), 2, dtype="f4"))
+        means.bind_to_image(_IMAGE, read=False, write=True)
+        program.run(-(-width // _BLOCK), -(-height // _BLOCK))
+        ctx.memory_barrier()
+        means.repeat_x = means.repeat_y = False
+        build_mipmaps(ctx, programs, means)
     return means
 
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from render.errors import GraphicsError
 from render.frame import FrameRenderer, FrameSettings
+from render.gl import compat
 from render.lab.reference.scenes import spheres_over_checkerboard
 
 
@@ -28,3 +31,13 @@ def test_one_renderer_does_not_disturb_another() -> None:
         np.testing.assert_array_equal(first.render(scene, camera, settings).color, alone)
         assert first.graphics.ctx.error == "GL_NO_ERROR"
     np.testing.assert_array_equal(beside, alone)
+
+
+def test_where_the_wanted_version_is_refused_the_devices_own_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Mesa gives its newest for 4.1; a driver that gives exactly that is refused in one clear error."""
+    monkeypatch.setattr(compat, "_VERSION", (9, 9))
+    try:
+        with FrameRenderer() as renderer:
+            assert renderer.graphics.ctx.version_code >= 450
+    except GraphicsError as error:
+        assert "OpenGL 4.5 is needed" in str(error)  # noqa: PT017  # which of both depends on the driver

@@ -23,7 +23,7 @@ Settings:
     tiled       True gives neighbouring pixels different rays: noise in place of repeated images (True).
     motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
 
-Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 20 s on two CPU cores under
+Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 19 s on two CPU cores under
 llvmpipe, most of it for drawing and lighting the layers. What the rays take is proportional to their number, not to
 that of the lens surfaces.
 

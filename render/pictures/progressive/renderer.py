@@ -45,7 +45,8 @@ from render.shot.shot import Shot
 from render.trace.adaptive import whole_stops
 
 REFRESH_MS = 250.0
-"""Time between two unfinished pictures: reading one takes time from the tracing."""
+"""Least time between two unfinished pictures."""
+_REFRESH_SHARE = 0.2  # of the time, for unfinished pictures: making and sending one takes time from the tracing
 _FINISH_SHARE = 0.25  # of the budget, for the finish
 
 
@@ -189,9 +190,9 @@ class ProgressiveRenderer:
         return apply_lens_effects(self._renderer, shot, job.camera, job.request.time, space, frame)
 
     def _draw_in_steps(self, job: _Job, under: FloatArray) -> Generator[ProgressivePicture, None, Frame]:
-        """Draw the frame, and show it unfinished every `REFRESH_MS`."""
+        """Draw the frame, and show it unfinished after each `REFRESH_MS`, or less often where a picture takes long to show."""
         settings = job.settings
-        work, last = self._frames.draw_in_steps(job.scene, job.camera, settings), perf_counter()
+        work, last, wait_ms = self._frames.draw_in_steps(job.scene, job.camera, settings), perf_counter(), REFRESH_MS
         while True:
             try:
                 share = next(work)
@@ -199,11 +200,13 @@ class ProgressiveRenderer:
                 frame: Frame = end.value
                 job.clock.note("blur")
                 return frame
-            if share < 1 and 1000 * (perf_counter() - last) > REFRESH_MS:
+            began = perf_counter()
+            if share < 1 and 1000 * (began - last) > wait_ms:
                 job.clock.note("blur")
                 unfinished = self._frames.partial_picture(settings, under)
                 yield self._show(job, "refining", unfinished, settings.rays, share)
                 last = perf_counter()
+                wait_ms = max(REFRESH_MS, 1000 * (last - began) * (1 / _REFRESH_SHARE - 1))
 
     def _show(self, job: _Job, stage: Stage, light: FloatArray, rays: int, share: float = 0.0) -> ProgressivePicture:
         """Make a picture of light that the lens has not dimmed yet."""

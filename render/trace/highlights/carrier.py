@@ -73,14 +73,9 @@ class CarriedHighlights:
         self._taken, self.light = taken, light
 
     def without(self, work: Iterator[Step]) -> Iterator[Step]:
-        """Run a generator that traces rays through the layers, which lack the highlights while a step of it runs."""
-        while True:
-            with self._taken_out():
-                try:
-                    step = next(work)
-                except StopIteration:
-                    return
-            yield step
+        """Run a generator that traces rays through the layers, which lack the highlights until it ends or is closed."""
+        with self._taken_out():
+            yield from work
 
     def add_to(self, picture: FloatArray) -> FloatArray:
         """Add the highlights' light to a picture ``(height, width, 4)`` of the rays."""

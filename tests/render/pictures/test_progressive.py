@@ -229,6 +229,18 @@ def test_unfinished_pictures_are_shown_between_pieces(
     np.testing.assert_array_equal(last(progressive.pictures(request)).graded, pictures[-1].graded)
 
 
+def test_unfinished_pictures_take_a_part_of_the_time(
+    progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a clock that goes on by a second with each reading, so that each picture takes one."""
+    seconds = itertools.count()
+    monkeypatch.setattr("render.pictures.progressive.renderer.perf_counter", seconds.__next__)
+    monkeypatch.setattr("render.gl.cancellation.PIECE_MS", 1.0)
+    pictures = list(progressive.pictures(PreviewRequest("/cam", 2.0, replace(SETTINGS, rays=160))))
+    unfinished = [shown for shown in pictures if shown.stage == "refining" and shown.share > 0]
+    assert 1 < len(unfinished) <= next(seconds) / 5
+
+
 def test_an_edit_of_the_scene_shows(progressive: ProgressiveRenderer, shot: Shot) -> None:
     request = PreviewRequest("/cam", 2.0, SETTINGS)
     before = last(progressive.pictures(request)).graded

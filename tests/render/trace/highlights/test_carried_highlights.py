@@ -16,6 +16,7 @@ from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.lens import Glass, HeightField, IrisShape, Lens, Prescription, SeidelErrors, Surface
 from render.model.scene import Batch, Material, Scene
+from render.pictures.progressive.frames import LiveFrames
 from render.trace.highlights import finder, grouping, scattering
 from tests.render.kits.bulbs import BULB, DARK, PANE, WALL, in_the_dark, plane
 from tests.render.kits.data_sheets import SHEET
@@ -252,6 +253,22 @@ def test_layers_are_put_back_where_work_is_cancelled(renderer: FrameRenderer) ->
             else:
                 break
     assert passed > 2
+
+
+@pytest.mark.parametrize("is_closed", [False, True], ids=["to the end", "closed early"])
+def test_layers_lack_highlights_between_pieces(renderer: FrameRenderer, is_closed: bool) -> None:
+    """Until the last piece, or until the work is closed: to replace them for each piece would take longer than the piece."""
+    scene = bulbs()
+    renderer.render(scene, CAMERA, SETTINGS)
+    before = radiance_bytes(renderer)
+    with renderer.graphics.cancellation.cancel_when(lambda: False):
+        work = LiveFrames(renderer).draw_in_steps(scene, CAMERA, SETTINGS)
+        next(work)
+        without = radiance_bytes(renderer)
+        next(work)
+        assert radiance_bytes(renderer) == without != before
+        work.close() if is_closed else list(work)
+    assert radiance_bytes(renderer) == before
 
 
 @pytest.mark.parametrize("changes", [{"rays": 1}, {"f_stop": 0.0}], ids=["one ray", "pinhole"])

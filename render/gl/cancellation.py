@@ -85,6 +85,24 @@ class PieceSize:
         self.units = first
         self._least = least
 
+    def cut(self, count: int, cancellation: CancellationPoint) -> Iterator[tuple[int, int]]:
+        """Cut work into pieces that follow each other, from a first unit to one past the last; all of it is one piece where it
+        cannot be cancelled. The work can be cancelled after each piece, whose time is learnt.
+
+        Args:
+            count: number of units.
+            cancellation: cancellation point of the work.
+
+        Raises:
+            Cancelled: the work is stale.
+        """
+        first = 0
+        while first < count:
+            end = min(first + self.units, count) if cancellation.is_cancellable else count
+            yield first, end
+            self.learn(end - first, cancellation.poll())
+            first = end
+
     def learn(self, units: int, took_ms: float) -> None:
         """Adapt to a finished piece, which may have been smaller than `units`.
 

@@ -137,7 +137,7 @@ class Peeler:
         self._surfaces: SurfaceTargets | None = None
         self._reach = ReachBounder(graphics.ctx, programs)
         self._rest = RestMerger(graphics.ctx, programs)
-        self._lighter = SurfaceLighter(graphics.ctx, programs)
+        self._lighter = SurfaceLighter(graphics.ctx, programs, graphics.cancellation)
         self._scene: Scene | None = None
         self._shadow_region: Sphere | None = None
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.limits import make_storage
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
@@ -26,10 +27,19 @@ _ROW = 1024  # work groups in a row
 
 
 class SurfaceLighter:
-    """Lights the surfaces of layers."""
+    """Lights the surfaces of layers.
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
-        self._ctx, self._programs = ctx, programs
+    Args:
+        ctx: context.
+        programs: its programs.
+        cancellation: where the work can be cancelled.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
+        self._ctx, self._programs, self._cancellation = ctx, programs, cancellation
+        self._listed, self._lit = PieceSize(64), (PieceSize(1 << 13), PieceSize(1 << 14))
 
     def light(self, slot: Slot, view: PinholeView, *, has_clearcoat: bool, by_quads: bool) -> None:
         """Add the light of lamps and dome that the surfaces of a layer send to the eye to what they emit. The lighting is bound.
@@ -39,6 +49,9 @@ class SurfaceLighter:
             view: view that it is drawn for.
             has_clearcoat: whether any of its surfaces may have a clear coat.
             by_quads: light 2x2 pixels at once where their surfaces are alike.
+
+        Raises:
+            Cancelled: the work is stale.
         """
         lit = slot.lit
         if lit is None:
@@ -67,12 +80,15 @@ class SurfaceLighter:
             for first in range(0, view.height, rows):
                 listed.write(bytes(8))
                 end = min(first + rows, view.height)
-                set_uniforms(finder, rows=(first, end))
-                finder.run(-(-view.width // (2 * _QUADS)), -(-(end - first) // (2 * _QUADS)))
-                self._ctx.memory_barrier()
-                for number, count in enumerate(np.frombuffer(listed.read(8), np.uint32)):
-                    groups = -(-int(count) // _GROUP)
-                    if groups:
-                        set_uniforms(program, by_quads=number == 0)
+                for top, bottom in self._listed.cut((end - first + 1) // 2, self._cancellation):
+                    set_uniforms(finder, rows=(first + 2 * top, min(first + 2 * bottom, end)))
+                    finder.run(-(-view.width // (2 * _QUADS)), -(-(bottom - top) // _QUADS))
+                    self._ctx.memory_barrier()
+                counts = np.frombuffer(listed.read(8), np.uint32)
+                for number, (count, size) in enumerate(zip(counts, self._lit, strict=True)):
+                    set_uniforms(program, by_quads=number == 0)
+                    for some, beyond in size.cut(int(count), self._cancellation):
+                        groups = -(-(beyond - some) // _GROUP)
+                        set_uniforms(program, first_number=some, end_number=beyond)
                         program.run(min(groups, _ROW), -(-groups // _ROW))
                         self._ctx.memory_barrier()

@@ -141,8 +141,9 @@ def _perspective(
 
 def shadow_region(camera: Camera) -> Sphere:
     """Region in which a distant light's shadows are resolved in a large scene: around the point in focus, at least
-    twelve metres.
+    twelve metres. Its distance is a power of two, so that shadows stand still, and are kept, while the focus is pulled.
     """
     focus_m = camera.focus_distance_m if 0 < camera.focus_distance_m < 1000 else 10.0
-    x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - focus_m * camera.world_from_camera[:3, 2])
-    return Sphere(x, y, z, max(12.0, 2.5 * focus_m))
+    distance_m = 2.0 ** round(np.log2(focus_m))
+    x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - distance_m * camera.world_from_camera[:3, 2])
+    return Sphere(x, y, z, max(12.0, 2.5 * distance_m))

@@ -20,6 +20,10 @@ from render.optics.view import PinholeView
 PATCH_SHARE = 0.5
 """Side of the patch, relative to the side of a square as large as the ray's share of the pupil. Mipmaps filter wider."""
 
+PATCH_STEP_PX = 0.5
+"""Step of the plane of focus that layers are drawn for: change of a patch's side, pixels. While the focus stays within a step,
+layers are the same, and are kept. At the focus, a patch of half a step makes the filter 3 % wider."""
+
 QUAD_SCALE = 2.5
 """Pixels of a pass per pixel of the picture, along each axis, from which on 2x2 of them may share their light."""
 
@@ -58,7 +62,7 @@ def patch_px_m(f_px: float, pupil_m: float, rays: int) -> float:
 def layer_sampling(
     layers: PinholeView, picture: PinholeView, focus: tuple[float, float, float], pupil_m: float, rays: int
 ) -> SurfaceSampling:
-    """Texture footprint for rays traced through peeled layers.
+    """Texture footprint for rays traced through peeled layers, for a plane of focus in steps of `PATCH_STEP_PX`.
 
     Args:
         layers: view of the layers' pixels.
@@ -68,7 +72,15 @@ def layer_sampling(
         rays: number of rays per pixel.
     """
     scale = layers.fx / picture.fx
-    slopes = focus[1] / scale, focus[2] / scale
-    corner = focus[0] + slopes[0] * (scale * picture.cx - layers.cx) + slopes[1] * (scale * picture.cy - layers.cy)
     patch = patch_px_m(max(layers.fx, layers.fy), pupil_m, rays)
-    return SurfaceSampling(1.0, patch, (corner, *slopes), by_quads=scale >= QUAD_SCALE)
+    if patch == 0:
+        return SurfaceSampling(by_quads=scale >= QUAD_SCALE)
+    step = PATCH_STEP_PX / patch
+    across = 4 * max(layers.width, layers.height)
+    right, down = (_rounded(slope / scale, step / across) for slope in focus[1:])
+    corner = focus[0] + right * (scale * picture.cx - layers.cx) + down * (scale * picture.cy - layers.cy)
+    return SurfaceSampling(1.0, patch, (_rounded(corner, step), right, down), by_quads=scale >= QUAD_SCALE)
+
+
+def _rounded(value: float, step: float) -> float:
+    return step * round(value / step)

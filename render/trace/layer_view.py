@@ -22,6 +22,8 @@ MAX_AREA_RATIO = 2.5
 """Limit on the layers' pixels relative to the picture's at their resolution; a lens that sees further gets coarser layers."""
 MAX_SLOPE = 4.5
 """No picture from one point goes beyond 77 degrees from its axis."""
+MARGIN_STEPS = 64
+"""Steps of the guard band in the picture's longer side: a slightly different focus or stop has the same layers."""
 _EDGE_POINTS = 33
 
 
@@ -67,11 +69,15 @@ def extend_view(
         supersample: layer pixels per picture pixel along each axis.
         most_side_px: limit on the layers' sides; margins are cut to it.
     """
+    step = max(view.width, view.height) / MARGIN_STEPS
     margins = [
-        max(0.0, view.cx + extent.right * view.fx - view.width),
-        max(0.0, -(view.cx + extent.left * view.fx)),
-        max(0.0, view.cy + extent.bottom * view.fy - view.height),
-        max(0.0, -(view.cy + extent.top * view.fy)),
+        step * max(0, int(np.ceil(beyond / step)))
+        for beyond in (
+            view.cx + extent.right * view.fx - view.width,
+            -(view.cx + extent.left * view.fx),
+            view.cy + extent.bottom * view.fy - view.height,
+            -(view.cy + extent.top * view.fy),
+        )
     ]
     area = (view.width + margins[0] + margins[1]) * (view.height + margins[2] + margins[3])
     scale = supersample * min(1.0, float(np.sqrt(MAX_AREA_RATIO * view.width * view.height / area)))

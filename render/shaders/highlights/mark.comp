@@ -12,6 +12,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = 0) buffer Marks { uint marks[]; };
 
 uniform int layer_count;
+uniform ivec2 block_count;      // of the layers
+uniform int first_row;          // of blocks of this dispatch
 uniform float blur_px;          // circle of confusion at a difference of 1/m, layer pixels
 uniform float least_radius;     // layer pixels
 uniform float noise;            // standard deviation of a pixel relative to its surroundings from which a texel is a highlight
@@ -32,10 +34,10 @@ bool is_highlight(ivec2 texel, int layer, float w)
 
 void main()
 {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, 8 * first_row);
     bool inside = all(lessThan(texel, textureSize(packed_w, 0)));
-    uint place = gl_LocalInvocationIndex, blocks = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
-    uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint place = gl_LocalInvocationIndex, blocks = uint(block_count.x * block_count.y);
+    uint block = (uint(first_row) + gl_WorkGroupID.y) * uint(block_count.x) + gl_WorkGroupID.x;
     for (int layer = 0; layer < layer_count; ++layer) {
         float w = inside ? stored_w(texel, layer) : 0.0;
         if (w == 0.0) break;  // the layers behind are empty too

@@ -17,14 +17,16 @@ uniform sampler2D w_map;
 uniform int channel;            // the layer's channel of w
 uniform int slice;              // its slice of the radiance
 uniform bool by_quads;          // light the quads, or the pixels
+uniform uint first_number;      // of those of this dispatch
+uniform uint end_number;        // one past their last
 uniform vec3 eye;               // camera space, m
 uniform mat2 slope_per_px;      // change of a ray's slope from pixel to pixel: right and up per metre ahead
 uniform vec2 first_slope;       // slope at the corner
 
 void main()
 {
-    uint number = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
-    if (number >= (by_quads ? quads : pixels)) return;
+    uint number = first_number + (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
+    if (number >= end_number) return;
     uint place = places[by_quads ? int(number) : places.length() - 1 - int(number)];
     ivec2 first = ivec2(place & 0xffffu, place >> 16);
     int count = by_quads ? 4 : 1;

@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.gl.cancellation import CancellationPoint
+from render.gl.cancellation import CancellationPoint, PieceSize
 from render.gl.resources import Construction, Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.area import Area
@@ -76,6 +76,7 @@ class HighlightFinder:
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint, buffers: RayBuffers
     ) -> None:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
+        self._rows = PieceSize(8)
 
     def search(self, pictures: Iterator[Picture]) -> Candidates:
         """Search the same layers, as one or more pictures see them, for texels that are highlights in any of these.
@@ -88,8 +89,7 @@ class HighlightFinder:
         with Construction() as making:
             means = making.keep(measure_means(self._ctx, self._programs, first))
             for picture in chain([first], pictures):
-                found.append(find_highlights(self._ctx, self._programs, picture, means))
-                self._cancellation.poll()
+                found.append(find_highlights(self._ctx, self._programs, picture, means, self._cancellation, self._rows))
         return Candidates(found[0] if len(found) == 1 else np.unique(np.concatenate(found), axis=0), means)
 
     def find(self, picture: Picture, share: float, area: Area, candidates: Candidates | None = None) -> Highlights:

@@ -8,6 +8,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from render.gl.cancellation import CancellationPoint, PieceSize
 from render.gl.resources import Construction, Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
@@ -116,7 +117,12 @@ def measure_means(ctx: moderngl.Context, programs: ProgramCache, picture: Pictur
 
 
 def find_highlights(
-    ctx: moderngl.Context, programs: ProgramCache, picture: Picture, means: moderngl.Texture
+    ctx: moderngl.Context,
+    programs: ProgramCache,
+    picture: Picture,
+    means: moderngl.Texture,
+    cancellation: CancellationPoint,
+    rows: PieceSize,
 ) -> NDArray[np.uint32]:
     """Find the highlights of all layers.
 
@@ -125,6 +131,8 @@ def find_highlights(
         programs: its programs.
         picture: the picture.
         means: from `measure_means`.
+        cancellation: where the work can be cancelled.
+        rows: size of its pieces, rows of blocks.
 
     Returns:
         ``(n, 3)``: x, y and layer, layer by layer and block by block; at most `MOST_MARKS`, else those above a higher noise.
@@ -141,9 +149,11 @@ def find_highlights(
         while True:
             marks.clear()
             marks.bind_to_storage_buffer(_MARKS)
-            set_uniforms(program, noise=noise)
-            program.run(width, height)
-            ctx.memory_barrier()
+            set_uniforms(program, noise=noise, block_count=(width, height))
+            for first, end in rows.cut(height, cancellation):
+                set_uniforms(program, first_row=first)
+                program.run(width, end - first)
+                ctx.memory_barrier()
             bits = np.frombuffer(marks.read(), np.uint32).reshape(-1, 2)
             if np.bitwise_count(bits).sum() <= MOST_MARKS:
                 return _places(bits, width, height)

@@ -14,6 +14,7 @@ from render.gl.cancellation import Cancelled
 from render.lab.reference.scenes import spheres_over_checkerboard
 from render.layers.index import Draw
 from render.layers.renderer import LayerRenderer
+from render.layers.shadows import shadow_region
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.scene import Light, Scene
@@ -117,3 +118,13 @@ def test_shadows_that_were_left_half_way_are_cast_anew(monkeypatch: pytest.Monke
         renderer.forget_layers()
         np.testing.assert_array_equal(renderer.render(scene, camera, SETTINGS).color, before)
         np.testing.assert_array_equal(renderer.render(scene, later, SETTINGS).color, fresh(scene, later))
+
+
+def test_shadows_stand_still_while_the_focus_is_pulled() -> None:
+    """Except for a step from one power of two to the next; what is in focus is always within."""
+    focused = [replace(wide()[1], focus_distance_m=metres) for metres in np.geomspace(6.0, 40.0, 200)]
+    regions = [shadow_region(camera) for camera in focused]
+    assert len(set(regions)) == 3
+    for camera, region in zip(focused, regions, strict=True):
+        place = camera.world_from_camera[:3, 3] - camera.focus_distance_m * camera.world_from_camera[:3, 2]
+        assert np.linalg.norm(place - region.centre) < region.radius_m / 5

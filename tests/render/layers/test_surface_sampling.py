@@ -9,7 +9,8 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle
-from render.layers.surface_sampling import SurfaceSampling, layer_sampling, patch_px_m
+from render.layers.peel import PICTURE
+from render.layers.surface_sampling import PATCH_STEP_PX, SurfaceSampling, layer_sampling, patch_px_m
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.scene import Batch, Image, Material, Scene, TextureLookup
@@ -72,4 +73,20 @@ def test_layers_see_the_plane_of_focus_where_the_picture_sees_it() -> None:
     for x, y in ((3.0, 100.0), (150.0, 11.0)):
         at = (layers.cx + 2.5 * (x - picture.cx), layers.cy + 2.5 * (y - picture.cy))
         w = found.focus[0] + found.focus[1] * at[0] + found.focus[2] * at[1]
-        assert w == pytest.approx(0.4 + 2e-3 * x - 1e-3 * y)
+        assert found.patch_px_m * w == pytest.approx(
+            found.patch_px_m * (0.4 + 2e-3 * x - 1e-3 * y), abs=0.75 * PATCH_STEP_PX
+        )
+
+
+def test_layers_are_kept_while_the_focus_is_pulled(renderer: FrameRenderer) -> None:
+    """Within a step of the plane of focus; the picture is the one that is drawn from new layers."""
+    scene, settings, camera = wall(3.0), FrameSettings(160, 120, rays=100), replace(CAMERA, f_stop=2.0)
+    kept, drawn = [], []
+    for focus_m in (1.2, 1.22, 1.25, 8.0):
+        kept.append(renderer.render(scene, replace(camera, focus_distance_m=focus_m), settings).color)
+        drawn.append(renderer.device.peeler._kept[PICTURE][1])
+    assert drawn[0] is drawn[1] is drawn[2] is not drawn[3]
+    assert not np.array_equal(kept[0], kept[2])
+    renderer.forget_layers()
+    anew = renderer.render(scene, replace(camera, focus_distance_m=1.25), settings).color
+    np.testing.assert_array_equal(kept[2], anew)

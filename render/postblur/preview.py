@@ -6,6 +6,7 @@ Engines that blur a single image are previewed by FLAG.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -20,7 +21,7 @@ from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.flag_blur import FlagBlur
 from render.postblur.single_image import SingleImageBlur, largest_radius_px
-from render.trace.lens import LensTracer
+from render.trace.lens import LensTracer, Stage
 from render.trace.picture_focus import picture_focus
 from render.trace.rays import RayPattern
 
@@ -40,6 +41,7 @@ class Previewer:
     def __init__(self, graphics: GraphicsContext, programs: ProgramCache, blur: SingleImageBlur) -> None:
         self._tracer = LensTracer(graphics.ctx, programs, graphics.cancellation)
         self._blur, self._flag = blur, FlagBlur(graphics.ctx, programs, graphics.cancellation)
+        self._nearest: tuple[Layers, float] | None = None
 
     def peel(
         self, peeler: Peeler, camera: Camera, view: PinholeView, *, unlit: bool, sketch: Sketch
@@ -74,7 +76,14 @@ class Previewer:
         return peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, is_sketch=is_sketch, cache_slot=cache_slot)
 
     def trace(
-        self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int
+        self,
+        peeler: Peeler,
+        peeled: Layers,
+        camera: Camera,
+        view: PinholeView,
+        pattern: RayPattern,
+        wavelengths: int,
+        on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> FloatArray:
         """Trace the camera's lens through kept layers, by few rays.
 
@@ -85,12 +94,19 @@ class Previewer:
             view: the picture.
             pattern: where its rays start.
             wavelengths: how many to trace, for a lens with colour errors.
+            on_stage: as for `LensTracer.trace_steps`.
 
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
         """
         return self._tracer.trace_layers(
-            peeled, camera, view, pattern, wavelengths=wavelengths, nearest_w=_nearest_w(peeler, peeled)
+            peeled,
+            camera,
+            view,
+            pattern,
+            wavelengths=wavelengths,
+            nearest_w=self._nearest_w(peeler, peeled),
+            on_stage=on_stage,
         )
 
     def blur(self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView) -> FloatArray:
@@ -108,20 +124,24 @@ class Previewer:
         wide = peeled.view
         focus = picture_focus(camera, wide)
         pupil_px = max(wide.fx, wide.fy) * pupil_radius_m(camera)
-        most_px = largest_radius_px(focus, pupil_px, _nearest_w(peeler, peeled))
+        most_px = largest_radius_px(focus, pupil_px, self._nearest_w(peeler, peeled))
         picture = self._blur.blur_layers(peeled, camera, focus, pupil_px, most_px, self._flag)
         left, top = round(wide.cx - view.cx), round(wide.cy - view.cy)
         return np.ascontiguousarray(picture[top : top + view.height, left : left + view.width])
 
+    def _nearest_w(self, peeler: Peeler, peeled: Layers) -> float:
+        """Greatest inverse depth in kept layers, 1/m; that of the last layers is kept."""
+        if peeled.nearest_w is not None:
+            return peeled.nearest_w
+        if self._nearest is None or self._nearest[0] is not peeled:
+            self._nearest = peeled, peeler.nearest_w(peeled.view)
+        return self._nearest[1]
+
     def release(self) -> None:
         """Give the memory back."""
+        self._nearest = None
         self._flag.release()
         self._tracer.release()
-
-
-def _nearest_w(peeler: Peeler, peeled: Layers) -> float:
-    """Greatest inverse depth in kept layers, 1/m."""
-    return peeler.nearest_w(peeled.view) if peeled.nearest_w is None else peeled.nearest_w
 
 
 def _widen(view: PinholeView) -> PinholeView:

@@ -34,11 +34,11 @@ from render.trace.tiling.plan import LayerBudget, plan_tiles, ray_reach_px
 from render.trace.tiling.tile_tracer import TileTracer, TileWork
 from render.trace.tracer import Tracer
 
-Stage = Literal["rays", "peel", "nbuffers", "trace"]
+Stage = Literal["rays", "peel", "nbuffers", "highlights", "trace"]
 _MOST_SIDE_PX = 4 * MAX_PICTURE_SIDE_PX
 """Limit on a side of the layers, which no texture need hold as a whole: the largest supersampling of the largest picture."""
 STAGES: tuple[Stage, ...] = get_args(Stage)
-"""Stages of a picture in order: lens table, layers, N-buffers, rays."""
+"""Stages of a picture in order: lens table, layers, N-buffers, highlights, rays."""
 
 
 @dataclass(frozen=True)
@@ -212,6 +212,7 @@ class LensTracer:
         *,
         wavelengths: int,
         nearest_w: float,
+        on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> FloatArray:
         """Trace the camera's lens through layers that were peeled for any focus and stop.
 
@@ -222,6 +223,7 @@ class LensTracer:
             pattern: ray pattern.
             wavelengths: number of wavelengths to trace, for a lens with colour errors.
             nearest_w: largest inverse depth of any surface in view, 1/m.
+            on_stage: as for `trace_steps`.
 
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
@@ -231,7 +233,7 @@ class LensTracer:
         w_f, pupil = focus.over_picture()
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
         bundle = merge_wavelengths(bundle, max(peeled.view.fx, peeled.view.fy), float(off_focus.max()))
-        work = self._trace_layers(peeled, bundle, focus, view, nearest_w)
+        work = self._trace_layers(peeled, bundle, focus, view, nearest_w, on_stage=on_stage)
         return _run(work).color
 
     def _trace_layers(
@@ -251,6 +253,7 @@ class LensTracer:
         if connections:
             found = self._highlights.find(peeled, bundle, focus, view)
             carried = self._carried = self._highlights.carry(found, peeled, nbuffers, bundle, focus, view)
+        on_stage("highlights")
         passes = self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays)
         for done in carried.without(passes):
             yield done.share

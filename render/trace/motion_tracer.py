@@ -123,8 +123,6 @@ class MotionTracer:
             if connections:
                 searched = [samples[i] for i in sorted({0, len(samples) // 2, len(samples) - 1})]
                 candidates = self._highlights.search(peeled, map(seen, searched), movers)
-            if candidates is not None:
-                stack.callback(candidates.release)
             for i, sample in enumerate(samples):
                 first, stop = sample.lines
                 if stop <= first:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from render.optics.view import PinholeView
 from render.pictures.progressive.clock import Clock
 from render.pictures.progressive.planner import PreviewPlan, PreviewPlanner
 from render.postblur.preview import Sketch
+from render.trace.lens import Stage as TraceStage
 from render.trace.rays import make_ray_pattern
 
 _LEAST_TRACE_SHARE = 0.4
@@ -81,8 +82,17 @@ class LiveFrames:
             left_ms = max(_LEAST_TRACE_SHARE * budget_ms, budget_ms - clock.total_ms)
             plan = self._plan(largest, settings, left_ms, rays)
             wavelengths = 1 if rays is None else min(settings.wavelengths, _PREVIEW_WAVELENGTHS)
-            picture = self._trace(peeled, camera, view.resize(plan.width, plan.height), settings, plan, wavelengths)
-        self._planner.learn(plan, clock.note("blur"))
+            fixed_ms = 0.0
+
+            def note_fixed(stage: TraceStage) -> None:
+                nonlocal fixed_ms
+                if stage == "highlights":
+                    fixed_ms = clock.note("blur")
+
+            picture = self._trace(
+                peeled, camera, view.resize(plan.width, plan.height), settings, plan, wavelengths, note_fixed
+            )
+        self._planner.learn(plan, clock.note("blur"), fixed_ms)
         return picture, plan.rays
 
     def _plan(self, largest: PinholeView, settings: FrameSettings, left_ms: float, rays: int | None) -> PreviewPlan:
@@ -100,10 +110,11 @@ class LiveFrames:
         settings: FrameSettings,
         plan: PreviewPlan,
         wavelengths: int,
+        on_stage: Callable[[TraceStage], None],
     ) -> FloatArray:
         device = self._renderer.device
         pattern = make_ray_pattern(plan.rays, camera.iris, seed=settings.seed, tiled=settings.tiled)
-        return device.previewer.trace(device.peeler, peeled, camera, view, pattern, wavelengths)
+        return device.previewer.trace(device.peeler, peeled, camera, view, pattern, wavelengths, on_stage)
 
     def draw_in_steps(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Generator[float, None, Frame]:
         """Draw a frame piece by piece, by an engine that draws in steps: equal to `FrameRenderer.render`'s to the bit.

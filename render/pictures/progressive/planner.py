@@ -5,10 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 GOOD_RAYS, ENOUGH_RAYS = 12, 64
-"""Fewest rays of a preview, below which a smaller picture is better, and most, above which few see a difference."""
+"""Rays of the smallest previews, at least, and of any preview, at most: with more, few see a difference."""
+SIZES = ((1.0, 32), (5 / 6, 13), (2 / 3, 9), (1 / 2, 7))
+"""Sizes of previews relative to the layers that they are traced through, each with the rays from which on it is closer to the
+final picture than a smaller one that costs as much (measured on the demo shot: ``tests/bench/RESULTS.md``)."""
+SMALLEST = 1 / 3
+"""Size below these."""
 SOFTWARE_SIDE_PX, DEVICE_SIDE_PX = 480, 1920
 """Longer side of the layers that are peeled for previews, on a processor and on a graphics device."""
-_SCALES = (1.0, 5 / 6, 2 / 3, 1 / 2, 1 / 3)  # of previews to those layers: few, so that sizes seldom change
+_LEAST_RAY_SHARE = 0.25  # of the time, for rays
 _FIXED_RAYS = 7  # rays that cost as much as the work done once for each pixel
 
 
@@ -42,6 +47,7 @@ class PreviewPlanner:
     def __init__(self, *, is_software: bool) -> None:
         self._side_px = SOFTWARE_SIDE_PX if is_software else DEVICE_SIDE_PX
         self._ray_ms = 3e-5 if is_software else 1e-6
+        self._fixed_ms = 10.0 if is_software else 1.0
         self._pixel_blur_ms = 5e-4 if is_software else 1e-5
 
     def largest_size(self, width: int, height: int) -> tuple[int, int]:
@@ -54,18 +60,20 @@ class PreviewPlanner:
         Args:
             width: of the picture in pixels.
             height: likewise.
-            left_ms: time for its rays.
+            left_ms: time for its rays, and for what is done before them whatever the size.
         """
-        for scale in _SCALES:
+        left_ms = max(left_ms - self._fixed_ms, _LEAST_RAY_SHARE * left_ms)
+        for scale, least in (*SIZES, (SMALLEST, 0)):
             size = self._scaled(width, height, scale)
             rays = int(left_ms / self._ray_ms / (size[0] * size[1])) - _FIXED_RAYS
-            if rays >= GOOD_RAYS:
-                return PreviewPlan(*size, min(rays, ENOUGH_RAYS))
-        return PreviewPlan(*self._scaled(width, height, _SCALES[-1]), GOOD_RAYS)
+            if rays >= least:
+                break
+        return PreviewPlan(*size, min(max(rays, least or GOOD_RAYS), ENOUGH_RAYS))
 
-    def learn(self, plan: PreviewPlan, took_ms: float) -> None:
-        """Adapt to the time that a preview's rays took."""
+    def learn(self, plan: PreviewPlan, took_ms: float, fixed_ms: float) -> None:
+        """Adapt to the times that a preview's rays took, and what was done before them."""
         self._ray_ms += 0.3 * (took_ms / plan.work - self._ray_ms)
+        self._fixed_ms += 0.3 * (fixed_ms - self._fixed_ms)
 
     def can_blur(self, width: int, height: int, left_ms: float) -> bool:
         """Tell whether a picture can be blurred in time.

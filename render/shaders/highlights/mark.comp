@@ -19,13 +19,16 @@ uniform float least_radius;     // layer pixels
 uniform float noise;            // standard deviation of a pixel relative to its surroundings from which a texel is a highlight
 uniform float rays;             // rays per pixel
 
-bool is_highlight(ivec2 texel, int layer, float w)
+// `least`: luminance that the surroundings of any texel have at least.
+bool is_highlight(ivec2 texel, int layer, float w, float least)
 {
     Seen seen = seen_texel(texel, layer, abs(w));
     vec2 focused = focus_at((seen.place - offset) / scale);
     float radius = blur_px * focused.y * abs(seen.w - focused.x);
     if (seen.w == 0.0 || radius < least_radius) return false;
-    float light = luminance_of(texelFetch(radiance, ivec3(texel, layer), 0), w), around = luminance_around(texel, radius);
+    float light = luminance_of(texelFetch(radiance, ivec3(texel, layer), 0), w);
+    if (light <= 2.0 * least) return false;
+    float around = luminance_around(texel, radius);
     // a ray finds the texel with probability 1 over the area of its circle of confusion and the pixel
     float excess = light - around, hits = rays * (3.14159 * radius * radius + scale * scale);
     if (excess <= around || excess * excess <= noise * noise * around * around * hits) return false;
@@ -38,10 +41,11 @@ void main()
     bool inside = all(lessThan(texel, textureSize(packed_w, 0)));
     uint place = gl_LocalInvocationIndex, blocks = uint(block_count.x * block_count.y);
     uint block = (uint(first_row) + gl_WorkGroupID.y) * uint(block_count.x) + gl_WorkGroupID.x;
+    float least = least_luminance_around();
     for (int layer = 0; layer < layer_count; ++layer) {
         float w = inside ? stored_w(texel, layer) : 0.0;
         if (w == 0.0) break;  // the layers behind are empty too
-        if (is_highlight(texel, layer, w)) {
+        if (is_highlight(texel, layer, w, least)) {
             atomicOr(marks[2u * (uint(layer) * blocks + block) + (place >> 5)], 1u << (place & 31u));
         }
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Tf, Usd
 
 from render.errors import CameraError, NotFoundError
 from render.stage import CameraChoice, default_camera, list_cameras
@@ -12,7 +12,7 @@ from usd_schemas import FocusPointView, LensCamera, SchemaError
 
 
 class CameraLookup:
-    """Finds the cameras of one stage.
+    """Finds the cameras of one stage. A list of them is kept until prims come or go.
 
     Args:
         stage: the stage.
@@ -22,14 +22,18 @@ class CameraLookup:
     def __init__(self, stage: Usd.Stage, file: Path) -> None:
         self._stage = stage
         self._file = file
+        self._paths: list[str] | None = None
+        self._listener = Tf.Notice.Register(Usd.Notice.ObjectsChanged, self._on_change, stage)
 
     def paths(self) -> list[str]:
         """Prim paths of all cameras."""
-        return list_cameras(self._stage)
+        if self._paths is None:
+            self._paths = list_cameras(self._stage)
+        return list(self._paths)
 
     def default(self) -> CameraChoice:
         """The camera that is used when none is named, and why."""
-        return default_camera(self._stage)
+        return default_camera(self._stage, cameras=self.paths())
 
     def path(self, camera_path: str | None) -> str:
         """Return a prim path, that of the default camera for None.
@@ -94,3 +98,7 @@ class CameraLookup:
         """
         self.editable(camera_path)
         return self.point(camera_path, name)
+
+    def _on_change(self, notice: Usd.Notice.ObjectsChanged, _sender: object) -> None:
+        if notice.GetResyncedPaths():
+            self._paths = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -45,7 +46,13 @@ class CameraChoice:
     framing: Camera | None = None
 
 
-def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float | None = None) -> CameraChoice:
+def default_camera(
+    stage: Usd.Stage,
+    *,
+    time: float | None = None,
+    aspect: float | None = None,
+    cameras: Sequence[str] | None = None,
+) -> CameraChoice:
     """The camera that is meant where none is named.
 
     The one that the stage's render settings name, else one called ``main_cam``, else the only one; else a camera that frames
@@ -55,11 +62,12 @@ def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float
         stage: the stage.
         time: the time code to frame at, where framing is needed; by default the stage's first.
         aspect: width over height of the picture, for the framing camera.
+        cameras: what `list_cameras` gives, where that is known.
 
     Raises:
         StageError: there is no camera and nothing to frame; code ``empty_stage``.
     """
-    cameras = list_cameras(stage)
+    cameras = list_cameras(stage) if cameras is None else cameras
     settings = UsdRender.Settings.GetStageRenderSettings(stage)
     with read_quietly(stage):
         targets = settings.GetCameraRel().GetForwardedTargets() if settings else []

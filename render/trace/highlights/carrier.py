@@ -33,7 +33,7 @@ from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.focal_map import FocalMaps
 from render.trace.highlights.chosen import NONE, Highlights, pixels_seen
-from render.trace.highlights.finder import Candidates, HighlightFinder
+from render.trace.highlights.finder import HighlightFinder
 from render.trace.highlights.iris_levels import bind_iris, iris_levels
 from render.trace.highlights.light_balance import balance_light
 from render.trace.highlights.scattering import Scatterer
@@ -127,8 +127,8 @@ class HighlightCarrier:
         self._scatterer = Scatterer(ctx, programs, cancellation, self._buffers)
         self.nothing = CarriedHighlights(ctx, programs)
 
-    def search(self, layers: Layers, moments: Iterable[SeenMoment], movers: Movers | None) -> Candidates | None:
-        """Search layers for texels that are highlights at any of some moments; the caller releases them. None without blur.
+    def search(self, layers: Layers, moments: Iterable[SeenMoment], movers: Movers | None) -> NDArray[np.uint32] | None:
+        """Search layers for texels that are highlights at any of some moments: ``(n, 3)`` x, y and layer. None without blur.
 
         Args:
             layers: peeled in the middle of the exposure.
@@ -154,7 +154,7 @@ class HighlightCarrier:
         moment_view: MomentView | None = None,
         movers: Movers | None = None,
         area: Area | None = None,
-        candidates: Candidates | None = None,
+        candidates: NDArray[np.uint32] | None = None,
     ) -> Highlights:
         """Find the highlights of layers, and choose those to be carried.
 
@@ -219,6 +219,7 @@ class HighlightCarrier:
     def release(self) -> None:
         """Release the memory."""
         self._mapped = None
+        self._finder.release()
         self._maps.release()
         self._buffers.release()
 

@@ -6,17 +6,16 @@ a strip are the same in each window that holds it (`render.trace.tiling`). At a 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import chain
+from collections.abc import Iterable
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from render.gl.cancellation import CancellationPoint, PieceSize
-from render.gl.resources import Construction, Resources
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.peel import Layers
 from render.model.area import Area
 from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
 from render.trace.highlights.chosen import NONE, TAKEN, Highlights
@@ -45,23 +44,6 @@ _PLAN = np.dtype(
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-@dataclass(frozen=True, eq=False)
-class Candidates:
-    """Texels that may be carried, and the means around them.
-
-    Attributes:
-        texels: ``(n, 3)`` x, y and layer.
-        means: from `render.trace.highlights.search.measure_means`; `release` releases them.
-    """
-
-    texels: NDArray[np.uint32]
-    means: moderngl.Texture
-
-    def release(self) -> None:
-        """Release the memory."""
-        self.means.release()
-
-
 class HighlightFinder:
     """Finds highlights.
 
@@ -77,38 +59,38 @@ class HighlightFinder:
     ) -> None:
         self._ctx, self._programs, self._cancellation, self._buffers = ctx, programs, cancellation, buffers
         self._rows = PieceSize(8)
+        self._means: tuple[Layers, moderngl.Texture] | None = None
 
-    def search(self, pictures: Iterator[Picture]) -> Candidates:
+    def search(self, pictures: Iterable[Picture]) -> NDArray[np.uint32]:
         """Search the same layers, as one or more pictures see them, for texels that are highlights in any of these.
 
         Args:
             pictures: at least one. Each is made when it is needed, since they may share the texture of their focal maps.
-        """
-        found: list[NDArray[np.uint32]] = []
-        first = next(pictures)
-        with Construction() as making:
-            means = making.keep(measure_means(self._ctx, self._programs, first))
-            for picture in chain([first], pictures):
-                found.append(find_highlights(self._ctx, self._programs, picture, means, self._cancellation, self._rows))
-        return Candidates(found[0] if len(found) == 1 else np.unique(np.concatenate(found), axis=0), means)
 
-    def find(self, picture: Picture, share: float, area: Area, candidates: Candidates | None = None) -> Highlights:
+        Returns:
+            ``(n, 3)`` x, y and layer.
+        """
+        found = [
+            find_highlights(self._ctx, self._programs, picture, self._means_of(picture), self._cancellation, self._rows)
+            for picture in pictures
+        ]
+        return found[0] if len(found) == 1 else np.unique(np.concatenate(found), axis=0)
+
+    def find(
+        self, picture: Picture, share: float, area: Area, candidates: NDArray[np.uint32] | None = None
+    ) -> Highlights:
         """Find and choose highlights.
 
         Args:
             picture: the picture, or a strip of its layers.
             share: its share of all layers, and so of the connections.
             area: part of the picture that is traced.
-            candidates: texels to choose from; None to search for them.
+            candidates: ``(n, 3)`` x, y and layer of the texels to choose from; None to search for them.
         """
-        with Resources() as scope:
-            if candidates is None:
-                candidates = self.search(iter([picture]))
-                scope.callback(candidates.release)
-            texels = candidates.texels
-            if len(texels) == 0:
-                return NONE
-            plans = self._plan(picture, candidates.means, texels)
+        texels = self.search([picture]) if candidates is None else candidates
+        if len(texels) == 0:
+            return NONE
+        plans = self._plan(picture, texels)
         places = texels.copy()
         places[:, :2] += np.array(picture.layers.origin, np.uint32)
         inside = (places[:, :2] < picture.layers.whole.size).all(axis=1) & (plans["box"][:, 2] > plans["box"][:, 0])
@@ -130,10 +112,24 @@ class HighlightFinder:
         taken["base"], taken["exact"] = plans["base"][members], plans["exact"][members]
         return Highlights(carried[is_chosen], taken)
 
-    def _plan(self, picture: Picture, means: moderngl.Texture, texels: NDArray[np.uint32]) -> NDArray[np.void]:
+    def release(self) -> None:
+        """Release the memory."""
+        if self._means is not None:
+            self._means[1].release()
+            self._means = None
+
+    def _means_of(self, picture: Picture) -> moderngl.Texture:
+        """Means of a picture's layers, kept for their next picture."""
+        if self._means is None or self._means[0] is not picture.layers:
+            self.release()
+            self._means = picture.layers, measure_means(self._ctx, self._programs, picture)
+        return self._means[1]
+
+    def _plan(self, picture: Picture, texels: NDArray[np.uint32]) -> NDArray[np.void]:
         program = self._programs.compute(
             "highlights/plan.comp", picture.defines | self._buffers.defines(picture.bundle)
         )
+        means = self._means_of(picture)
         unit = picture.bind(program)
         means.use(unit)
         set_uniforms(program, means=unit, count=len(texels))

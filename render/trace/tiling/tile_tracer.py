@@ -22,7 +22,7 @@ from render.trace.tiling.picture import TiledPicture
 from render.trace.tiling.plan import Tile, TilePlan
 from render.trace.tracer import Tracer
 
-OnTileStage = Callable[[Literal["peel", "nbuffers", "trace"]], None]
+OnTileStage = Callable[[Literal["peel", "nbuffers", "highlights", "trace"]], None]
 
 
 @dataclass(frozen=True)
@@ -100,6 +100,7 @@ class TileTracer:
                 nbuffers = self._nbuffers.build(layers, work.nearest_w)
                 on_stage("nbuffers")
                 carried = self._carrier.carry(found.within(tile), layers, nbuffers, work.bundle, work.focus, view, area)
+                on_stage("highlights")
                 self._at_work = picture, area, carried
                 share = area[2] * area[3] / (view.width * view.height)
                 passes = self._tracer.passes(

@@ -289,3 +289,19 @@ def radiance_bytes(renderer: FrameRenderer) -> bytes:
     _, layers = renderer.device.peeler._kept[PICTURE]
     slices: bytes = layers.targets.radiance.read()
     return slices[: len(slices) // layers.targets.radiance.layers * layers.count]
+
+
+def test_means_are_measured_once_for_layers_that_are_kept(
+    renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each focus finds highlights of its own among the same surroundings, as in layers that are new."""
+    measured = []
+    plain = finder.measure_means
+    monkeypatch.setattr(finder, "measure_means", lambda *args: measured.append(args) or plain(*args))
+    scene = bulbs()
+    renderer.render(scene, CAMERA, SETTINGS)
+    kept = renderer.render(scene, replace(CAMERA, focus_distance_m=0.81), SETTINGS).color
+    assert len(measured) == 1
+    renderer.forget_layers()
+    np.testing.assert_array_equal(renderer.render(scene, replace(CAMERA, focus_distance_m=0.81), SETTINGS).color, kept)
+    assert len(measured) == 2

@@ -23,6 +23,8 @@ from render.trace.rays import make_ray_pattern
 
 _LEAST_TRACE_SHARE = 0.4
 """Share of a preview's time that its rays have even where peeling took all of it."""
+_SHARE_OF_PEELING = 0.1
+"""Share of the time until its layers were there that they have where that is more."""
 _PREVIEW_WAVELENGTHS = 3
 """Most wavelengths of a preview whose rays are given; the others have one."""
 
@@ -79,7 +81,8 @@ class LiveFrames:
                 picture = previewer.blur(peeler, peeled, camera, largest)
                 self._planner.learn_blur(*largest.size, clock.note("blur"))
                 return picture, 0
-            left_ms = max(_LEAST_TRACE_SHARE * budget_ms, budget_ms - clock.total_ms)
+            spent_ms = clock.total_ms
+            left_ms = max(_LEAST_TRACE_SHARE * budget_ms, _SHARE_OF_PEELING * spent_ms, budget_ms - spent_ms)
             plan = self._plan(largest, settings, left_ms, rays)
             wavelengths = 1 if rays is None else min(settings.wavelengths, _PREVIEW_WAVELENGTHS)
             fixed_ms = 0.0

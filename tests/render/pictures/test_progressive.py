@@ -111,7 +111,8 @@ def test_the_last_picture_is_that_of_record(
     assert have_equal_content(final.picture.metadata.settings, plain.metadata.settings)
 
 
-def test_the_first_picture_is_like_the_last(progressive: ProgressiveRenderer) -> None:
+def test_the_first_picture_is_like_the_last(progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("render.pictures.progressive.frames._SHARE_OF_PEELING", 0.0)
     pictures = list(progressive.pictures(PreviewRequest("/cam", 2.0, SETTINGS, budget_ms=1.0)))
     assert pictures[0].rays == GOOD_RAYS
     first, final = pictures[0].graded, pictures[-1].graded
@@ -121,6 +122,18 @@ def test_the_first_picture_is_like_the_last(progressive: ProgressiveRenderer) ->
     assert better.rays > pictures[0].rays
     assert better.graded.shape > first.shape
     assert psnr_db(enlarge(better.graded, 160, 90), final) > 30
+
+
+def test_a_preview_that_waits_for_its_layers_has_more_rays(
+    progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The time until its layers are there is much longer than a budget of a millisecond."""
+    work = []
+    for share, time in ((0.0, 1.0), (2.0, 3.0)):
+        monkeypatch.setattr("render.pictures.progressive.frames._SHARE_OF_PEELING", share)
+        first = next(progressive.pictures(PreviewRequest("/cam", time, SETTINGS, budget_ms=1.0, is_moving=True)))
+        work.append(first.graded.size * first.rays)
+    assert work[1] > 2 * work[0]
 
 
 def test_a_drag_gets_previews_alone(progressive: ProgressiveRenderer) -> None:

@@ -39,7 +39,8 @@ class SurfaceLighter:
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
         self._ctx, self._programs, self._cancellation = ctx, programs, cancellation
-        self._listed, self._lit = PieceSize(64), (PieceSize(1 << 13), PieceSize(1 << 14))
+        self._listed = PieceSize(64, least=8)
+        self._lit = PieceSize(1 << 13, least=1 << 10), PieceSize(1 << 14, least=1 << 12)
 
     def light(self, slot: Slot, view: PinholeView, *, has_clearcoat: bool, by_quads: bool) -> None:
         """Add the light of lamps and dome that the surfaces of a layer send to the eye to what they emit. The lighting is bound.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
@@ -72,6 +73,7 @@ class LensTracer:
         self._tracer = Tracer(ctx, programs, cancellation)
         self._highlights = HighlightCarrier(ctx, programs, cancellation)
         self._carried = self._highlights.nothing
+        self._searched: tuple[Layers, float, NDArray[np.uint32] | None] | None = None
         self._tiles = TileTracer(ctx, self._nbuffers, self._tracer, self._highlights)
         self._bundles = BundleMaker(ctx, programs)
         self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._highlights, self._bundles)
@@ -200,7 +202,9 @@ class LensTracer:
         peeled = peel(wide)
         on_stage("peel")
         return (
-            yield from self._trace_layers(peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, on_stage)
+            yield from self._trace_layers(
+                peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, on_stage=on_stage
+            )
         )
 
     def trace_layers(
@@ -233,8 +237,22 @@ class LensTracer:
         w_f, pupil = focus.over_picture()
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
         bundle = merge_wavelengths(bundle, max(peeled.view.fx, peeled.view.fy), float(off_focus.max()))
-        work = self._trace_layers(peeled, bundle, focus, view, nearest_w, on_stage=on_stage)
+        candidates = self._candidates(peeled, camera, bundle, view, nearest_w)
+        work = self._trace_layers(peeled, bundle, focus, view, nearest_w, candidates=candidates, on_stage=on_stage)
         return _run(work).color
+
+    def _candidates(
+        self, peeled: Layers, camera: Camera, bundle: RayBundle, view: PinholeView, nearest_w: float
+    ) -> NDArray[np.uint32] | None:
+        """Texels of layers that may be highlights at some focus: those that are with the focus at infinity or on the nearest
+        surface. They are kept while the layers are, and the stop is not opened."""
+        if self._searched is None or self._searched[0] is not peeled or bundle.reach_m > self._searched[1]:
+            distances_m = math.inf, 1 / max(nearest_w, 1e-6)
+            cameras = (replace(camera, focus_distance_m=metres, focal_surface=None) for metres in distances_m)
+            focused = (picture_focus(one, view) for one in cameras)
+            texels = self._highlights.search_focused(peeled, bundle, focused, view)
+            self._searched = peeled, bundle.reach_m, texels
+        return self._searched[2]
 
     def _trace_layers(
         self,
@@ -245,13 +263,14 @@ class LensTracer:
         nearest_w: float,
         connections: bool = True,
         bound_by_rays: bool = False,
+        candidates: NDArray[np.uint32] | None = None,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> Generator[float, None, TracedPicture]:
         nbuffers = self._nbuffers.build(peeled, nearest_w)
         on_stage("nbuffers")
         carried = self._carried = self._highlights.nothing
         if connections:
-            found = self._highlights.find(peeled, bundle, focus, view)
+            found = self._highlights.find(peeled, bundle, focus, view, candidates=candidates)
             carried = self._carried = self._highlights.carry(found, peeled, nbuffers, bundle, focus, view)
         on_stage("highlights")
         passes = self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays)
@@ -281,6 +300,7 @@ class LensTracer:
 
     def release(self) -> None:
         """Release the memory."""
+        self._searched = None
         self._nbuffers.release()
         self._tiles.release_window()
         self._tracer.release()

@@ -143,6 +143,21 @@ class HighlightCarrier:
             for bundle, focus, moment_view in blurred
         )
 
+    def search_focused(
+        self, layers: Layers, bundle: RayBundle, focused: Iterable[PictureFocus], view: PinholeView
+    ) -> NDArray[np.uint32] | None:
+        """Search layers for texels that are highlights with any of some focal surfaces; as `search`.
+
+        Args:
+            layers: as for `find`.
+            bundle: rays of the lens.
+            focused: the focal surfaces.
+            view: projection of the picture.
+        """
+        if not _is_blurred(layers, bundle):
+            return None
+        return self._finder.search(self._picture(layers, None, bundle, focus, view, None, None) for focus in focused)
+
     def find(
         self,
         layers: Layers,

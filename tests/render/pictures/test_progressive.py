@@ -27,6 +27,7 @@ from render.pictures.progressive.planner import ENOUGH_RAYS, GOOD_RAYS, PreviewP
 from render.pictures.progressive.renderer import ProgressiveRenderer
 from render.shot import Shot
 from render.shot.film import finish as finishing
+from render.trace.highlights import finder
 from render.trace.tracer import Tracer
 from tests.render.kits.moving_shots import add_card, key_move, write_posts_shot
 
@@ -122,6 +123,31 @@ def test_the_first_picture_is_like_the_last(progressive: ProgressiveRenderer, mo
     assert better.rays > pictures[0].rays
     assert better.graded.shape > first.shape
     assert psnr_db(enlarge(better.graded, 160, 90), final) > 30
+
+
+def test_a_drag_of_the_focus_searches_for_highlights_once(
+    progressive: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With two focal surfaces, between which it may be dragged; again only where the stop is opened."""
+    request = PreviewRequest("/cam", 2.0, SETTINGS, is_moving=True)
+    searched = []
+    plain = finder.find_highlights
+    monkeypatch.setattr(finder, "find_highlights", lambda *args: searched.append(args) or plain(*args))
+    shot.camera.set("/cam", f_stop=2.0)
+    next(progressive.pictures(request))  # a sketch of the view
+    shot.camera.set("/cam", focus_distance_m=2.9)
+    next(progressive.pictures(request))
+    first = len(searched)
+    for metres in (2.0, 3.0, 5.0):
+        shot.camera.set("/cam", focus_distance_m=metres)
+        next(progressive.pictures(request))
+    assert len(searched) == first == 4
+    shot.camera.set("/cam", f_stop=4.0)
+    next(progressive.pictures(request))
+    assert len(searched) == first
+    shot.camera.set("/cam", f_stop=1.4)
+    next(progressive.pictures(request))
+    assert len(searched) == first + 2
 
 
 def test_a_preview_that_waits_for_its_layers_has_more_rays(

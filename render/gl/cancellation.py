@@ -100,7 +100,9 @@ class PieceSize:
         while first < count:
             end = min(first + self.units, count) if cancellation.is_cancellable else count
             yield first, end
-            self.learn(end - first, cancellation.poll())
+            took_ms = cancellation.poll()
+            if 2 * (end - first) >= self.units:  # small pieces do not predict the time of large ones
+                self.learn(end - first, took_ms)
             first = end
 
     def learn(self, units: int, took_ms: float) -> None:

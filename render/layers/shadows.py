@@ -140,8 +140,8 @@ def _perspective(
 
 
 def shadow_region(camera: Camera) -> Sphere:
-    """Region in which a distant light's shadows are resolved in a large scene: around the point in focus, at least
-    twelve metres. Its distance is a power of two, so that shadows stand still, and are kept, while the focus is pulled.
+    """Region in which a distant light's shadows are resolved in a large scene: around a point near the focus, at least
+    twelve metres. The point's distance is a power of two, so that shadows stand still, and are kept, while the focus is pulled.
     """
     focus_m = camera.focus_distance_m if 0 < camera.focus_distance_m < 1000 else 10.0
     distance_m = 2.0 ** round(np.log2(focus_m))

@@ -71,7 +71,7 @@ def extend_view(
     """
     step = max(view.width, view.height) / MARGIN_STEPS
     margins = [
-        step * max(0, int(np.ceil(beyond / step)))
+        step * max(0, int(np.ceil(beyond / step - 1e-6)))
         for beyond in (
             view.cx + extent.right * view.fx - view.width,
             -(view.cx + extent.left * view.fx),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import replace
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from render.trace.rays import make_ray_pattern
 _LEAST_TRACE_SHARE = 0.4
 """Share of a preview's time that its rays have even where peeling took all of it."""
 _SHARE_OF_PEELING = 0.1
-"""Share of the time until its layers were there that they have where that is more."""
+"""Share of the time until its layers were there that its rays have where that is more."""
 _PREVIEW_WAVELENGTHS = 3
 """Most wavelengths of a preview whose rays are given; the others have one."""
 
@@ -95,15 +94,15 @@ class LiveFrames:
             picture = self._trace(
                 peeled, camera, view.resize(plan.width, plan.height), settings, plan, wavelengths, note_fixed
             )
-        self._planner.learn(plan, clock.note("blur"), fixed_ms)
+        took_ms = clock.note("blur")
+        if rays is None:
+            self._planner.learn(plan, took_ms, fixed_ms)
         return picture, plan.rays
 
     def _plan(self, largest: PinholeView, settings: FrameSettings, left_ms: float, rays: int | None) -> PreviewPlan:
         if rays is None:
-            plan = self._planner.plan(largest.width, largest.height, left_ms)
-        else:
-            plan = PreviewPlan(largest.width, largest.height, rays)
-        return replace(plan, rays=min(plan.rays, settings.rays))
+            return self._planner.plan(largest.width, largest.height, left_ms, settings.rays)
+        return PreviewPlan(largest.width, largest.height, min(rays, settings.rays))
 
     def _trace(
         self,

@@ -54,21 +54,23 @@ class PreviewPlanner:
         """Give width and height, in pixels, of the layers that are peeled for previews of a picture."""
         return self._scaled(width, height, 1.0)
 
-    def plan(self, width: int, height: int, left_ms: float) -> PreviewPlan:
+    def plan(self, width: int, height: int, left_ms: float, most_rays: int = ENOUGH_RAYS) -> PreviewPlan:
         """Choose the size and rays of a preview.
 
         Args:
             width: of the picture in pixels.
             height: likewise.
-            left_ms: time for its rays, and for what is done before them whatever the size.
+            left_ms: time for its rays, and for what is done before them.
+            most_rays: rays of the final picture.
         """
+        most_rays = min(most_rays, ENOUGH_RAYS)
         left_ms = max(left_ms - self._fixed_ms, _LEAST_RAY_SHARE * left_ms)
         for scale, least in (*SIZES, (SMALLEST, 0)):
             size = self._scaled(width, height, scale)
             rays = int(left_ms / self._ray_ms / (size[0] * size[1])) - _FIXED_RAYS
-            if rays >= least:
+            if rays >= min(least, most_rays):
                 break
-        return PreviewPlan(*size, min(max(rays, least or GOOD_RAYS), ENOUGH_RAYS))
+        return PreviewPlan(*size, min(max(rays, least or GOOD_RAYS), most_rays))
 
     def learn(self, plan: PreviewPlan, took_ms: float, fixed_ms: float) -> None:
         """Adapt to the times that a preview's rays took, and what was done before them."""

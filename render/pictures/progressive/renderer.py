@@ -46,6 +46,7 @@ from render.trace.adaptive import whole_stops
 
 REFRESH_MS = 250.0
 """Least time between two unfinished pictures."""
+_LONGEST_WAIT_MS = 2000.0  # for an unfinished picture
 _REFRESH_SHARE = 0.2  # of the time, for unfinished pictures: making and sending one takes time from the tracing
 _FINISH_SHARE = 0.25  # of the budget, for the finish
 
@@ -206,7 +207,8 @@ class ProgressiveRenderer:
                 unfinished = self._frames.partial_picture(settings, under)
                 yield self._show(job, "refining", unfinished, settings.rays, share)
                 last = perf_counter()
-                wait_ms = max(REFRESH_MS, 1000 * (last - began) * (1 / _REFRESH_SHARE - 1))
+                wait_ms = min(1000 * (last - began) * (1 / _REFRESH_SHARE - 1), _LONGEST_WAIT_MS)
+                wait_ms = max(REFRESH_MS, wait_ms)
 
     def _show(self, job: _Job, stage: Stage, light: FloatArray, rays: int, share: float = 0.0) -> ProgressivePicture:
         """Make a picture of light that the lens has not dimmed yet."""

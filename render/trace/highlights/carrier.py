@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from time import perf_counter
 from typing import TypeVar
 
 import moderngl
@@ -44,6 +45,9 @@ from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
 
+STEP_MS = 100.0
+"""Time of a step of work between which highlights are put back into the layers: to replace them for each of its pieces would take
+longer than the pieces."""
 _LIST, _IMAGE = 0, 2  # as the shaders bind them
 _GROUP = 64
 _INSTANCE = np.dtype([("box", "f4", 4), ("excess", "f4", 4), ("place", "f4", 4)])
@@ -73,9 +77,20 @@ class CarriedHighlights:
         self._taken, self.light = taken, light
 
     def without(self, work: Iterator[Step]) -> Iterator[Step]:
-        """Run a generator that traces rays through the layers, which lack the highlights until it ends or is closed."""
-        with self._taken_out():
-            yield from work
+        """Run a generator that traces rays through the layers, which lack the highlights while it runs and have them between two
+        steps. A step takes up its pieces until `STEP_MS` are over.
+        """
+        is_done = False
+        while not is_done:
+            last: list[Step] = []
+            with self._taken_out():
+                is_done, until = True, perf_counter() + STEP_MS / 1000
+                for step in work:
+                    last = [step]
+                    if self._is_empty or perf_counter() >= until:
+                        is_done = False
+                        break
+            yield from last
 
     def add_to(self, picture: FloatArray) -> FloatArray:
         """Add the highlights' light to a picture ``(height, width, 4)`` of the rays."""
@@ -83,10 +98,14 @@ class CarriedHighlights:
             picture[..., :3] += self.light
         return picture
 
+    @property
+    def _is_empty(self) -> bool:
+        return self._taken is None or len(self._taken) == 0
+
     @contextmanager
     def _taken_out(self) -> Iterator[None]:
         """Replace the highlights in the layers; they are put back whatever happens."""
-        if self._taken is None or len(self._taken) == 0:
+        if self._taken is None or self._is_empty:
             yield
             return
         with Resources() as scope:

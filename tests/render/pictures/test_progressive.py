@@ -272,6 +272,7 @@ def test_unfinished_pictures_take_a_part_of_the_time(
     progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By a clock that goes on by a second with each reading, so that each picture takes one."""
+    monkeypatch.setattr("render.pictures.progressive.renderer._LONGEST_WAIT_MS", 1e9)
     seconds = itertools.count()
     monkeypatch.setattr("render.pictures.progressive.renderer.perf_counter", seconds.__next__)
     monkeypatch.setattr("render.gl.cancellation.PIECE_MS", 1.0)
@@ -312,6 +313,14 @@ def test_plans_follow_the_speed_of_the_machine() -> None:
     assert settled(1e-2) == PreviewPlan(160, 90, GOOD_RAYS)
     assert settled(1e-5).rays == pytest.approx(quick.rays, abs=1)
     assert settled(1e-9).rays == ENOUGH_RAYS
+
+
+def test_plans_of_few_rays_are_as_large_as_they_can_be() -> None:
+    planner = PreviewPlanner(is_software=True)
+    assert planner.plan(480, 270, 60, most_rays=8) == PreviewPlan(400, 225, 8)
+    for _ in range(60):
+        planner.learn(PreviewPlan(480, 270, 8), 40.0, 0.0)
+    assert planner.plan(480, 270, 60, most_rays=8) == PreviewPlan(480, 270, 8)
 
 
 def test_plans_leave_time_for_what_takes_as_long_whatever_the_size() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
-from render.gl.cancellation import Cancelled
+from render.gl.cancellation import CancellationPoint, Cancelled
 from render.lab.reference.scenes import rectangle
 from render.layers.peel import PICTURE
 from render.model.arrays import FloatArray
@@ -17,7 +17,7 @@ from render.model.camera import Camera
 from render.model.lens import Glass, HeightField, IrisShape, Lens, Prescription, SeidelErrors, Surface
 from render.model.scene import Batch, Material, Scene
 from render.pictures.progressive.frames import LiveFrames
-from render.trace.highlights import finder, grouping, scattering
+from render.trace.highlights import carrier, finder, grouping, scattering
 from tests.render.kits.bulbs import BULB, DARK, PANE, WALL, in_the_dark, plane
 from tests.render.kits.data_sheets import SHEET
 from tests.render.kits.lenses import PLANAR
@@ -255,20 +255,29 @@ def test_layers_are_put_back_where_work_is_cancelled(renderer: FrameRenderer) ->
     assert passed > 2
 
 
-@pytest.mark.parametrize("is_closed", [False, True], ids=["to the end", "closed early"])
-def test_layers_lack_highlights_between_pieces(renderer: FrameRenderer, is_closed: bool) -> None:
-    """Until the last piece, or until the work is closed: to replace them for each piece would take longer than the piece."""
+def test_layers_have_their_highlights_between_steps(renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are replaced once for a step, which has many pieces."""
+    monkeypatch.setattr("render.gl.cancellation.PIECE_MS", 0.5)
+    monkeypatch.setattr(carrier, "STEP_MS", 20.0)
+    written = []
+    plain = carrier.CarriedHighlights._write
+    monkeypatch.setattr(
+        carrier.CarriedHighlights, "_write", lambda *args, **how: written.append(how) or plain(*args, **how)
+    )
+    pieces = []
+    poll = CancellationPoint.poll
+    monkeypatch.setattr(CancellationPoint, "poll", lambda point: pieces.append(point) or poll(point))
     scene = bulbs()
     renderer.render(scene, CAMERA, SETTINGS)
     before = radiance_bytes(renderer)
+    written.clear()
     with renderer.graphics.cancellation.cancel_when(lambda: False):
-        work = LiveFrames(renderer).draw_in_steps(scene, CAMERA, SETTINGS)
-        next(work)
-        without = radiance_bytes(renderer)
-        next(work)
-        assert radiance_bytes(renderer) == without != before
-        work.close() if is_closed else list(work)
-    assert radiance_bytes(renderer) == before
+        steps = 0
+        for _ in LiveFrames(renderer).draw_in_steps(scene, CAMERA, SETTINGS):
+            steps += 1
+            assert radiance_bytes(renderer) == before
+    assert len(written) == 2 * steps
+    assert len(pieces) > 2 * len(written)
 
 
 @pytest.mark.parametrize("changes", [{"rays": 1}, {"f_stop": 0.0}], ids=["one ray", "pinhole"])

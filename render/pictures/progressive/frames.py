@@ -20,10 +20,8 @@ from render.postblur.preview import Sketch
 from render.trace.lens import Stage as TraceStage
 from render.trace.rays import make_ray_pattern
 
-_LEAST_TRACE_SHARE = 0.4
-"""Share of a preview's time that its rays have even where peeling took all of it."""
-_SHARE_OF_PEELING = 0.1
-"""Share of the time until its layers were there that its rays have where that is more."""
+_LEAST_RAY_SHARE = 0.1
+"""Share of a preview's time, or of the time until its layers were there where that is longer, that its rays have at least."""
 _PREVIEW_WAVELENGTHS = 3
 """Most wavelengths of a preview whose rays are given; the others have one."""
 
@@ -81,8 +79,8 @@ class LiveFrames:
                 self._planner.learn_blur(*largest.size, clock.note("blur"))
                 return picture, 0
             spent_ms = clock.total_ms
-            left_ms = max(_LEAST_TRACE_SHARE * budget_ms, _SHARE_OF_PEELING * spent_ms, budget_ms - spent_ms)
-            plan = self._plan(largest, settings, left_ms, rays)
+            least_ms = _LEAST_RAY_SHARE * max(budget_ms, spent_ms)
+            plan = self._plan(largest, settings, budget_ms - spent_ms, least_ms, rays)
             wavelengths = 1 if rays is None else min(settings.wavelengths, _PREVIEW_WAVELENGTHS)
             fixed_ms = 0.0
 
@@ -99,9 +97,11 @@ class LiveFrames:
             self._planner.learn(plan, took_ms, fixed_ms)
         return picture, plan.rays
 
-    def _plan(self, largest: PinholeView, settings: FrameSettings, left_ms: float, rays: int | None) -> PreviewPlan:
+    def _plan(
+        self, largest: PinholeView, settings: FrameSettings, left_ms: float, least_ms: float, rays: int | None
+    ) -> PreviewPlan:
         if rays is None:
-            return self._planner.plan(largest.width, largest.height, left_ms, settings.rays)
+            return self._planner.plan(largest.width, largest.height, left_ms, least_ms, settings.rays)
         return PreviewPlan(largest.width, largest.height, min(rays, settings.rays))
 
     def _trace(

@@ -13,7 +13,6 @@ SMALLEST = 1 / 3
 """Size below these."""
 SOFTWARE_SIDE_PX, DEVICE_SIDE_PX = 480, 1920
 """Longer side of the layers that are peeled for previews, on a processor and on a graphics device."""
-_LEAST_RAY_SHARE = 0.25  # of the time, for rays
 _FIXED_RAYS = 7  # rays that cost as much as the work done once for each pixel
 
 
@@ -54,17 +53,20 @@ class PreviewPlanner:
         """Give width and height, in pixels, of the layers that are peeled for previews of a picture."""
         return self._scaled(width, height, 1.0)
 
-    def plan(self, width: int, height: int, left_ms: float, most_rays: int = ENOUGH_RAYS) -> PreviewPlan:
+    def plan(
+        self, width: int, height: int, left_ms: float, least_ms: float = 0.0, most_rays: int = ENOUGH_RAYS
+    ) -> PreviewPlan:
         """Choose the size and rays of a preview.
 
         Args:
             width: of the picture in pixels.
             height: likewise.
             left_ms: time for its rays, and for what is done before them.
+            least_ms: time that its rays have even where nothing is left.
             most_rays: rays of the final picture.
         """
         most_rays = min(most_rays, ENOUGH_RAYS)
-        left_ms = max(left_ms - self._fixed_ms, _LEAST_RAY_SHARE * left_ms)
+        left_ms = max(left_ms - self._fixed_ms, least_ms)
         for scale, least in (*SIZES, (SMALLEST, 0)):
             size = self._scaled(width, height, scale)
             rays = int(left_ms / self._ray_ms / (size[0] * size[1])) - _FIXED_RAYS

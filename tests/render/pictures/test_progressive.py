@@ -113,7 +113,7 @@ def test_the_last_picture_is_that_of_record(
 
 
 def test_the_first_picture_is_like_the_last(progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("render.pictures.progressive.frames._SHARE_OF_PEELING", 0.0)
+    monkeypatch.setattr("render.pictures.progressive.frames._LEAST_RAY_SHARE", 0.0)
     pictures = list(progressive.pictures(PreviewRequest("/cam", 2.0, SETTINGS, budget_ms=1.0)))
     assert pictures[0].rays == GOOD_RAYS
     first, final = pictures[0].graded, pictures[-1].graded
@@ -156,7 +156,7 @@ def test_a_preview_that_waits_for_its_layers_has_more_rays(
     """The time until its layers are there is much longer than a budget of a millisecond."""
     work = []
     for share, time in ((0.0, 1.0), (2.0, 3.0)):
-        monkeypatch.setattr("render.pictures.progressive.frames._SHARE_OF_PEELING", share)
+        monkeypatch.setattr("render.pictures.progressive.frames._LEAST_RAY_SHARE", share)
         first = next(progressive.pictures(PreviewRequest("/cam", time, SETTINGS, budget_ms=1.0, is_moving=True)))
         work.append(first.graded.size * first.rays)
     assert work[1] > 2 * work[0]
@@ -332,7 +332,8 @@ def test_plans_leave_time_for_what_takes_as_long_whatever_the_size() -> None:
     assert 2e-5 * plan.work == pytest.approx(40, rel=0.15)
     for _ in range(60):
         planner.learn(plan, 2e-5 * plan.work, 1000.0)
-    assert planner.plan(960, 540, 60).width >= 160
+    assert planner.plan(960, 540, 60) == PreviewPlan(160, 90, GOOD_RAYS)
+    assert 2e-5 * planner.plan(960, 540, 60, least_ms=30.0).work == pytest.approx(30, rel=0.15)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (3, 5), (90, 160)])

@@ -206,18 +206,15 @@ class FieldSpreader:
             Cancelled: the work is stale.
         """
         program = self.spread_program(**({"KEEP": 1} if sums is not None else {}))
-        first, (across, down) = 0, self.tiles
-        while first < down:
-            rows = min(self._piece.units if cancellation.is_cancellable else down, down - first)
+        across, down = self.tiles
+        for first, end in self._piece.cut(down, cancellation):
             self.bind_textures(program, weights=self.tables.weights, light_now=self.light, state_now=self.state)
             self.bind_spread(program, (self.emitters, self.reaches, self.tile_bits))
             if sums is not None:
                 sums.bind_to_storage_buffer(0)
             set_uniforms(program, first_tile=first)
-            program.run(across, rows)
+            program.run(across, end - first)
             self._ctx.memory_barrier()
-            self._piece.learn(rows, cancellation.poll())
-            first += rows
 
     def spread_program(self, **defines: int) -> moderngl.ComputeShader:
         """Return the variant of linear_spread.comp with these defines."""

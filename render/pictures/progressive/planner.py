@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 GOOD_RAYS, ENOUGH_RAYS = 12, 64
 """Rays of the smallest previews, at least, and of any preview, at most: with more, few see a difference."""
-SIZES = ((1.0, 32), (5 / 6, 13), (2 / 3, 9), (1 / 2, 7))
+SIZES = ((1.0, 32), (5 / 6, 13), (2 / 3, 9), (1 / 2, 7), (1 / 3, GOOD_RAYS))
 """Sizes of previews relative to the layers that they are traced through, each with the rays from which on it is closer to the
 final picture than a smaller one that costs as much (measured on the demo shot: ``tests/bench/RESULTS.md``)."""
-SMALLEST = 1 / 3
-"""Size below these."""
 SOFTWARE_SIDE_PX, DEVICE_SIDE_PX = 480, 1920
 """Longer side of the layers that are peeled for previews, on a processor and on a graphics device."""
 _FIXED_RAYS = 7  # rays that cost as much as the work done once for each pixel
@@ -67,12 +65,12 @@ class PreviewPlanner:
         """
         most_rays = min(most_rays, ENOUGH_RAYS)
         left_ms = max(left_ms - self._fixed_ms, least_ms)
-        for scale, least in (*SIZES, (SMALLEST, 0)):
+        for scale, least in SIZES:
             size = self._scaled(width, height, scale)
             rays = int(left_ms / self._ray_ms / (size[0] * size[1])) - _FIXED_RAYS
             if rays >= min(least, most_rays):
                 break
-        return PreviewPlan(*size, min(max(rays, least or GOOD_RAYS), most_rays))
+        return PreviewPlan(*size, min(max(rays, least), most_rays))
 
     def learn(self, plan: PreviewPlan, took_ms: float, fixed_ms: float) -> None:
         """Adapt to the times that a preview's rays took, and what was done before them."""

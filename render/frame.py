@@ -213,6 +213,10 @@ class FrameRenderer:
         self.device.peeler.load(self._headlight.add_light(scene, camera), shadow_region(camera), is_preview=is_preview)
         return _close_iris(camera, settings)
 
+    def has_loaded(self, scene: Scene, camera: Camera) -> bool:
+        """Whether `load` would do nothing: the scene is on the device, with its shadows as this camera's pictures have them."""
+        return self.device.peeler.has_shadows(self._headlight.add_light(scene, camera), shadow_region(camera))
+
     def measure(self, color: FloatArray, scene: Scene, request: DrawRequest) -> Frame:
         """Make a frame of a picture, and measure the AOVs of the loaded scene.
 

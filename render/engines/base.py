@@ -86,6 +86,10 @@ class Engine:
         """
         raise NotImplementedError
 
+    def starts_at_once(self, request: DrawRequest) -> bool:
+        """Tell whether `draw_in_steps` shows something soon, with nothing to prepare. Only where `draws_in_steps`."""
+        raise NotImplementedError
+
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Read the picture that `draw_in_steps` is drawing.
 

@@ -76,6 +76,10 @@ class LensEngine(Engine):
         """Trace all rays, piece by piece."""
         return self._device.trace_in_steps(request)
 
+    def starts_at_once(self, request: DrawRequest) -> bool:
+        """Tell whether the layers of the picture are kept."""
+        return self._device.keeps_layers(request)
+
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Read the mean over the rays traced so far."""
         return self._device.tracer.partial_picture()

@@ -156,7 +156,7 @@ class Peeler:
             and region.is_close_to(self._shadow_region)
         ):
             region = self._shadow_region
-        if scene is self._scene and region == self._shadow_region:
+        if self.has_shadows(scene, region):
             return
         is_new, self._scene = scene is not self._scene, None  # until all of the scene is loaded
         if is_new:
@@ -177,6 +177,10 @@ class Peeler:
             scene: scene as passed to `load`.
         """
         return scene is self._scene
+
+    def has_shadows(self, scene: Scene, region: Sphere | None) -> bool:
+        """Whether a scene is loaded with shadow maps of this very region, so that `load` would do nothing."""
+        return self.has_scene(scene) and region == self._shadow_region
 
     @property
     def is_opaque(self) -> bool:
@@ -228,14 +232,24 @@ class Peeler:
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
         key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, is_sketch)
-        kept = self._kept.pop(cache_slot, None)
-        if kept is not None and not moves and kept[0].matches(key):
-            self._kept[cache_slot] = kept
-            return kept[1]
+        return self.peel_by(key, moves=moves, cache_slot=cache_slot)
+
+    def peel_by(
+        self, key: PeelKey, *, moves: Mapping[int, Movement] | None = None, cache_slot: str = PICTURE
+    ) -> Layers:
+        """Peel the loaded scene by the parameters of a key; as `peel`."""
+        if not moves and self.keeps(key, cache_slot=cache_slot):
+            return self._kept[cache_slot][1]
+        self._kept.pop(cache_slot, None)
         peeled = self._draw_layers(key, moves or {}, cache_slot)
         if not moves:
             self._kept[cache_slot] = key, peeled
         return peeled
+
+    def keeps(self, key: PeelKey, *, cache_slot: str = PICTURE) -> bool:
+        """Whether `peel_by` would return kept layers of surfaces that stand still."""
+        kept = self._kept.get(cache_slot)
+        return kept is not None and kept[0].matches(key)
 
     def has_layers(self, view: PinholeView, *, unlit: bool, cache_slot: str) -> bool:
         """Whether a cache slot holds layers of this view, for any number of layers and any pupil."""

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder, NBuffers
-from render.layers.peel import Layers, Peeler
-from render.layers.surface_sampling import layer_sampling
+from render.layers.peel import Layers, Peeler, PeelKey
+from render.layers.surface_sampling import SurfaceSampling, layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -31,7 +31,7 @@ from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
-from render.trace.tiling.plan import LayerBudget, plan_tiles, ray_reach_px
+from render.trace.tiling.plan import LayerBudget, TilePlan, plan_tiles, ray_reach_px
 from render.trace.tiling.tile_tracer import TileTracer, TileWork
 from render.trace.tracer import Tracer
 
@@ -55,6 +55,43 @@ class TracedPicture:
     color: FloatArray
     layers: Layers
     nbuffers: NBuffers
+
+
+@dataclass(frozen=True)
+class _LayerPlan:
+    """Layers that a picture is traced through.
+
+    Attributes:
+        bundle: the lens.
+        focus: focal surface.
+        wide: view of all layers.
+        nearest_w: greatest inverse depth in it, 1/m.
+        layers: opaque ones, at most.
+        sheets: with partly transparent ones, at most.
+        umbra: as for `Peeler.peel`.
+        unlit: likewise.
+        sampling: of surfaces, from the corner of ``wide``.
+        tiles: parts that are peeled one after another; None for one peeling.
+    """
+
+    bundle: RayBundle
+    focus: PictureFocus
+    wide: PinholeView
+    nearest_w: float
+    layers: int
+    sheets: int
+    umbra: float
+    unlit: bool
+    sampling: SurfaceSampling
+    tiles: TilePlan | None
+
+    def key_of(self, part: PinholeView) -> PeelKey:
+        """Parameters of the peeling of a part of the view."""
+        wide = self.wide
+        sampling = self.sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
+        left, top = round(wide.cx - part.cx), round(wide.cy - part.cy)
+        beyond = left > 0, top > 0, left + part.width < wide.width, top + part.height < wide.height
+        return PeelKey(part, self.layers, self.umbra, self.unlit, sampling, beyond, self.sheets)
 
 
 class LensTracer:
@@ -152,6 +189,58 @@ class LensTracer:
         """
         bundle = self._bundles.make_bundle(camera, view, pattern, wavelengths)
         on_stage("rays")
+        plan = self._plan(
+            peeler, camera, view, bundle, pattern.whole, layers, supersample, texel_offset, unlit, connections
+        )
+        bundle, focus, nearest_w = plan.bundle, plan.focus, plan.nearest_w
+
+        def peel(part: PinholeView) -> Layers:
+            return peeler.peel_by(plan.key_of(part))
+
+        if plan.tiles is not None:
+            work = TileWork(plan.tiles, peel, plan.sheets, bundle, focus, view, nearest_w, connections, bound_by_rays)
+            return TracedPicture(*(yield from self._tiles.trace(work, on_stage)))
+        peeled = peel(plan.wide)
+        on_stage("peel")
+        return (
+            yield from self._trace_layers(
+                peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, on_stage=on_stage
+            )
+        )
+
+    def keeps_layers(
+        self,
+        peeler: Peeler,
+        camera: Camera,
+        view: PinholeView,
+        pattern: RayPattern,
+        *,
+        wavelengths: int = 3,
+        layers: int,
+        supersample: float,
+        unlit: bool = False,
+        connections: bool = True,
+    ) -> bool:
+        """Whether `trace_steps` would start with layers that the peeler keeps. Arguments as there."""
+        bundle = self._bundles.make_bundle(camera, view, pattern, wavelengths)
+        plan = self._plan(
+            peeler, camera, view, bundle, pattern.whole, layers, supersample, (0.0, 0.0), unlit, connections
+        )
+        return plan.tiles is None and peeler.keeps(plan.key_of(plan.wide))
+
+    def _plan(
+        self,
+        peeler: Peeler,
+        camera: Camera,
+        view: PinholeView,
+        bundle: RayBundle,
+        rays: int,
+        layers: int,
+        supersample: float,
+        texel_offset: tuple[float, float],
+        unlit: bool,
+        connections: bool,
+    ) -> _LayerPlan:
         focus = picture_focus(camera, view)
         w_f, pupil = focus.over_picture()
         widest = make_layer_view(view, bundle, focus, supersample, 1 / view.near_m, _MOST_SIDE_PX)
@@ -165,47 +254,16 @@ class LensTracer:
         if peeler.is_opaque:
             layers = min(layers, layers_needed(pupil_px, nearest_w))
         sheets = layers if peeler.is_opaque or pupil_px == 0 else MAX_LAYERS
-        umbra = umbra_reach(pupil_px)
         plane = focus.affine
-        sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1)
-
-        def peel(part: PinholeView) -> Layers:
-            own = sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
-            left, top = round(wide.cx - part.cx), round(wide.cy - part.cy)
-            beyond = left > 0, top > 0, left + part.width < wide.width, top + part.height < wide.height
-            return peeler.peel(
-                part,
-                layers=layers,
-                umbra=umbra,
-                unlit=unlit,
-                sampling=own,
-                reachable=beyond,
-                sheets=sheets,
-            )
-
+        sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, rays if plane else 1)
         scale = wide.fx / view.fx
         reach_px = ray_reach_px(bundle, focus, wide, scale, nearest_w)
         if connections and bundle.table is not None:
             reach_px += SPLAT_REACH_PX * scale
-        plan = plan_tiles(
-            view,
-            wide,
-            reach_px,
-            sheets,
-            self.budget,
-            int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]),
-            lit=not unlit,
-        )
-        if plan is not None:
-            work = TileWork(plan, peel, sheets, bundle, focus, view, nearest_w, connections, bound_by_rays)
-            return TracedPicture(*(yield from self._tiles.trace(work, on_stage)))
-        peeled = peel(wide)
-        on_stage("peel")
-        return (
-            yield from self._trace_layers(
-                peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, on_stage=on_stage
-            )
-        )
+        most_side_px = int(self._ctx.info["GL_MAX_TEXTURE_SIZE"])
+        tiles = plan_tiles(view, wide, reach_px, sheets, self.budget, most_side_px, lit=not unlit)
+        umbra = umbra_reach(pupil_px)
+        return _LayerPlan(bundle, focus, wide, nearest_w, layers, sheets, umbra, unlit, sampling, tiles)
 
     def trace_layers(
         self,

@@ -92,6 +92,21 @@ class Device:
         self.tracer.release_window()
         return traced.color
 
+    def keeps_layers(self, request: DrawRequest) -> bool:
+        """Whether `trace_in_steps` would start with kept layers."""
+        settings = request.settings
+        return self.tracer.keeps_layers(
+            self.peeler,
+            request.camera,
+            request.view,
+            _pattern(request),
+            wavelengths=settings.wavelengths,
+            layers=settings.layers,
+            supersample=traced_scale(settings),
+            unlit=request.is_unlit,
+            connections=settings.connections,
+        )
+
     def trace_swept(
         self, request: DrawRequest, samples: Sequence[ShutterSample], movements: Mapping[int, Movement]
     ) -> Generator[FloatArray, None, None]:

@@ -2,6 +2,8 @@
 
     a small picture from kept layers · the same by more rays · the exact picture, piece by piece · finished as files are
 
+The second is left out where the layers of the exact picture are kept, since that one can be shown as soon.
+
 Work that has become stale is cancelled between two of its pieces. Kept results are used where nothing that they depend on has
 changed: the scene and shadows of what stands still (`render.layers.shadow_maps`), layers and N-buffers (`Peeler.peel`,
 `NBufferBuilder.build`), the light on the film where only its development or the grade changed, and the developed film where only
@@ -176,7 +178,8 @@ class ProgressiveRenderer:
             frame = expose_frame(self._renderer, shot, path, job.camera, time, settings)
             job.clock.note("blur")
             return frame
-        if rays < min(ENOUGH_RAYS, settings.rays) / 2:
+        is_coarse = rays < min(ENOUGH_RAYS, settings.rays) / 2
+        if is_coarse and not self._frames.starts_at_once(job.scene, job.camera, settings):
             light, rays = self._frames.draw_preview(
                 job.scene,
                 job.camera,

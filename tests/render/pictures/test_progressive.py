@@ -188,6 +188,24 @@ def test_a_change_of_focus_or_stop_peels_nothing_at_first(
     assert drawn.since() > 0
 
 
+def test_more_rays_of_a_preview_are_drawn_only_while_layers_are(
+    progressive: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("render.pictures.progressive.frames._LEAST_RAY_SHARE", 0.0)
+    request = PreviewRequest("/cam", 2.0, SETTINGS, budget_ms=1.0)
+
+    def further_previews(changed: PreviewRequest) -> int:
+        return sum(shown.stage == "refining" and shown.share == 0 for shown in progressive.pictures(changed))
+
+    shot.camera.set("/cam", focus_distance_m=2.0)
+    assert further_previews(request) == 1
+    shot.camera.set("/cam", focus_distance_m=2.02)
+    assert further_previews(request) == 0, "layers are kept"
+    assert further_previews(replace(request, time=3.0)) == 1
+    shot.camera.set("/cam", focus_distance_m=0.5)
+    assert further_previews(replace(request, time=3.0)) == 1, "a wider guard band needs new layers"
+
+
 def test_a_change_of_grade_or_film_traces_nothing(
     progressive: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
 ) -> None:

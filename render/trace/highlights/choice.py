@@ -9,10 +9,12 @@ from render.model.area import Area
 from render.model.arrays import DoubleArray
 from render.trace.highlights.chosen import pixels_seen
 
-CONNECTIONS_PER_RAY = 0.08
-"""Limit on the connections of a picture, relative to its rays: eight for each pixel at 100 rays."""
-CELL_COST = 2.0
-"""Connections that a cell of the pupil counts for: it evaluates the lens table about twice as often."""
+CONNECTIONS_PER_RAY = 0.25
+"""Limit on the connections of a picture, relative to its rays. On two CPU cores a connection costs as much as one to three rays.
+Measured over 0.04 to 0.64 (``tests/bench/RESULTS.md``): where highlights cover the picture this removes 40 to 60 % of the squared
+error that 0.08 leaves; more gains little."""
+CELL_COST = 6.0
+"""Connections that a cell of the pupil counts for: it evaluates the lens table, and is scattered."""
 
 
 def choose_highlights(

@@ -19,7 +19,7 @@ from render.model.scene import Dome, Image, Light
 from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.findings import FindingLog
 from render.stage.materials.textures import TextureCache, TextureError
-from render.stage.values import UNREADABLE, why_unreadable
+from render.stage.values import UNREADABLE, schema_type, why_unreadable
 from render.stage.world import rigid_frame, world_from_stage
 
 RGB = tuple[float, float, float]
@@ -86,7 +86,7 @@ class LightReader:
 
     def is_dome(self, prim: Usd.Prim) -> bool:
         """Whether a light prim lights from all around."""
-        return prim.GetTypeName() in _DOMES
+        return schema_type(prim) in _DOMES
 
     def light(self, prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Light | None:
         """A light with a place or a direction, or None (and a finding) where its kind is not honoured."""
@@ -96,7 +96,7 @@ class LightReader:
             "DiskLight": self._disk,
             "RectLight": self._rect,
         }
-        path, kind = prim.GetPath(), str(prim.GetTypeName())
+        path, kind = prim.GetPath(), schema_type(prim)
         reader = readers.get(kind)
         if reader is None:
             self._log.add(
@@ -119,7 +119,7 @@ class LightReader:
         # The dome's axes are the stage's; it depends on directions alone, so units and scale drop out.
         pose = rigid_frame(world_pose(prim, transforms, self._world))
         pose[:3, 3] = 0.0
-        if str(prim.GetTypeName()) == "DomeLight_1" and self._pole_is_z(prim, time):
+        if schema_type(prim) == "DomeLight_1" and self._pole_is_z(prim, time):
             pose = pose @ _Z_UP_FROM_Y_UP
         radiance = _radiance(prim, time)
         if not _in_range(radiance):

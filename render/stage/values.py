@@ -1,4 +1,4 @@
-"""Values of another type than their schema's: USD hands them out as they are."""
+"""Types of prims, and values of another type than their schema's: USD hands them out as they are."""
 
 from __future__ import annotations
 
@@ -6,6 +6,11 @@ from pxr import Usd
 
 # Errors of arithmetic on such values, or on numbers out of range.
 UNREADABLE = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError)
+
+
+def schema_type(prim: Usd.Prim) -> str:
+    """Name of the prim's schema: the first known one of the stage's ``fallbackPrimTypes`` where its own type is unknown."""
+    return str(prim.GetPrimTypeInfo().GetSchemaTypeName())
 
 
 def why_unreadable(problem: Exception) -> str:

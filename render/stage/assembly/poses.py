@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd, UsdGeom, Vt
+from pxr import Gf, Usd, UsdGeom, Vt
 
 from render.errors import StageError
 from render.model.arrays import DoubleArray, IntArray
@@ -28,6 +28,19 @@ def world_pose(prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArra
     if not np.isfinite(pose).all():
         raise _not_finite(_culprit(prim, transforms))
     return pose
+
+
+_LISTS = (
+    "protoIndices",
+    "positions",
+    "orientations",
+    "orientationsf",
+    "scales",
+    "velocities",
+    "accelerations",
+    "angularVelocities",
+)
+"""Attributes of a PointInstancer with a value for each instance, but for its ids."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,13 +121,15 @@ class InstanceReader:
         if not isinstance(authored, Vt.IntArray | None):
             raise TypeError(f"protoIndices must be a list of whole numbers, got {format_value(authored)}")
         prototypes = np.array(authored or [], np.int32)
-        # USD gives no transforms at all if a single prototype does not exist, so that prototypes' own come in later.
-        rows = instancer.ComputeInstanceTransformsAtTime(
-            self._time, self._time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
-        )
+        positions = len(instancer.GetPositionsAttr().Get(self._time) or [])
+        if len(prototypes) == positions:
+            rows = _transforms(instancer, self._time)
+        else:  # USD gives no transforms at all then
+            scratch = Usd.Stage.CreateInMemory()
+            rows = _transforms(_cut(instancer, min(len(prototypes), positions), self._time, scratch), self._time)
         matrices = np.array(rows, np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
-        self._note_faults(instancer, prototypes, len(matrices))
         count = min(len(prototypes), len(matrices))
+        self._note_faults(instancer, prototypes, positions, count)
         mask = instancer.ComputeMaskAtTime(self._time)
         visible = np.array(mask, bool)[:count] if mask else np.ones(count, bool)
         return _Instances(matrices[:count], prototypes[:count], visible, self._names(instancer, count))
@@ -131,17 +146,19 @@ class InstanceReader:
             return np.arange(count, dtype=np.int32)
         return fit.astype(np.int32)
 
-    def _note_faults(self, instancer: UsdGeom.PointInstancer, prototypes: IntArray, count: int) -> None:
+    def _note_faults(self, instancer: UsdGeom.PointInstancer, prototypes: IntArray, positions: int, count: int) -> None:
         path = instancer.GetPath()
-        if len(prototypes) and not count:
-            positions = len(instancer.GetPositionsAttr().Get(self._time) or [])
-            message = f"it has {len(prototypes)} protoIndices and {positions} positions"
-            self._log.add("bad_instances", path, f"instancer {path} is not drawn: {message}")
+        if len(prototypes) != positions or (positions and not count):
+            drawn = "the instances that have both are drawn" if count else "it is not drawn"
+            message = f"instancer {path} has {len(prototypes)} protoIndices and {positions} positions: {drawn}"
+            self._log.add("bad_instances", path, message)
+        if not count:
             return
+        is_cut, prototypes = len(prototypes) != positions, prototypes[:count]
         for name in ("orientations", "orientationsf", "scales"):
             values = instancer.GetPrim().GetAttribute(name).Get(self._time)
-            if values and len(values) != len(prototypes):
-                message = f"the {name} of {path} are not used: there are {len(values)} for {len(prototypes)} instances"
+            if values and (len(values) < count if is_cut else len(values) != count):
+                message = f"the {name} of {path} are not used: there are {len(values)} for {count} instances"
                 self._log.add(f"bad_{name}", path, message)
         targets = len(instancer.GetPrototypesRel().GetForwardedTargets())
         bad = np.flatnonzero((prototypes < 0) | (prototypes >= targets))
@@ -151,6 +168,37 @@ class InstanceReader:
                 f"{targets - 1}, got {prototypes[bad[0]]} at {bad[0]}"
             )
             self._log.add("bad_proto_index", path, message)
+
+
+def _transforms(instancer: UsdGeom.PointInstancer, time: Usd.TimeCode) -> Sequence[Gf.Matrix4d]:
+    """Instancer from prototype root, for each instance: without the prototypes' own transforms, since USD gives nothing at all
+    if a single prototype does not exist."""
+    return instancer.ComputeInstanceTransformsAtTime(  # type: ignore[no-any-return]
+        time, time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
+    )
+
+
+def _cut(instancer: UsdGeom.PointInstancer, count: int, time: Usd.TimeCode, stage: Usd.Stage) -> UsdGeom.PointInstancer:
+    """Copy an instancer to another stage, with the first instances alone.
+
+    Args:
+        instancer: its lists have different lengths.
+        count: instances that have all they need.
+        time: samples around this time are copied.
+        stage: an empty one; the copy lives no longer.
+    """
+    prim = instancer.GetPrim()
+    stage.SetTimeCodesPerSecond(prim.GetStage().GetTimeCodesPerSecond())
+    stage.SetInterpolationType(prim.GetStage().GetInterpolationType())
+    cut = UsdGeom.PointInstancer.Define(stage, "/cut")
+    for name in _LISTS:
+        attribute = prim.GetAttribute(name)
+        times = attribute.GetBracketingTimeSamples(time.GetValue()) if not time.IsDefault() else ()
+        for sample in [Usd.TimeCode(each) for each in times] or [time]:
+            value = attribute.Get(sample)
+            if value is not None:
+                cut.GetPrim().GetAttribute(name).Set(value[:count], sample)
+    return cut
 
 
 def instance_poses(

@@ -13,7 +13,7 @@ from pxr import Usd
 
 from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, Values
-from render.stage.values import number
+from render.stage.values import number, schema_type
 
 STEPS_AROUND = 64
 STEPS_OVER_CAP = 16
@@ -32,12 +32,12 @@ _SHAPE_ATTRIBUTES = {
 
 def is_implicit(prim: Usd.Prim) -> bool:
     """Whether this is one of the implicit shapes."""
-    return str(prim.GetTypeName()) in _SHAPE_ATTRIBUTES
+    return schema_type(prim) in _SHAPE_ATTRIBUTES
 
 
 def shape_varies(prim: Usd.Prim) -> bool:
     """Whether the shape's measures may change over time."""
-    names = _SHAPE_ATTRIBUTES[str(prim.GetTypeName())]
+    names = _SHAPE_ATTRIBUTES[schema_type(prim)]
     return any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in names)
 
 
@@ -47,7 +47,7 @@ def implicit_polygons(prim: Usd.Prim, time: Usd.TimeCode) -> Polygons:
     Raises:
         BadGeometry: a dimension is not one number or out of range, or the axis is invalid.
     """
-    kind = str(prim.GetTypeName())
+    kind = schema_type(prim)
     names = _SHAPE_ATTRIBUTES[kind]
     axis = str(prim.GetAttribute("axis").Get(time)) if "axis" in names else "Z"
     return _rotate_axis(_MAKERS[kind](*(_measure(prim, name, time) for name in names if name != "axis")), axis)
@@ -82,10 +82,13 @@ def _rotate_axis(polygons: Polygons, axis: str) -> Polygons:
 
 
 def _cube(size: float) -> Polygons:
+    """Points and faces in Hydra's order (OpenUSD's ``GeomUtilCuboidMeshGenerator``), which primvars of a cube follow."""
     h = size / 2
-    points = np.array([[x, y, z] for z in (-h, h) for y in (-h, h) for x in (-h, h)], np.float32)
-    faces = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
-    normals = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]], np.float32)
+    front = [(h, h, h), (-h, h, h), (-h, -h, h), (h, -h, h)]
+    back = [(-h, -h, -h), (-h, h, -h), (h, h, -h), (h, -h, -h)]
+    faces = [(0, 1, 2, 3), (4, 5, 6, 7), (0, 6, 5, 1), (4, 7, 3, 2), (0, 3, 7, 6), (4, 2, 1, 5)]
+    normals = np.array([[0, 0, 1], [0, 0, -1], [0, 1, 0], [0, -1, 0], [1, 0, 0], [-1, 0, 0]], np.float32)
+    points = np.array(front + back, np.float32)
     return Polygons(points, np.full(6, 4, np.int32), np.array(faces, np.int32).ravel(), Values(normals, "uniform"))
 
 

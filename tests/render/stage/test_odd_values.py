@@ -218,8 +218,8 @@ def test_an_instancer_whose_arrays_differ_in_length_is_named() -> None:
     assert findings["/pi"] == "the scales of /pi are not used: there are 1 for 2 instances"
     bad.GetPositionsAttr().Set([(0, 0, 0)])
     shown, findings = _drawn(stage)
-    assert not shown
-    assert findings["/pi"] == "instancer /pi is not drawn: it has 2 protoIndices and 1 positions"
+    assert shown == {"/pi/ball"}
+    assert findings["/pi"] == "instancer /pi has 2 protoIndices and 1 positions: the instances that have both are drawn"
 
 
 @pytest.mark.parametrize(

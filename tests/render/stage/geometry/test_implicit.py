@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pxr import UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
-from tests.render.kits.stages import facing, new_stage, only_batch, read, world_points
+from render import colour
+from tests.render.kits.stages import T, facing, new_stage, only_batch, read, set_primvar, world_points
 
 # Type, attributes, extent on its axis Z (low, high), volume.
 SHAPES = [
@@ -69,3 +70,33 @@ def test_round_shapes_have_round_normals() -> None:
     UsdGeom.Sphere.Define(stage, "/ball").CreateRadiusAttr(5.0)
     geometry = only_batch(read(stage)).geometry
     np.testing.assert_allclose(geometry.normals, geometry.positions / 5, atol=1e-5)
+
+
+CUBE_POINTS = [(1, 1, 1), (-1, 1, 1), (-1, -1, 1), (1, -1, 1), (-1, -1, -1), (-1, 1, -1), (1, 1, -1), (1, -1, -1)]
+CUBE_FACES = [(0, 0, 1), (0, 0, -1), (0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0)]
+
+
+@pytest.mark.parametrize(("interpolation", "places"), [("vertex", CUBE_POINTS), ("uniform", CUBE_FACES)])
+def test_the_primvars_of_a_cube_follow_hydras_order(interpolation: str, places: list) -> None:
+    """Colours are coded: each corner or face has that of its own place."""
+    stage = new_stage()
+    coded = [Gf.Vec3f(*(0.5 + 0.25 * x for x in place)) for place in places]
+    cube = UsdGeom.Cube.Define(stage, "/cube").GetPrim()
+    set_primvar(cube, "displayColor", T.Color3fArray, interpolation, coded)
+    batch = only_batch(read(stage))
+    assert batch.geometry.colors is not None
+    shown = batch.geometry.colors[batch.geometry.triangles, :3]
+    corners = batch.geometry.positions[batch.geometry.triangles]
+    own = corners if interpolation == "vertex" else np.repeat(facing(batch)[:, None], 3, axis=1)
+    np.testing.assert_allclose(shown, colour.to_working((0.5 + 0.25 * own).astype(np.float32)), atol=1e-5)
+
+
+def test_a_type_that_is_unknown_is_drawn_as_its_fallback() -> None:
+    stage = new_stage()
+    stage.SetMetadata("fallbackPrimTypes", {"BoxOfOurs": Vt.TokenArray(["BoxThatNobodyHas", "Cube"])})
+    stage.DefinePrim("/box", "BoxOfOurs").CreateAttribute("size", T.Double).Set(3.0)
+    layer = stage.GetRootLayer().ExportToString()
+    opened = Sdf.Layer.CreateAnonymous(".usda")
+    opened.ImportFromString(layer)
+    points = world_points(only_batch(read(Usd.Stage.Open(opened))))
+    np.testing.assert_allclose(np.ptp(points, axis=0), 3.0)

@@ -183,6 +183,30 @@ def test_velocities_carry_instances_between_samples() -> None:
     assert origins(only_batch(reader.read(12)))[0][0] == pytest.approx(25)
 
 
+@pytest.mark.parametrize(("indices", "positions"), [(2, 4), (4, 2)])
+def test_lists_of_unlike_length_draw_the_instances_in_both(indices: int, positions: int) -> None:
+    stage = new_stage()
+    add_mesh(stage, "/dots/a")
+    dots = instancer(stage, "/dots", ["/dots/a"], [0] * indices)
+    dots.GetPositionsAttr().Set([Gf.Vec3f(3 * i, 0, 0) for i in range(positions)])
+    dots.CreateScalesAttr([Gf.Vec3f(2)] * 4)
+    reader = StageReader(stage)
+    batch = only_batch(reader.read(0))
+    assert origins(batch) == [(0, 0, 0), (3, 0, 0)]
+    assert batch.poses[1, 0, 0] == pytest.approx(2), "scales that are there for both are used"
+    assert [finding.code for finding in reader.findings] == ["bad_instances"]
+
+
+def test_velocities_carry_instances_of_short_lists() -> None:
+    stage = new_stage()
+    stage.SetTimeCodesPerSecond(24)
+    add_mesh(stage, "/dots/a")
+    dots = instancer(stage, "/dots", ["/dots/a"], [0])
+    dots.GetPositionsAttr().Set([Gf.Vec3f(1, 0, 0), Gf.Vec3f(5, 0, 0)], 0)
+    dots.CreateVelocitiesAttr().Set([Gf.Vec3f(48, 0, 0), Gf.Vec3f(0, 0, 0)], 0)
+    assert origins(only_batch(StageReader(stage).read(12)))[0][0] == pytest.approx(25)
+
+
 def test_prototypes_that_are_overs_or_elsewhere_are_drawn_once() -> None:
     stage = new_stage()
     add_mesh(stage, "/library/a")

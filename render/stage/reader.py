@@ -16,6 +16,7 @@ from render.stage.assembly.poses import InstanceReader
 from render.stage.findings import Finding, FindingLog
 from render.stage.geometry.skinning import Skeletons
 from render.stage.lights import LightReader
+from render.stage.materials.bindings import binding_purposes
 from render.stage.materials.looks import LookReader
 from render.stage.materials.textures import TextureCache
 from render.stage.opening import composition_findings, confinement, read_quietly
@@ -32,6 +33,7 @@ class _Plan:
     looks: LookReader
     skeletons: Skeletons
     lights: LightReader
+    purposes: tuple[str, ...]
 
 
 class StageReader:
@@ -101,7 +103,7 @@ class StageReader:
             world=world_from_stage(self._stage),
             scale=metres_per_unit(self._stage),
             look=lambda path: plan.looks.look(path, time),
-            shapes=ShapeReader(plan.skeletons, time, self._log),
+            shapes=ShapeReader(plan.skeletons, plan.purposes, time, self._log),
             instances=InstanceReader(time, self._log),
             prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
             log=self._log,
@@ -115,9 +117,11 @@ class StageReader:
         inventory = take_inventory(self._stage, self._purposes, self._mask, self._log)
         looks = LookReader(self._stage, self._textures, self._log)
         skeletons = Skeletons(self._stage)
-        groups = plan_groups(inventory.surfaces, looks, skeletons, time, self._log)
+        purposes = binding_purposes(self._stage)
+        groups = plan_groups(inventory.surfaces, looks, skeletons, purposes, time, self._log)
         self._note_complexity(inventory)
-        return _Plan(inventory, groups, looks, skeletons, LightReader(self._stage, self._textures, self._log))
+        lights = LightReader(self._stage, self._textures, self._log)
+        return _Plan(inventory, groups, looks, skeletons, lights, purposes)
 
     def _note_complexity(self, inventory: Inventory) -> None:
         if self._complexity == "low":

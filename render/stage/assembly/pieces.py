@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 from pxr import Usd
@@ -44,12 +44,13 @@ class ShapeReader:
 
     Args:
         skeletons: bend meshes.
+        purposes: of the material bindings (`render.stage.materials.bindings.binding_purposes`).
         time: when.
         log: notes surfaces that cannot be used.
     """
 
-    def __init__(self, skeletons: Skeletons, time: Usd.TimeCode, log: FindingLog) -> None:
-        self._skeletons, self._time, self._log = skeletons, time, log
+    def __init__(self, skeletons: Skeletons, purposes: Sequence[str], time: Usd.TimeCode, log: FindingLog) -> None:
+        self._skeletons, self._purposes, self._time, self._log = skeletons, purposes, time, log
         self._shapes: dict[Hashable, Shape | None] = {}
 
     def shape(self, piece: Piece) -> Shape | None:
@@ -57,7 +58,7 @@ class ShapeReader:
         whole = self.whole(piece)
         if whole is None or piece.part_count == 1:
             return whole
-        parts = bound_parts(piece.occurrence.prim, self._time, self._log)
+        parts = bound_parts(piece.occurrence.prim, self._purposes, self._time, self._log)
         owner = face_owner(parts, int(whole.face_ids.max(initial=0)) + 1)
         keep = owner[whole.face_ids] == piece.part
         return pick_faces(whole, keep) if keep.any() else None

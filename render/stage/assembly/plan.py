@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Sequence
 
 from pxr import Usd, UsdGeom
 
@@ -28,6 +28,7 @@ def plan_groups(
     surfaces: Iterable[Occurrence],
     looks: LookReader,
     skeletons: Skeletons,
+    purposes: Sequence[str],
     time: Usd.TimeCode,
     log: FindingLog,
 ) -> list[Group]:
@@ -37,14 +38,15 @@ def plan_groups(
         surfaces: surfaces that are drawn.
         looks: reads materials.
         skeletons: which surfaces a skeleton bends.
+        purposes: of the material bindings.
         time: time at which the materials' primvars are read; the plan does not depend on it.
         log: for findings.
     """
-    shapes = ShapeReader(skeletons, time, log)
+    shapes = ShapeReader(skeletons, purposes, time, log)
     rigid: dict[Hashable, list[Piece]] = defaultdict(list)
     shared: dict[Hashable, list[Piece]] = defaultdict(list)
     for surface in surfaces:
-        for piece in _pieces(surface, looks, skeletons, time, log):
+        for piece in _pieces(surface, looks, skeletons, purposes, time, log):
             if surface.chain:
                 shared[(piece.shape_key, piece.part, piece.material, piece.double_sided, surface.path)].append(piece)
             else:
@@ -60,20 +62,30 @@ def plan_groups(
 
 
 def _pieces(
-    surface: Occurrence, looks: LookReader, skeletons: Skeletons, time: Usd.TimeCode, log: FindingLog
+    surface: Occurrence,
+    looks: LookReader,
+    skeletons: Skeletons,
+    purposes: Sequence[str],
+    time: Usd.TimeCode,
+    log: FindingLog,
 ) -> list[Piece]:
     try:
-        return _pieces_by_material(surface, looks, skeletons, time, log)
+        return _pieces_by_material(surface, looks, skeletons, purposes, time, log)
     except UNREADABLE as problem:
         log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
         return []
 
 
 def _pieces_by_material(
-    surface: Occurrence, looks: LookReader, skeletons: Skeletons, time: Usd.TimeCode, log: FindingLog
+    surface: Occurrence,
+    looks: LookReader,
+    skeletons: Skeletons,
+    purposes: Sequence[str],
+    time: Usd.TimeCode,
+    log: FindingLog,
 ) -> list[Piece]:
     prim = surface.prim
-    parts = bound_parts(prim, time, log)
+    parts = bound_parts(prim, purposes, time, log)
     deforms = surface_varies(prim, skeletons) or subsets_vary(prim)
     double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time))
     pieces = []

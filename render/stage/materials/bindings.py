@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Usd, UsdGeom, UsdRender, UsdShade
 
 from render.model.arrays import IntArray
 from render.stage.findings import FindingLog
 
-# Purpose of bindings in final pictures; bindings without a purpose are the fallback.
-_PURPOSE = UsdShade.Tokens.full
+PURPOSES = (UsdShade.Tokens.preview, UsdShade.Tokens.allPurpose, UsdShade.Tokens.full)
+"""Purposes of bindings where the stage asks for none: as in Storm and usdrecord, and a material for final pictures where
+there is no other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +29,25 @@ class BoundPart:
     faces: IntArray | None = None
 
 
-def bound_parts(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> list[BoundPart]:
+def binding_purposes(stage: Usd.Stage) -> tuple[str, ...]:
+    """Purposes of bindings in the order in which they are tried: ``materialBindingPurposes`` of the stage's own render
+    settings, or `PURPOSES` where these author none."""
+    settings = UsdRender.Settings.GetStageRenderSettings(stage)
+    authored = settings.GetMaterialBindingPurposesAttr() if settings else None
+    value = authored.Get() if authored and authored.HasAuthoredValue() else None
+    return tuple(str(purpose) for purpose in value or ()) or PURPOSES
+
+
+def bound_parts(prim: Usd.Prim, purposes: Sequence[str], time: Usd.TimeCode, log: FindingLog) -> list[BoundPart]:
     """The parts of a prim by material; the part of all other faces comes last.
 
     Subsets are those of the ``materialBind`` family, as in UsdShade. Where two contain a face the first one wins.
+
+    Args:
+        prim: the surface.
+        purposes: as `binding_purposes` gives them.
+        time: when.
+        log: notes subsets that cannot be used.
     """
     parts: list[BoundPart] = []
     subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.IsA(UsdGeom.Mesh) else []
@@ -40,8 +57,8 @@ def bound_parts(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> list[Bou
             log.add("subset_ignored", path, f"geom subset {path} is not made of faces and is not honoured")
             continue
         indices = np.array(subset.GetIndicesAttr().Get(time) or [], np.int32)
-        parts.append(BoundPart(bound_material(subset.GetPrim()), indices))
-    parts.append(BoundPart(bound_material(prim)))
+        parts.append(BoundPart(bound_material(subset.GetPrim(), purposes), indices))
+    parts.append(BoundPart(bound_material(prim, purposes)))
     return parts
 
 
@@ -53,13 +70,18 @@ def subsets_vary(prim: Usd.Prim) -> bool:
     return any(subset.GetIndicesAttr().ValueMightBeTimeVarying() for subset in subsets)
 
 
-def bound_material(prim: Usd.Prim) -> str:
-    """The path of the material on a prim, even one that does not exist; empty where nothing is bound."""
-    material, relationship = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(_PURPOSE)
-    if material:
-        return str(material.GetPath())
-    targets = relationship.GetTargets() if relationship else []
-    return str(targets[-1]) if targets else ""
+def bound_material(prim: Usd.Prim, purposes: Sequence[str]) -> str:
+    """The path of the material on a prim, even one that does not exist; empty where nothing is bound.
+
+    Where a purpose has no binding of its own, USD takes the one without purpose.
+    """
+    for purpose in purposes:
+        material, relationship = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(purpose)
+        if material:
+            return str(material.GetPath())
+        if relationship and relationship.GetTargets():
+            return str(relationship.GetTargets()[-1])
+    return ""
 
 
 def face_owner(parts: list[BoundPart], face_count: int) -> IntArray:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom, UsdShade
+from pxr import Gf, Usd, UsdGeom, UsdRender, UsdShade
 
 from render import colour
 from render.model.scene import Batch, Material
@@ -289,15 +289,54 @@ def test_a_stronger_binding_above_wins() -> None:
     assert set(names_of(read(stage).batches)) == {"/looks/a"}
 
 
-def test_the_full_purpose_wins_and_preview_is_not_for_pictures() -> None:
+def test_bindings_for_previews_win_as_in_usdrecord() -> None:
     stage = new_stage()
     three_looks(stage)
     mesh = add_mesh(stage, "/m").GetPrim()
-    bind(mesh, "/looks/a")
-    bind(mesh, "/looks/b", materialPurpose="preview")
-    assert set(names_of(read(stage).batches)) == {"/looks/a"}
-    bind(mesh, "/looks/c", materialPurpose="full")
+    bind(mesh, "/looks/a", materialPurpose="full")
+    assert set(names_of(read(stage).batches)) == {"/looks/a"}, "where there is no other, rather than no material"
+    bind(mesh, "/looks/b")
+    assert set(names_of(read(stage).batches)) == {"/looks/b"}
+    bind(mesh, "/looks/c", materialPurpose="preview")
     assert set(names_of(read(stage).batches)) == {"/looks/c"}
+
+
+@pytest.mark.parametrize(
+    ("purposes", "worn"),
+    [
+        (["full", ""], "/looks/a"),
+        (["", "full"], "/looks/b"),
+        (["preview"], "/looks/c"),
+        (["of ours", "full"], "/looks/b"),
+        ([], "/looks/c"),
+    ],
+)
+def test_render_settings_choose_the_purpose_of_bindings(purposes: list[str], worn: str) -> None:
+    """An unknown purpose has no binding of its own, so that USD takes the one without purpose."""
+    stage = new_stage()
+    three_looks(stage)
+    mesh = add_mesh(stage, "/m").GetPrim()
+    bind(mesh, "/looks/a", materialPurpose="full")
+    bind(mesh, "/looks/b")
+    bind(mesh, "/looks/c", materialPurpose="preview")
+    reader = StageReader(stage)
+    assert set(names_of(reader.read(0).batches)) == {"/looks/c"}
+    settings = UsdRender.Settings.Define(stage, "/Render/settings")
+    settings.CreateMaterialBindingPurposesAttr(purposes)
+    stage.SetMetadata("renderSettingsPrimPath", "/Render/settings")
+    assert set(names_of(reader.read(0).batches)) == {worn}
+
+
+def test_subsets_are_bound_by_purpose_too() -> None:
+    stage = new_stage()
+    three_looks(stage)
+    points = [(x, y, 0) for y in (0, 1) for x in range(3)]
+    mesh = add_mesh(stage, "/m", points, [4] * 2, [0, 1, 4, 3, 1, 2, 5, 4])
+    subset = UsdShade.MaterialBindingAPI(mesh.GetPrim()).CreateMaterialBindSubset("s", [1]).GetPrim()
+    bind(mesh.GetPrim(), "/looks/a")
+    bind(subset, "/looks/b", materialPurpose="full")
+    bind(subset, "/looks/c", materialPurpose="preview")
+    assert names_of(read(stage).batches) == {"/looks/a": [0], "/looks/c": [1]}
 
 
 def test_a_collection_binds_its_members() -> None:

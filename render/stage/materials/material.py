@@ -118,7 +118,7 @@ class _SurfaceReader:
         if kind == "UsdUVTexture":
             self._read_texture(name, usd_name, source, default, purpose)
         elif kind.startswith("UsdPrimvarReader") and name in ("base_color", "opacity"):
-            self._from_primvar(name, source, default)
+            self._from_primvar(name, source)
         else:
             self._ignored(usd_name, f"{usd_name} is fed by {kind or 'an unknown shader'}, which is not honoured")
 
@@ -133,17 +133,18 @@ class _SurfaceReader:
         elif purpose == "data":
             self._constants[name] = texture.fallback[max(texture.channel, 0)]
 
-    def _from_primvar(self, name: str, source: Source, default: tuple[float, ...]) -> None:
-        """displayColor or another primvar as diffuseColor or opacity: it multiplies white, or 1."""
+    def _from_primvar(self, name: str, source: Source) -> None:
+        """displayColor or another primvar as diffuseColor or opacity: it multiplies white, or 1. A UsdPrimvarReader's fallback is
+        0 where none is authored."""
         varname = str(self._network.constant(source.shader, "varname", ""))
-        fallback = self._network.numbers(source.shader, "fallback", default)
         if name == "base_color":
             self._constants[name] = WHITE
-            rgb = (fallback[0], fallback[1], fallback[2])
-            self._primvars = replace(self._primvars, color=varname, color_fallback=rgb)
+            red, green, blue = self._network.numbers(source.shader, "fallback", (0.0, 0.0, 0.0))
+            self._primvars = replace(self._primvars, color=varname, color_fallback=(red, green, blue))
         else:
             self._constants[name] = 1.0
-            self._primvars = replace(self._primvars, opacity=varname, opacity_fallback=fallback[0])
+            (opacity,) = self._network.numbers(source.shader, "fallback", (0.0,))
+            self._primvars = replace(self._primvars, opacity=varname, opacity_fallback=opacity)
 
     def _uv_name(self) -> str | None:
         """The one set of texture coordinates that a geometry carries: the base colour's if it has one."""

@@ -237,6 +237,33 @@ def test_a_primvar_reader_makes_display_colour_the_base_colour() -> None:
     np.testing.assert_allclose(batch.geometry.colors[0, :3], colour.rgb_to_working((0, 0, 1)), atol=1e-6)
 
 
+def test_the_fallback_of_a_texture_may_have_three_numbers() -> None:
+    stage = new_stage()
+    texture = add_textured_material(stage, add_mesh(stage, "/m").GetPrim(), "")
+    texture.CreateInput("fallback", T.Float3).Set(Gf.Vec3f(0.1, 0.2, 0.3))
+    np.testing.assert_allclose(material_of(stage).base_color, colour.rgb_to_working((0.1, 0.2, 0.3)), rtol=1e-5)
+
+
+@pytest.mark.parametrize("fallback", [None, (0.1, 0.2, 0.3)])
+def test_a_reader_of_a_missing_primvar_gives_its_fallback(fallback: tuple[float, float, float] | None) -> None:
+    """A UsdPrimvarReader's own fallback is 0, not the surface's 0.18 or 1."""
+    stage = new_stage()
+    shader = add_material(stage, "/looks/a")
+    bind(add_mesh(stage, "/m").GetPrim(), "/looks/a")
+    for name, kind, number_type in (("diffuseColor", "float3", T.Color3f), ("opacity", "float", T.Float)):
+        reader = UsdShade.Shader.Define(stage, f"/looks/a/{name}_reader")
+        reader.CreateIdAttr(f"UsdPrimvarReader_{kind}")
+        reader.CreateInput("varname", T.String).Set("nothing_has_this")
+        if fallback is not None:
+            value = Gf.Vec3f(*fallback) if name == "diffuseColor" else fallback[0]
+            reader.CreateInput("fallback", T.Float3 if name == "diffuseColor" else T.Float).Set(value)
+        shader.CreateInput(name, number_type).ConnectToSource(reader.CreateOutput("result", T.Float3))
+    colors = only_batch(read(stage)).geometry.colors
+    assert colors is not None
+    rgb = fallback or (0.0, 0.0, 0.0)
+    np.testing.assert_allclose(colors, [[*colour.rgb_to_working(rgb), rgb[0]]] * len(colors), atol=1e-6)
+
+
 def test_what_a_material_uses_that_is_not_honoured_is_reported() -> None:
     stage = new_stage()
     shader = add_material(stage, "/looks/a", displacement=0.5)

@@ -86,8 +86,8 @@ class Engine:
         """
         raise NotImplementedError
 
-    def starts_at_once(self, request: DrawRequest) -> bool:
-        """Tell whether `draw_in_steps` shows something soon, with nothing to prepare. Only where `draws_in_steps`."""
+    def keeps_layers(self, request: DrawRequest) -> bool:
+        """Tell whether `draw_in_steps` would start from layers that are kept. Only where `draws_in_steps`."""
         raise NotImplementedError
 
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:

@@ -76,7 +76,7 @@ class LensEngine(Engine):
         """Trace all rays, piece by piece."""
         return self._device.trace_in_steps(request)
 
-    def starts_at_once(self, request: DrawRequest) -> bool:
+    def keeps_layers(self, request: DrawRequest) -> bool:
         """Tell whether the layers of the picture are kept."""
         return self._device.keeps_layers(request)
 

@@ -33,7 +33,7 @@ class _Plan:
     looks: LookReader
     skeletons: Skeletons
     lights: LightReader
-    purposes: tuple[str, ...]
+    binding_purposes: tuple[str, ...]
 
 
 class StageReader:
@@ -103,7 +103,7 @@ class StageReader:
             world=world_from_stage(self._stage),
             scale=metres_per_unit(self._stage),
             look=lambda path: plan.looks.look(path, time),
-            shapes=ShapeReader(plan.skeletons, plan.purposes, time, self._log),
+            shapes=ShapeReader(plan.skeletons, plan.binding_purposes, time, self._log),
             instances=InstanceReader(time, self._log),
             prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
             log=self._log,
@@ -117,7 +117,7 @@ class StageReader:
         inventory = take_inventory(self._stage, self._purposes, self._mask, self._log)
         looks = LookReader(self._stage, self._textures, self._log)
         skeletons = Skeletons(self._stage)
-        purposes = binding_purposes(self._stage)
+        purposes = binding_purposes(self._stage, self._log)
         groups = plan_groups(inventory.surfaces, looks, skeletons, purposes, time, self._log)
         self._note_complexity(inventory)
         lights = LightReader(self._stage, self._textures, self._log)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 from render.engines.shared.layer_scale import blurred_scale, texel_offset, traced_scale
 from render.engines.shared.request import ALL_RAYS, DrawRequest
@@ -77,34 +77,16 @@ class Device:
 
     def trace_in_steps(self, request: DrawRequest) -> Generator[float, None, FloatArray]:
         """Trace the camera's rays piece by piece; as `Engine.draw_in_steps`."""
-        settings = request.settings
         traced = yield from self.tracer.trace_steps(
-            self.peeler,
-            request.camera,
-            request.view,
-            _pattern(request),
-            wavelengths=settings.wavelengths,
-            layers=settings.layers,
-            supersample=traced_scale(settings),
-            unlit=request.is_unlit,
-            connections=settings.connections,
+            self.peeler, request.camera, request.view, _pattern(request), **_sampling(request)
         )
         self.tracer.release_window()
         return traced.color
 
     def keeps_layers(self, request: DrawRequest) -> bool:
         """Whether `trace_in_steps` would start with kept layers."""
-        settings = request.settings
         return self.tracer.keeps_layers(
-            self.peeler,
-            request.camera,
-            request.view,
-            _pattern(request),
-            wavelengths=settings.wavelengths,
-            layers=settings.layers,
-            supersample=traced_scale(settings),
-            unlit=request.is_unlit,
-            connections=settings.connections,
+            self.peeler, request.camera, request.view, _pattern(request), **_sampling(request)
         )
 
     def trace_swept(
@@ -160,6 +142,27 @@ class Device:
                 made.release()
         self.tracer.release()
         self.peeler.release()
+
+
+class _Sampling(TypedDict):
+    """Arguments of `LensTracer.trace_steps` that settings give."""
+
+    wavelengths: int
+    layers: int
+    supersample: float
+    unlit: bool
+    connections: bool
+
+
+def _sampling(request: DrawRequest) -> _Sampling:
+    settings = request.settings
+    return {
+        "wavelengths": settings.wavelengths,
+        "layers": settings.layers,
+        "supersample": traced_scale(settings),
+        "unlit": request.is_unlit,
+        "connections": settings.connections,
+    }
 
 
 def _pattern(request: DrawRequest) -> RayPattern:

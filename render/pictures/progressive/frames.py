@@ -140,15 +140,15 @@ class LiveFrames:
             color = yield from renderer.engine(settings).draw_in_steps(request)
             return renderer.measure(color, scene, request)
 
-    def starts_at_once(self, scene: Scene, camera: Camera, settings: FrameSettings) -> bool:
-        """Tell whether `draw_in_steps` has nothing to prepare: the scene and its layers are kept. Arguments as there."""
+    def keeps_layers(self, scene: Scene, camera: Camera, settings: FrameSettings) -> bool:
+        """Tell whether `draw_in_steps` would draw no layers, since they are kept. Arguments as there."""
         renderer = self._renderer
         if not renderer.has_loaded(scene, camera):
             return False
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with renderer.on_device():
             request = DrawRequest(view, renderer.load(scene, camera, settings), settings)
-            return renderer.engine(settings).starts_at_once(request)
+            return renderer.engine(settings).keeps_layers(request)
 
     def partial_picture(self, settings: FrameSettings, under: FloatArray) -> FloatArray:
         """Read the picture that `draw_in_steps` is drawing, over another one where it has no rays yet.

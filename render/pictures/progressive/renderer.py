@@ -2,7 +2,7 @@
 
     a small picture from kept layers · the same by more rays · the exact picture, piece by piece · finished as files are
 
-The second is left out where the layers of the exact picture are kept, since that one can be shown as soon.
+The second is left out where the layers of the exact picture are kept: drawing these is what takes longest.
 
 Work that has become stale is cancelled between two of its pieces. Kept results are used where nothing that they depend on has
 changed: the scene and shadows of what stands still (`render.layers.shadow_maps`), layers and N-buffers (`Peeler.peel`,
@@ -179,7 +179,7 @@ class ProgressiveRenderer:
             job.clock.note("blur")
             return frame
         is_coarse = rays < min(ENOUGH_RAYS, settings.rays) / 2
-        if is_coarse and not self._frames.starts_at_once(job.scene, job.camera, settings):
+        if is_coarse and not self._frames.keeps_layers(job.scene, job.camera, settings):
             light, rays = self._frames.draw_preview(
                 job.scene,
                 job.camera,

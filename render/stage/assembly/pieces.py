@@ -44,13 +44,15 @@ class ShapeReader:
 
     Args:
         skeletons: bend meshes.
-        purposes: of the material bindings (`render.stage.materials.bindings.binding_purposes`).
+        binding_purposes: of materials (`render.stage.materials.bindings.binding_purposes`).
         time: when.
         log: notes surfaces that cannot be used.
     """
 
-    def __init__(self, skeletons: Skeletons, purposes: Sequence[str], time: Usd.TimeCode, log: FindingLog) -> None:
-        self._skeletons, self._purposes, self._time, self._log = skeletons, purposes, time, log
+    def __init__(
+        self, skeletons: Skeletons, binding_purposes: Sequence[str], time: Usd.TimeCode, log: FindingLog
+    ) -> None:
+        self._skeletons, self._binding_purposes, self._time, self._log = skeletons, binding_purposes, time, log
         self._shapes: dict[Hashable, Shape | None] = {}
 
     def shape(self, piece: Piece) -> Shape | None:
@@ -58,7 +60,7 @@ class ShapeReader:
         whole = self.whole(piece)
         if whole is None or piece.part_count == 1:
             return whole
-        parts = bound_parts(piece.occurrence.prim, self._purposes, self._time, self._log)
+        parts = bound_parts(piece.occurrence.prim, self._binding_purposes, self._time, self._log)
         owner = face_owner(parts, int(whole.face_ids.max(initial=0)) + 1)
         keep = owner[whole.face_ids] == piece.part
         return pick_faces(whole, keep) if keep.any() else None

@@ -28,7 +28,7 @@ def plan_groups(
     surfaces: Iterable[Occurrence],
     looks: LookReader,
     skeletons: Skeletons,
-    purposes: Sequence[str],
+    binding_purposes: Sequence[str],
     time: Usd.TimeCode,
     log: FindingLog,
 ) -> list[Group]:
@@ -38,15 +38,15 @@ def plan_groups(
         surfaces: surfaces that are drawn.
         looks: reads materials.
         skeletons: which surfaces a skeleton bends.
-        purposes: of the material bindings.
+        binding_purposes: of materials.
         time: time at which the materials' primvars are read; the plan does not depend on it.
         log: for findings.
     """
-    shapes = ShapeReader(skeletons, purposes, time, log)
+    shapes = ShapeReader(skeletons, binding_purposes, time, log)
     rigid: dict[Hashable, list[Piece]] = defaultdict(list)
     shared: dict[Hashable, list[Piece]] = defaultdict(list)
     for surface in surfaces:
-        for piece in _pieces(surface, looks, skeletons, purposes, time, log):
+        for piece in _pieces(surface, looks, skeletons, binding_purposes, time, log):
             if surface.chain:
                 shared[(piece.shape_key, piece.part, piece.material, piece.double_sided, surface.path)].append(piece)
             else:
@@ -65,12 +65,12 @@ def _pieces(
     surface: Occurrence,
     looks: LookReader,
     skeletons: Skeletons,
-    purposes: Sequence[str],
+    binding_purposes: Sequence[str],
     time: Usd.TimeCode,
     log: FindingLog,
 ) -> list[Piece]:
     try:
-        return _pieces_by_material(surface, looks, skeletons, purposes, time, log)
+        return _pieces_by_material(surface, looks, skeletons, binding_purposes, time, log)
     except UNREADABLE as problem:
         log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
         return []
@@ -80,12 +80,12 @@ def _pieces_by_material(
     surface: Occurrence,
     looks: LookReader,
     skeletons: Skeletons,
-    purposes: Sequence[str],
+    binding_purposes: Sequence[str],
     time: Usd.TimeCode,
     log: FindingLog,
 ) -> list[Piece]:
     prim = surface.prim
-    parts = bound_parts(prim, purposes, time, log)
+    parts = bound_parts(prim, binding_purposes, time, log)
     deforms = surface_varies(prim, skeletons) or subsets_vary(prim)
     double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time))
     pieces = []

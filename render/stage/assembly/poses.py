@@ -40,7 +40,7 @@ _LISTS = (
     "accelerations",
     "angularVelocities",
 )
-"""Attributes of a PointInstancer with a value for each instance, but for its ids."""
+"""All attributes of a PointInstancer with one value for each instance, except ``ids``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +120,10 @@ class InstanceReader:
         authored = instancer.GetProtoIndicesAttr().Get(self._time)
         if not isinstance(authored, Vt.IntArray | None):
             raise TypeError(f"protoIndices must be a list of whole numbers, got {format_value(authored)}")
-        prototypes = np.array(authored or [], np.int32)
-        positions = len(instancer.GetPositionsAttr().Get(self._time) or [])
+        places = instancer.GetPositionsAttr().Get(self._time)
+        if not isinstance(places, Vt.Vec3fArray | None):
+            raise TypeError(f"positions must be a list of points, got {format_value(places)}")
+        prototypes, positions = np.array(authored or [], np.int32), len(places or [])
         if len(prototypes) == positions:
             rows = _transforms(instancer, self._time)
         else:  # USD gives no transforms at all then
@@ -130,8 +132,9 @@ class InstanceReader:
         matrices = np.array(rows, np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
         count = min(len(prototypes), len(matrices))
         self._note_faults(instancer, prototypes, positions, count)
-        mask = instancer.ComputeMaskAtTime(self._time)
-        visible = np.array(mask, bool)[:count] if mask else np.ones(count, bool)
+        visible = np.ones(count, bool)
+        mask = np.array(instancer.ComputeMaskAtTime(self._time) or [], bool)[:count]  # as many as there are ids
+        visible[: len(mask)] = mask
         return _Instances(matrices[:count], prototypes[:count], visible, self._names(instancer, count))
 
     def _names(self, instancer: UsdGeom.PointInstancer, count: int) -> IntArray:
@@ -179,7 +182,9 @@ def _transforms(instancer: UsdGeom.PointInstancer, time: Usd.TimeCode) -> Sequen
 
 
 def _cut(instancer: UsdGeom.PointInstancer, count: int, time: Usd.TimeCode, stage: Usd.Stage) -> UsdGeom.PointInstancer:
-    """Copy an instancer to another stage, with the first instances alone.
+    """Copy an instancer to another stage, with the first instances alone. Lists of another type than the schema's are left out.
+
+    USD does not interpolate between two lists of different length. So of two samples of different length the earlier is copied.
 
     Args:
         instancer: its lists have different lengths.
@@ -194,10 +199,15 @@ def _cut(instancer: UsdGeom.PointInstancer, count: int, time: Usd.TimeCode, stag
     for name in _LISTS:
         attribute = prim.GetAttribute(name)
         times = attribute.GetBracketingTimeSamples(time.GetValue()) if not time.IsDefault() else ()
-        for sample in [Usd.TimeCode(each) for each in times] or [time]:
-            value = attribute.Get(sample)
-            if value is not None:
-                cut.GetPrim().GetAttribute(name).Set(value[:count], sample)
+        samples = [Usd.TimeCode(each) for each in times] or [time]
+        values = [attribute.Get(sample) for sample in samples]
+        copy = cut.GetPrim().GetAttribute(name)
+        kind = type(copy.GetTypeName().defaultValue)
+        usable = [(value, sample) for value, sample in zip(values, samples, strict=True) if isinstance(value, kind)]
+        if len({len(value) for value, _ in usable}) > 1:
+            usable = usable[:1]
+        for value, sample in usable:
+            copy.Set(value[:count], sample)
     return cut
 
 

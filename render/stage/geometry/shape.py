@@ -201,6 +201,10 @@ class _Builder:
             out[:, :3] = working[color[1][corner]] if color else working
         if primvars.opacity is not None:
             out[:, 3] = opacity[0].values[opacity[1][corner], 0] if opacity else primvars.opacity_fallback
+            if opacity is None and primvars.opacity_fallback == 0:
+                path, name = self._prim.GetPath(), primvars.opacity
+                message = f"{path} is invisible: its material reads its opacity from the primvar {name}, which it lacks"
+                self._log.add("no_opacity", path, message)
         return np.nan_to_num(out)
 
 

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdRender, UsdShade
+from pxr import Usd, UsdGeom, UsdRender, UsdShade, Vt
 
 from render.model.arrays import IntArray
 from render.stage.findings import FindingLog
+from render.stage.values import format_value
 
 PURPOSES = (UsdShade.Tokens.preview, UsdShade.Tokens.allPurpose, UsdShade.Tokens.full)
-"""Purposes of bindings where the stage asks for none: as in Storm and usdrecord, and a material for final pictures where
-there is no other."""
+"""Purposes of bindings, first to last, where the stage asks for none. The first two are Storm's and usdrecord's; the last
+gives a material where there would be none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +30,26 @@ class BoundPart:
     faces: IntArray | None = None
 
 
-def binding_purposes(stage: Usd.Stage) -> tuple[str, ...]:
-    """Purposes of bindings in the order in which they are tried: ``materialBindingPurposes`` of the stage's own render
-    settings, or `PURPOSES` where these author none."""
+def binding_purposes(stage: Usd.Stage, log: FindingLog) -> tuple[str, ...]:
+    """Purposes of bindings in the order in which they are tried.
+
+    They are ``materialBindingPurposes`` of the stage's own render settings, or `PURPOSES` where these author none, or no list of
+    tokens.
+
+    Args:
+        stage: the stage.
+        log: notes a value of another type.
+    """
     settings = UsdRender.Settings.GetStageRenderSettings(stage)
     authored = settings.GetMaterialBindingPurposesAttr() if settings else None
-    value = authored.Get() if authored and authored.HasAuthoredValue() else None
+    if not authored or not authored.HasAuthoredValue():
+        return PURPOSES
+    value = authored.Get()
+    if not isinstance(value, Vt.TokenArray | None):
+        path = settings.GetPath()
+        message = f"materialBindingPurposes of {path} must be a list of tokens, got {format_value(value)}: not used"
+        log.add("bad_binding_purposes", path, message)
+        return PURPOSES
     return tuple(str(purpose) for purpose in value or ()) or PURPOSES
 
 

@@ -11,8 +11,8 @@ from render.trace.highlights.chosen import pixels_seen
 
 CONNECTIONS_PER_RAY = 0.25
 """Limit on the connections of a picture, relative to its rays. On two CPU cores a connection costs as much as one to three rays.
-Measured over 0.04 to 0.64 (``tests/bench/RESULTS.md``): where highlights cover the picture this removes 40 to 60 % of the squared
-error that 0.08 leaves; more gains little."""
+Measured over 0.04 to 0.64 (``tests/bench/RESULTS.md``), and chosen for 100 rays: where highlights cover the demo shot it
+removes 40 % of the squared error that 0.08 leaves, and 0.64 would remove 10 to 20 % of the rest; with 25 rays, half of it."""
 CELL_COST = 6.0
 """Connections that a cell of the pupil counts for: it evaluates the lens table, and is scattered."""
 

@@ -262,3 +262,58 @@ def test_geometry_too_far_for_single_precision_is_drawn_and_named() -> None:
     shown, findings = _drawn(stage)
     assert shown == {"/near", "/far"}
     assert findings == {"/far": "/far reaches 4e+06 m from the origin: its vertices are placed to 0.25 m"}
+
+
+@pytest.mark.parametrize("value", [3, "full", Sdf.AssetPath("full"), True])
+def test_purposes_of_bindings_of_another_type_are_a_finding(value: object) -> None:
+    stage = new_stage()
+    add_mesh(stage, "/m")
+    settings = UsdRender.Settings.Define(stage, "/R").GetPrim()
+    kinds = {int: T.Int, str: T.String, Sdf.AssetPath: T.Asset, bool: T.Bool}
+    _override(settings, "materialBindingPurposes", kinds[type(value)], value)
+    stage.SetMetadata("renderSettingsPrimPath", "/R")
+    shown, findings = _drawn(stage)
+    assert shown == {"/m"}
+    assert findings["/R"].startswith("materialBindingPurposes of /R must be a list of tokens, got ")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "value"),
+    [
+        ("scales", T.StringArray, ["x", "y", "z"]),
+        ("velocities", T.IntArray, [1, 2, 3]),
+        ("orientations", T.TokenArray, ["x"]),
+    ],
+)
+def test_a_short_instancer_with_a_list_of_another_type_is_drawn(
+    name: str, kind: Sdf.ValueTypeName, value: object
+) -> None:
+    stage = new_stage()
+    UsdGeom.Sphere.Define(stage, "/pi/ball")
+    bad = instancer(stage, "/pi", ["/pi/ball"], [0, 0])
+    bad.GetPositionsAttr().Set([(0, 0, 0)])
+    _override(bad.GetPrim(), name, kind, value)
+    shown, _ = _drawn(stage)
+    assert shown == {"/pi/ball"}
+
+
+def test_positions_of_another_type_are_named() -> None:
+    stage = new_stage()
+    UsdGeom.Sphere.Define(stage, "/pi/ball")
+    bad = instancer(stage, "/pi", ["/pi/ball"], [0, 0])
+    bad.GetPrim().RemoveProperty("positions")
+    _override(bad.GetPrim(), "positions", T.String, "here")
+    shown, findings = _drawn(stage)
+    assert not shown
+    assert "positions must be a list of points" in findings["/pi"]
+
+
+@pytest.mark.parametrize("ids", [[7], [7, 8]])
+def test_invisible_ids_of_a_short_list_hide_their_own_alone(ids: list[int]) -> None:
+    stage = new_stage()
+    UsdGeom.Sphere.Define(stage, "/pi/ball")
+    dots = instancer(stage, "/pi", ["/pi/ball"], [0, 0, 0])
+    dots.CreateIdsAttr(ids)
+    dots.CreateInvisibleIdsAttr([7])
+    batch = only_batch(StageReader(stage).read(0))
+    assert batch.poses[:, 0, 3].tolist() == [10, 20]

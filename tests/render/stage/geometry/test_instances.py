@@ -207,6 +207,20 @@ def test_velocities_carry_instances_of_short_lists() -> None:
     assert origins(only_batch(StageReader(stage).read(12)))[0][0] == pytest.approx(25)
 
 
+def test_short_lists_are_not_blended_with_those_of_other_length() -> None:
+    """USD holds a list until the next sample where that one has another length: other particles may be in its places."""
+    stage = new_stage()
+    add_mesh(stage, "/dots/a")
+    dots = instancer(stage, "/dots", ["/dots/a"], [0, 0])
+    dots.GetPositionsAttr().Clear()
+    dots.GetPositionsAttr().Set([Gf.Vec3f(3 * i, 0, 0) for i in range(4)], 0)
+    dots.GetPositionsAttr().Set([Gf.Vec3f(100, 0, 0)] * 3, 10)
+    reader = StageReader(stage)
+    assert origins(only_batch(reader.read(5))) == [(0, 0, 0), (3, 0, 0)]
+    dots.GetPositionsAttr().Set([Gf.Vec3f(100 + 3 * i, 0, 0) for i in range(4)], 10)
+    assert origins(only_batch(reader.read(5))) == [(50, 0, 0), (53, 0, 0)]
+
+
 def test_prototypes_that_are_overs_or_elsewhere_are_drawn_once() -> None:
     stage = new_stage()
     add_mesh(stage, "/library/a")

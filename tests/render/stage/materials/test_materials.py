@@ -244,6 +244,15 @@ def test_the_fallback_of_a_texture_may_have_three_numbers() -> None:
     np.testing.assert_allclose(material_of(stage).base_color, colour.rgb_to_working((0.1, 0.2, 0.3)), rtol=1e-5)
 
 
+def test_scale_and_bias_of_a_texture_may_have_three_numbers(tmp_path: Path) -> None:
+    stage = new_stage()
+    file = write_picture(tmp_path / "t.png", np.full((2, 2, 3), 255, np.uint8))
+    texture = add_textured_material(stage, add_mesh(stage, "/m").GetPrim(), file)
+    texture.CreateInput("scale", T.Float3).Set(Gf.Vec3f(0.5, 0.5, 0.5))
+    lookup = material_of(stage).lookups["base_color"]
+    np.testing.assert_allclose(lookup.scale, [0.5, 0.5, 0.5, 1.0])
+
+
 @pytest.mark.parametrize("fallback", [None, (0.1, 0.2, 0.3)])
 def test_a_reader_of_a_missing_primvar_gives_its_fallback(fallback: tuple[float, float, float] | None) -> None:
     """A UsdPrimvarReader's own fallback is 0, not the surface's 0.18 or 1."""
@@ -258,7 +267,9 @@ def test_a_reader_of_a_missing_primvar_gives_its_fallback(fallback: tuple[float,
             value = Gf.Vec3f(*fallback) if name == "diffuseColor" else fallback[0]
             reader.CreateInput("fallback", T.Float3 if name == "diffuseColor" else T.Float).Set(value)
         shader.CreateInput(name, number_type).ConnectToSource(reader.CreateOutput("result", T.Float3))
-    colors = only_batch(read(stage)).geometry.colors
+    usd = StageReader(stage)
+    colors = only_batch(usd.read(0)).geometry.colors
+    assert codes(usd) == ({"no_opacity"} if fallback is None else set()), "what becomes invisible is named"
     assert colors is not None
     rgb = fallback or (0.0, 0.0, 0.0)
     np.testing.assert_allclose(colors, [[*colour.rgb_to_working(rgb), rgb[0]]] * len(colors), atol=1e-6)
@@ -349,9 +360,12 @@ def test_render_settings_choose_the_purpose_of_bindings(purposes: list[str], wor
     reader = StageReader(stage)
     assert set(names_of(reader.read(0).batches)) == {"/looks/c"}
     settings = UsdRender.Settings.Define(stage, "/Render/settings")
-    settings.CreateMaterialBindingPurposesAttr(purposes)
     stage.SetMetadata("renderSettingsPrimPath", "/Render/settings")
+    assert set(names_of(reader.read(0).batches)) == {"/looks/c"}, "nothing is authored"
+    settings.CreateMaterialBindingPurposesAttr(purposes)
     assert set(names_of(reader.read(0).batches)) == {worn}
+    settings.GetMaterialBindingPurposesAttr().Clear()
+    assert set(names_of(reader.read(0).batches)) == {"/looks/c"}
 
 
 def test_subsets_are_bound_by_purpose_too() -> None:

@@ -256,9 +256,11 @@ def test_layers_are_put_back_where_work_is_cancelled(renderer: FrameRenderer) ->
 
 
 def test_layers_have_their_highlights_between_steps(renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
-    """They are replaced once for a step, which has many pieces."""
+    """They are replaced once for a step, which has ten pieces by a clock that goes on by 2 ms with each reading."""
     monkeypatch.setattr("render.gl.cancellation.PIECE_MS", 0.5)
     monkeypatch.setattr(carrier, "STEP_MS", 20.0)
+    seconds = itertools.count(step=0.002)
+    monkeypatch.setattr(carrier, "perf_counter", seconds.__next__)
     written = []
     plain = carrier.CarriedHighlights._write
     monkeypatch.setattr(

@@ -43,7 +43,8 @@ class Repeats:
 
 
 class StageClock:
-    """Clock of stages of work on the device; it waits for the device at the end of each.
+    """Clock of stages of work on the device; it waits for the device at the end of each. A stage may come more than once, as
+    in pictures that are traced in tiles.
 
     Args:
         finish: returns when the device has executed all commands.
@@ -59,7 +60,8 @@ class StageClock:
         """Add the time since the last call to the stage."""
         self._finish()
         now = _now()
-        self.spent[stage] = Spent(now.wall_ms - self._began.wall_ms, now.cpu_ms - self._began.cpu_ms)
+        spent = Spent(now.wall_ms - self._began.wall_ms, now.cpu_ms - self._began.cpu_ms)
+        self.spent[stage] = self.spent.get(stage, Spent()) + spent
         self._began = now
 
 

@@ -18,7 +18,7 @@ class Times:
     Attributes:
         peel_ms: layers, with the search for their extent and number.
         nbuffer_ms: the N-buffers.
-        trace_ms: the tracing, with reading the lens table and the picture.
+        trace_ms: the tracing, with highlights, the lens table and reading the picture.
         total_ms: all of it.
     """
 
@@ -222,7 +222,7 @@ def _finite(value: Any) -> Any:
 def times(traced: Traced) -> tuple[Times, Times]:
     """Cost of a picture, in wall time and in processor time."""
     peel, nbuffers = traced.stages["peel"], traced.stages["nbuffers"]
-    trace = traced.stages["rays"] + traced.stages["trace"]
+    trace = traced.stages["rays"] + traced.stages["highlights"] + traced.stages["trace"]
     total = peel + nbuffers + trace
     return (
         Times(peel.wall_ms, nbuffers.wall_ms, trace.wall_ms, total.wall_ms),

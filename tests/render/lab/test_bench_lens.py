@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from render.lab.bench.clock import Spent, StageClock
 from render.lab.bench.goals import judge
 from render.lab.bench.plan import quick_plan
 from render.lab.bench.results import (
@@ -19,9 +22,12 @@ from render.lab.bench.results import (
     SurfacesRow,
     Sweeps,
     Times,
+    times,
 )
+from render.lab.bench.rig import Traced
 from render.lab.bench.text import report
 from render.lab.reference.scenes import posts_before_wall
+from render.trace.lens import STAGES
 from tests.render.kits.cli_shots import Command
 
 
@@ -37,9 +43,9 @@ def test_the_lens_engine_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: py
     sweeps = results["sweeps"]
     assert [(row["surfaces"], row["disperses"]) for row in sweeps["surfaces"]] == [(0, False), (13, False), (13, True)]
     for row in (*results["scenes"], *(row for sweep in ("rays", "layers", "aperture") for row in sweeps[sweep])):
-        for times in (row, row["cpu"]):
-            assert times["total_ms"] == pytest.approx(times["peel_ms"] + times["nbuffer_ms"] + times["trace_ms"])
-            assert min(times["peel_ms"], times["nbuffer_ms"], times["trace_ms"]) > 0
+        for cost in (row, row["cpu"]):
+            assert cost["total_ms"] == pytest.approx(cost["peel_ms"] + cost["nbuffer_ms"] + cost["trace_ms"])
+            assert min(cost["peel_ms"], cost["nbuffer_ms"], cost["trace_ms"]) > 0
     (scene,) = results["scenes"]
     assert scene["triangles"] == posts_before_wall()[0].triangle_count
     assert scene["ratio"] == pytest.approx(scene["reference_ms"] / scene["total_ms"])
@@ -116,3 +122,15 @@ def test_a_number_that_is_not_finite_is_null_in_json(
     assert "hall" in ended.out
     scene = json.loads((tmp_path / "bench.json").read_text())["scenes"][0]
     assert (scene["psnr_db"], scene["ssim"], scene["cpu"]["ratio"]) == (None, 0.996, 9)
+
+
+def test_all_stages_of_a_picture_count() -> None:
+    """In the total, and each time that a stage comes, as in tiles."""
+    spent = {stage: Spent(10.0**i, 2 * 10.0**i) for i, stage in enumerate(STAGES)}
+    wall, cpu = times(Traced(np.zeros((1, 1, 4), np.float32), spent, Spent(), 4, 0))
+    assert (wall.total_ms, cpu.total_ms) == (11_111, 22_222)
+    clock = StageClock(lambda: time.sleep(0.01))
+    for stage in ("peel", "trace", "peel", "trace", "peel"):
+        clock(stage)
+    assert clock.spent["peel"].wall_ms >= 30
+    assert clock.spent["trace"].wall_ms >= 20

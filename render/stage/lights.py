@@ -35,6 +35,7 @@ _Z_UP_FROM_Y_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0,
 # Attributes that are not honoured, with the value that has no effect.
 _IGNORED: dict[str, tuple[str, object]] = {
     "inputs:shaping:focus": ("shaping focus", 0.0),
+    "inputs:shaping:focusTint": ("shaping focus tint", Gf.Vec3f(0, 0, 0)),
     "inputs:shaping:ies:file": ("IES profile", Sdf.AssetPath()),
     "inputs:shadow:color": ("shadow colour", Gf.Vec3f(0, 0, 0)),
     "inputs:shadow:distance": ("shadow distance", -1.0),

@@ -106,6 +106,17 @@ def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     for rule in (two_drivers, counting):
         for fault in rule(camera.prim):
             yield Finding("contradictory_keys", str(fault.path), fault.message)
-    for name in camera.authored():
-        if name in _NOT_HONOURED:
-            yield Finding("unsupported_camera_property", f"{path}.{name}", f"{name} of {path} is not honoured")
+    for name in [name for name in camera.authored() if name in _NOT_HONOURED]:
+        yield Finding("unsupported_camera_property", f"{path}.{name}", f"{name} of {path} is not honoured")
+    yield from _findings_of_usd_camera(camera.prim, path)
+
+
+def _findings_of_usd_camera(prim: Usd.Prim, path: str) -> Iterator[Finding]:
+    planes = prim.GetAttribute("clippingPlanes")
+    if planes and planes.HasAuthoredValue() and any(planes.Get(time) for time in planes.GetTimeSamples() or [0.0]):
+        message = f"clippingPlanes of {path} are not honoured: only its clippingRange clips"
+        yield Finding("unsupported_camera_property", f"{path}.clippingPlanes", message)
+    for applied in prim.GetAppliedSchemas():
+        schema, _, plate = str(applied).partition(":")
+        if schema == "BackPlateAPI":
+            yield Finding("unsupported_camera_property", path, f"the back plate {plate} of {path} is not drawn")

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdProc, UsdShade
 
 from render.stage.findings import FindingLog
 from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
+from render.stage.values import schema_type
 
 _DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Prototypes of point instancers are often `over`s, to keep them from being drawn in their own place.
@@ -18,6 +19,7 @@ _INSTANCER_ATTRIBUTES = ("positions", "orientations", "orientationsf", "scales",
 # A single sample of these moves instances all the time.
 _INSTANCER_RATES = ("velocities", "accelerations", "angularVelocities")
 _MAX_NESTED_INSTANCERS = 8
+_LEVELS = "LODRootAPI"
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +161,9 @@ class _Walk:
     def _take(self, prim: Usd.Prim, state: _State) -> None:
         if prim.HasAPI(UsdLux.LightAPI):
             self._light(prim, state)
+        if prim.HasAPI(_LEVELS):
+            message = f"the levels of detail of {prim.GetPath()} are not honoured: all of them are drawn"
+            self._log.add("levels_of_detail", prim.GetPath(), message)
         if is_drawable(prim):
             if state.purpose.purpose in self._purposes:
                 self._note_draw_mode(prim)
@@ -166,8 +171,8 @@ class _Walk:
                 self.found.surfaces.append(
                     Occurrence(prim, source.GetPath(), state.mover, state.hiders, state.chain, state.moves)
                 )
-        elif prim.IsA(UsdGeom.Gprim) and state.purpose.purpose in self._purposes:
-            kind, path = prim.GetTypeName(), prim.GetPath()
+        elif _is_geometry(prim) and state.purpose.purpose in self._purposes:
+            kind, path = schema_type(prim), prim.GetPath()
             self._log.add("unsupported_geometry", path, f"{path} is not drawn: {kind} prims are not honoured")
         elif prim.HasAPI(UsdGeom.ModelAPI):
             self._note_draw_mode(prim)
@@ -202,6 +207,10 @@ class _Walk:
                 continue
             chain = (*state.chain, InstancerLink(prim, number, root))
             self._waiting.append((root, replace(state, chain=chain, mover=None, moves=moves, predicate=_PROTOTYPE)))
+
+
+def _is_geometry(prim: Usd.Prim) -> bool:
+    return bool(prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdProc.GenerativeProcedural))
 
 
 def _instances_move(instancer: Usd.Prim) -> bool:

@@ -160,6 +160,7 @@ def test_what_is_not_honoured_is_reported() -> None:
     light.GetFiltersRel().AddTarget("/filter")
     shaping = UsdLux.ShapingAPI.Apply(light.GetPrim())
     shaping.CreateShapingFocusAttr(3.0)
+    shaping.CreateShapingFocusTintAttr((1, 0, 0))
     shaping.CreateShapingIesFileAttr(Sdf.AssetPath("a.ies"))
     UsdLux.ShadowAPI.Apply(light.GetPrim()).CreateShadowColorAttr(Gf.Vec3f(1, 0, 0))
     UsdLux.LightAPI(light.GetPrim()).GetLightLinkCollectionAPI().CreateIncludeRootAttr(False)
@@ -173,6 +174,7 @@ def test_what_is_not_honoured_is_reported() -> None:
         "unsupported_light",
         "light_filter",
         "light_shaping_focus",
+        "light_shaping_focus_tint",
         "light_IES_profile",
         "light_shadow_colour",
         "light_linking",

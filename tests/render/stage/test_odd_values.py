@@ -317,3 +317,16 @@ def test_invisible_ids_of_a_short_list_hide_their_own_alone(ids: list[int]) -> N
     dots.CreateInvisibleIdsAttr([7])
     batch = only_batch(StageReader(stage).read(0))
     assert batch.poses[:, 0, 3].tolist() == [10, 20]
+
+
+def test_levels_of_detail_and_procedurals_are_named() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/house/far")
+    stage.GetPrimAtPath("/house").AddAppliedSchema("LODRootAPI")
+    stage.DefinePrim("/grass", "GenerativeProcedural")
+    shown, findings = _drawn(stage)
+    assert shown == {"/house/far"}
+    assert findings == {
+        "/house": "the levels of detail of /house are not honoured: all of them are drawn",
+        "/grass": "/grass is not drawn: GenerativeProcedural prims are not honoured",
+    }

@@ -297,6 +297,16 @@ def test_what_is_honoured_is_no_finding_and_what_is_not_is(stage: Usd.Stage, cam
     assert _read(stage).lens.data_sheet == SheetTables((0.0,), distortion=(0.0,))
 
 
+def test_clipping_planes_and_back_plates_are_named(stage: Usd.Stage, camera: LensCamera) -> None:
+    planes = UsdGeom.Camera(camera.prim).CreateClippingPlanesAttr([])
+    assert camera_findings(stage, ["/cam"]) == []
+    planes.Set([(0, 0, -1, -5)], 12)
+    UsdGeom.BackPlateAPI.Apply(camera.prim, "sky")
+    planes_named, plate_named = camera_findings(stage, ["/cam"])
+    assert planes_named.path == "/cam.clippingPlanes"
+    assert "back plate sky" in plate_named.message
+
+
 def test_a_data_sheet_goes_through_usd_and_back(stage: Usd.Stage, camera: LensCamera) -> None:
     sheet = SheetTables(
         (0.0, 10.0, 20.0),

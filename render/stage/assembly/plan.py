@@ -46,7 +46,12 @@ def plan_groups(
     rigid: dict[Hashable, list[Piece]] = defaultdict(list)
     shared: dict[Hashable, list[Piece]] = defaultdict(list)
     for surface in surfaces:
-        for piece in _pieces(surface, looks, skeletons, binding_purposes, time, log):
+        try:
+            pieces = _pieces(surface, looks, skeletons, binding_purposes, time, log)
+        except UNREADABLE as problem:
+            log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
+            continue
+        for piece in pieces:
             if surface.chain:
                 shared[(piece.shape_key, piece.part, piece.material, piece.double_sided, surface.path)].append(piece)
             else:
@@ -62,21 +67,6 @@ def plan_groups(
 
 
 def _pieces(
-    surface: Occurrence,
-    looks: LookReader,
-    skeletons: Skeletons,
-    binding_purposes: Sequence[str],
-    time: Usd.TimeCode,
-    log: FindingLog,
-) -> list[Piece]:
-    try:
-        return _pieces_by_material(surface, looks, skeletons, binding_purposes, time, log)
-    except UNREADABLE as problem:
-        log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
-        return []
-
-
-def _pieces_by_material(
     surface: Occurrence,
     looks: LookReader,
     skeletons: Skeletons,

@@ -139,8 +139,7 @@ class _SurfaceReader:
         varname = str(self._network.constant(source.shader, "varname", ""))
         if name == "base_color":
             self._constants[name] = WHITE
-            fallback = self._network.numbers(source.shader, "fallback", (0.0, 0.0, 0.0, 1.0))
-            red, green, blue = self._network.numbers(source.shader, "fallback", fallback[:3])
+            red, green, blue, _ = self._network.rgba(source.shader, "fallback", (0.0, 0.0, 0.0, 1.0))
             self._primvars = replace(self._primvars, color=varname, color_fallback=(red, green, blue))
         else:
             self._constants[name] = 1.0

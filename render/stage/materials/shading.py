@@ -59,6 +59,11 @@ class NetworkReader:
         """A constant input's components, or the default where it has none or another number of them."""
         return as_numbers(self.constant(shader, name, None), default)
 
+    def rgba(self, shader: UsdShade.Shader, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
+        """Four numbers of a constant input; one of three numbers has the default's alpha."""
+        rgb = self.numbers(shader, name, default[:3])
+        return self.numbers(shader, name, (*rgb, default[3]))
+
     def asset(self, shader: UsdShade.Shader, name: str) -> Sdf.AssetPath | None:
         """An asset input, or None."""
         value = self.constant(shader, name, None)

@@ -61,10 +61,10 @@ class TextureNodes:
         """
         shader = source.shader
         channel = _CHANNELS.get(source.output, -1)
-        fallback = _rgba(network, shader, "fallback", (0.0, 0.0, 0.0, 1.0))
+        fallback = network.rgba(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
         uv_name, uv_transform = self._coordinates(network, shader, material_path)
-        scale = _rgba(network, shader, "scale", (1.0,) * 4)
-        bias = _rgba(network, shader, "bias", (0.0,) * 4)
+        scale = network.rgba(shader, "scale", (1.0,) * 4)
+        bias = network.rgba(shader, "bias", (0.0,) * 4)
         # Tinting and the change of primaries do not commute, so a colour's scale and bias go into its image.
         in_image = purpose == "color" and (len(set(scale[:3])) > 1 or any(bias[:3]))
         image = self._image(network, shader, purpose, (scale, bias) if in_image else ((1.0,) * 4, (0.0,) * 4))
@@ -139,12 +139,6 @@ class TextureNodes:
             self._log.add("material_st", material_path, message)
             break
         return "st", transform[:2].astype(np.float32)
-
-
-def _rgba(network: NetworkReader, shader: UsdShade.Shader, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
-    """Four numbers of an input; an input of three numbers has the default's alpha."""
-    rgb = network.numbers(shader, name, default[:3])
-    return network.numbers(shader, name, (*rgb, default[3]))
 
 
 def _transform_2d(network: NetworkReader, shader: UsdShade.Shader) -> NDArray[np.float64]:

@@ -3,7 +3,7 @@
     PullfocusError
     ├── SettingsError      an argument or a setting is out of range or of the wrong kind   (exit 2, HTTP 422)
     ├── InputError         input that cannot be used                                       (exit 1, HTTP 422)
-    │   ├── StageError     a file is no USD stage, is damaged, or refers to what is missing
+    │   ├── StageError     a file is no USD stage, is damaged, or refers to what lies outside
     │   ├── CameraError    the named camera is missing, no camera, or has impossible values
     │   └── NotFoundError  a named thing (focus point, key, shot) does not exist           (HTTP 404)
     ├── GraphicsError      no OpenGL context, or the driver refused a shader or a buffer   (exit 1, HTTP 503)
@@ -58,7 +58,7 @@ class InputError(PullfocusError):
 
 
 class StageError(InputError):
-    """File that is not a USD stage, is damaged, or refers to missing files."""
+    """File that is not a USD stage, is damaged, or refers to files outside its folder."""
 
     default_code = "bad_stage"
 

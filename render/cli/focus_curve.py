@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from render.cli.console import print_findings, print_message
+from render.cli.console import print_message
 from render.cli.options import shared
 from render.errors import CameraError, InputError, SettingsError
 from render.files import check_writable, write_atomic
@@ -91,16 +91,16 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.out is not None:
         shot.check_not_own(arguments.out)
         check_writable(arguments.out)
-    camera = shared.choose_camera(shot, arguments.camera)
-    if camera is None:
-        raise _no_camera(arguments.stage, shot.cameras())
-    if arguments.source is not None:
-        text = _import_curve(shot, camera, format, arguments)
-    else:
-        shared.mount_lens(shot, camera, lens)
-        frames = frames or every_frame(shot.frame_range.start, shot.frame_range.end)
-        text = _solve_curve(shot, camera, frames, format, arguments)
-        print_findings(shot.findings(), arguments.stage)
+    with shared.printed_findings(shot, arguments.stage):
+        camera = shared.choose_camera(shot, arguments.camera)
+        if camera is None:
+            raise _no_camera(arguments.stage, shot.cameras())
+        if arguments.source is not None:
+            text = _import_curve(shot, camera, format, arguments)
+        else:
+            shared.mount_lens(shot, camera, lens)
+            frames = frames or every_frame(shot.frame_range.start, shot.frame_range.end)
+            text = _solve_curve(shot, camera, frames, format, arguments)
     if arguments.out is None:
         sys.stdout.write(text)
     else:

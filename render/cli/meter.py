@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from render.cli.console import FrameProgress, print_findings, print_json, print_message
+from render.cli.console import FrameProgress, print_json, print_message
 from render.cli.options import shared
 from render.cli.tables.exposure import meter_json, print_readings
 from render.errors import CameraError, SettingsError
@@ -79,23 +79,25 @@ def run(arguments: argparse.Namespace) -> None:
     shot = Shot.open(arguments.stage, edits=arguments.edits)
     if arguments.key is not None:
         shot.check_not_own(arguments.key)
-    camera = shared.choose_camera(shot, arguments.camera)
-    if camera is None:
-        raise CameraError(f"{arguments.stage} has no camera to meter through: name one with --camera", code="no_camera")
-    shared.mount_lens(shot, camera, lens)
-    start, end = shot.frame_range.start, shot.frame_range.end
-    frames = frames or ([start] if arguments.key is None else every_frame(start, end))
-    shot.exposure.read(camera, frames[0])  # raises where the camera cannot be used
-    if "mode" not in changes and shot.exposure.metering(camera, frames[0]).mode == "manual":
-        changes["mode"] = DEFAULT_MODE
-    readings = _read_meter(shot, camera, frames, arguments.shading, changes)
+    with shared.printed_findings(shot, arguments.stage):
+        camera = shared.choose_camera(shot, arguments.camera)
+        if camera is None:
+            raise CameraError(
+                f"{arguments.stage} has no camera to meter through: name one with --camera", code="no_camera"
+            )
+        shared.mount_lens(shot, camera, lens)
+        start, end = shot.frame_range.start, shot.frame_range.end
+        frames = frames or ([start] if arguments.key is None else every_frame(start, end))
+        shot.exposure.read(camera, frames[0])  # raises where the camera cannot be used
+        if "mode" not in changes and shot.exposure.metering(camera, frames[0]).mode == "manual":
+            changes["mode"] = DEFAULT_MODE
+        readings = _read_meter(shot, camera, frames, arguments.shading, changes)
     if arguments.key is not None:
         stops = compensation_stops(readings, held=arguments.hold)
         write_atomic(arguments.key, exposure_layer(shot.stage, camera, frames, stops, baked=arguments.baked).encode())
         print_message(
             f"wrote {arguments.key}: exposure {stops.min():+.2f} to {stops.max():+.2f} stops over {len(frames)} frames"
         )
-    print_findings(shot.findings(), arguments.stage)
     if arguments.json:
         print_json(
             {"stage": arguments.stage, "camera": camera, "frames": [meter_json(metered) for metered in readings]}

@@ -10,7 +10,7 @@ from typing import Any
 
 from pxr import Sdf
 
-from render.cli.console import camel_case_keys, print_findings, print_json
+from render.cli.console import camel_case_keys, print_json
 from render.cli.options import camera as camera_options
 from render.cli.options import contact_sheet, flare, grade, long_exposure, progressive, shared
 from render.cli.recording.frames import record_frames
@@ -187,9 +187,9 @@ def run(arguments: argparse.Namespace) -> None:
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
     _check_files(shot, files)
     grade.warn_of_unapplied(arguments)
-    job = _set_up(shot, shared.choose_camera(shot, arguments.camera), options, frames[0])
-    written = _record(job, options, list(zip(frames, files, strict=True)))
-    print_findings(shot.findings(), arguments.stage)
+    with shared.printed_findings(shot, arguments.stage):
+        job = _set_up(shot, shared.choose_camera(shot, arguments.camera), options, frames[0])
+        written = _record(job, options, list(zip(frames, files, strict=True)))
     if arguments.json:
         print_json(
             {

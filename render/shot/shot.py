@@ -93,7 +93,7 @@ class Shot:
             edits: a layer that `Edits.save` wrote, to start from. The file itself is not written to.
 
         Raises:
-            StageError: a file is not USD, is damaged, or refers to a file that is missing or outside ``confined_to``.
+            StageError: the file is not USD, is damaged, or refers to a file outside ``confined_to``; missing ones are findings.
         """
         layer = Edits(edits)
         stage = open_stage(Path(path), edit_layer=layer.layer, confined_to=confined_to)

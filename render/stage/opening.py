@@ -1,4 +1,4 @@
-"""Opening of stages. Damage, missing files and references outside the folder are distinguished and named."""
+"""Opening of stages. Damage and references outside the folder are errors; files that a layer refers to in vain are findings."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from pxr import Pcp, Sdf, Tf, Usd, UsdUtils
@@ -21,10 +22,35 @@ _CONFINED_TO = "pullfocus:confinedTo"
 _TF_REASON = re.compile(r" : '(.*?)'(?:\n|$)", re.DOTALL)
 _SESSION = re.compile(r",?@anon:0x[0-9a-f]+:session\.usda@(?:<[^>]*>)?")
 _ASSET = re.compile(r"@(.+?)@")
+_SUBLAYER_OF = re.compile(r" of layer @(.+?)@")
+_WHY_UNREADABLE = re.compile(r" -- (.*?)[ .]*(?:; skipping)?$")
+
+
+@dataclass(frozen=True)
+class LostFile:
+    """File that a stage refers to and that cannot be opened.
+
+    Attributes:
+        name: its path from the stage's folder.
+        reason: empty where the file does not exist, else why it cannot be read.
+        users: the prims and layers that refer to it, such as ``prim /World/Chair`` and ``layer shot.usda``.
+    """
+
+    name: str
+    reason: str
+    users: tuple[str, ...]
+
+    @property
+    def message(self) -> str:
+        """One sentence with the file and its first user."""
+        what = f"cannot be read ({self.reason})" if self.reason else "is missing"
+        others = len(self.users) - 1
+        refer = f"and {others} more refer to it and are" if others else "refers to it and is"
+        return f"{self.name} {what}: {self.users[0]} {refer} read without it"
 
 
 def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confined_to: Path | None = None) -> Usd.Stage:
-    """Open a stage, all payloads loaded.
+    """Open a stage, all payloads loaded. Where a referenced file is lost, the rest is opened: see `lost_files`.
 
     Args:
         path: a .usd, .usda, .usdc or .usdz file.
@@ -32,8 +58,7 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
         confined_to: the folder that everything the stage refers to must lie in, after links and ``..`` are followed.
 
     Raises:
-        StageError: code ``stage_missing``, ``stage_unreadable`` (not USD, or damaged), ``missing_reference`` (or payload or
-            sublayer; it is named), ``unreadable_reference``, ``outside_reference``, ``bad_unit`` or
+        StageError: code ``stage_missing``, ``stage_unreadable`` (not USD, or damaged), ``outside_reference``, ``bad_unit`` or
             ``bad_time``.
     """
     file = Path(path)
@@ -49,7 +74,6 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
         if edit_layer is not None:
             session.subLayerPaths.append(edit_layer.identifier)
         stage = _open(file, name, session)
-    _refuse_missing(stage)
     _check_unit(stage, name)
     _check_times(stage, name)
     if edit_layer is not None:
@@ -64,12 +88,36 @@ def confinement(stage: Usd.Stage) -> Path | None:
 
 
 def composition_findings(stage: Usd.Stage, log: FindingLog) -> None:
-    """Note composition errors that leave the rest of the stage usable."""
+    """Note lost files, each once, and other composition errors that leave the rest of the stage usable."""
+    for lost in lost_files(stage):
+        log.add("unreadable_reference" if lost.reason else "missing_reference", lost.name, lost.message)
     for error in stage.GetCompositionErrors():
         text = _one_line(str(error))
-        if not _is_materialx(text):
+        if _lost_file(error) is None and not _is_materialx(text):
             text = _relative(text, _folder(stage))
             log.add("composition", str(error.rootSite.path), f"the stage does not compose cleanly: {text}")
+
+
+def lost_files(stage: Usd.Stage) -> list[LostFile]:
+    """List the references, payloads and sublayers that cannot be opened, by name."""
+    users: dict[str, set[str]] = {}
+    reasons: dict[str, str] = {}
+    for error in stage.GetCompositionErrors():
+        file = _lost_file(error)
+        text = _one_line(str(error))
+        if file is None or _is_materialx(text):
+            continue
+        name = _relative(file, _folder(stage))
+        layer = _SUBLAYER_OF.search(text)
+        users.setdefault(name, set()).add(
+            f"layer {Path(layer.group(1)).name}" if layer else f"prim {error.rootSite.path}"
+        )
+        why = _WHY_UNREADABLE.search(text)
+        if why:
+            reasons[name] = _relative(why.group(1), _folder(stage))
+        elif Path(file).exists():
+            reasons.setdefault(name, "it is damaged")
+    return [LostFile(name, reasons.get(name, ""), tuple(sorted(users[name]))) for name in sorted(users)]
 
 
 @contextlib.contextmanager
@@ -112,22 +160,11 @@ def _open(file: Path, name: str, session: Sdf.Layer) -> Usd.Stage:
     return stage
 
 
-def _refuse_missing(stage: Usd.Stage) -> None:
-    for error in stage.GetCompositionErrors():
-        if not isinstance(error, (Pcp.ErrorInvalidAssetPathBase, Pcp.ErrorInvalidSublayerPath)):
-            continue
-        text = _one_line(str(error))
-        if _is_materialx(text):
-            continue
-        match = _ASSET.search(text)
-        exists = match is not None and Path(match.group(1)).is_file()
-        asset = _relative(match.group(1), _folder(stage)) if match else "a file"
-        what = "cannot be read" if exists else "is missing"
-        raise StageError(
-            f"the stage refers to {asset}, which {what}: {_relative(text, _folder(stage))}",
-            code="unreadable_reference" if exists else "missing_reference",
-            path=asset,
-        )
+def _lost_file(error: Pcp.ErrorBase) -> str | None:
+    """File that could not be opened; None for an error of another kind."""
+    asset = _ASSET.search(str(error))
+    lost = (Pcp.ErrorInvalidAssetPathBase, Pcp.ErrorInvalidSublayerPath)
+    return asset.group(1) if asset and isinstance(error, lost) else None
 
 
 def _check_unit(stage: Usd.Stage, name: str) -> None:
@@ -166,9 +203,10 @@ def _relative(text: str, folder: Path) -> str:
 
 
 def _is_materialx(text: str) -> bool:
-    """Whether an error is only about a MaterialX file, which usd-core has no reader for."""
+    """Whether an error is only about a MaterialX file that is there, which usd-core has no reader for."""
     match = _ASSET.search(text)
-    return match is not None and match.group(1).split(":SDF_FORMAT_ARGS:")[0].endswith(".mtlx")
+    file = match.group(1).split(":SDF_FORMAT_ARGS:")[0] if match else ""
+    return file.endswith(".mtlx") and Path(file).is_file()
 
 
 def _one_line(text: str) -> str:

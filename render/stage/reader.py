@@ -62,6 +62,7 @@ class StageReader:
     ) -> None:
         self._stage, self._purposes, self._mask, self._complexity = stage, tuple(purposes), mask, complexity
         self._log = FindingLog()
+        composition_findings(stage, self._log)
         self._textures = TextureCache(max_texture, confined_to=confinement(stage))
         self._prim_ids: dict[str, int] = {}
         self._plan: _Plan | None = None

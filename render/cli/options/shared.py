@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from render.cli.console import print_message
-from render.errors import NotFoundError, SettingsError
+from render.cli.console import print_findings, print_message
+from render.errors import NotFoundError, PullfocusError, SettingsError
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
 from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice, choose_lens
@@ -20,6 +21,22 @@ def add_stage(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--edits", metavar="LAYER", type=Path, help="put a layer of edits over the shot, as the page downloads them"
     )
+
+
+@contextmanager
+def printed_findings(shot: Shot, stage: str) -> Iterator[None]:
+    """Print the findings of a shot at the end of the block, also where it fails: a missing file may be the reason.
+
+    Args:
+        shot: the shot.
+        stage: as the user typed it.
+    """
+    try:
+        yield
+    except PullfocusError:
+        print_findings(shot.findings(), stage)
+        raise
+    print_findings(shot.findings(), stage)
 
 
 def add_camera(parser: argparse.ArgumentParser) -> None:

@@ -17,7 +17,7 @@ from render.stage.assembly.poses import world_pose
 from render.stage.camera.camera_exposure import camera_number, exposure_scale
 from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.lenses import make_iris, make_lens
-from render.stage.opening import confinement, read_quietly
+from render.stage.opening import confinement, lost_files, read_quietly
 from render.stage.values import format_value
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
@@ -159,7 +159,8 @@ def framing_camera(stage: Usd.Stage, time: float) -> Camera:
         box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
     if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():
         name = stage.GetRootLayer().GetDisplayName()
-        raise StageError(f"{name} has no camera, and nothing that a camera could frame", code="empty_stage")
+        why = "".join(f"; {lost.message}" for lost in lost_files(stage)[:1])
+        raise StageError(f"{name} has no camera, and nothing that a camera could frame{why}", code="empty_stage")
     world = world_from_stage(stage)
     corners = [(world @ [*box.GetCorner(i), 1.0])[:3] for i in range(8)]
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)

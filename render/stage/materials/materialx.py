@@ -149,9 +149,8 @@ class _SurfaceReader:
         try:
             picture = self._textures.image(path, space, purpose)
         except (TextureError, InputError) as problem:
-            self._log.add(
-                "texture_unreadable", self._path, f"texture {name} {problem}; {self._path} has a constant instead"
-            )
+            message = f"texture {name} {problem}; {theirs} of {self._path} is a constant instead"
+            self._log.add("texture_unreadable", f"{self._path}.{theirs}", message)
             return
         four = np.float32
         normal = ours == "normal"

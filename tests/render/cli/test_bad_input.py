@@ -59,16 +59,6 @@ def _truncated_crate(folder: Path) -> Path:
     return path
 
 
-def _missing_reference(folder: Path) -> Path:
-    return write_shot(folder / "refers.usda", CAMERA, '\n    def "Chair" (references = @./furniture/chair.usda@) {}\n')
-
-
-def _missing_sublayer(folder: Path) -> Path:
-    path = folder / "layered.usda"
-    path.write_text("#usda 1.0\n(\n    subLayers = [@./set_dressing.usda@]\n)\n")
-    return path
-
-
 def _no_file(folder: Path) -> Path:
     return folder / "nowhere.usda"
 
@@ -80,8 +70,6 @@ def _folder(folder: Path) -> Path:
 BAD_STAGES: list[tuple[Callable[[Path], Path], str]] = [
     (_not_usd, "holiday.usda"),
     (_truncated_crate, "truncated.usdc"),
-    (_missing_reference, "chair.usda"),
-    (_missing_sublayer, "set_dressing.usda"),
     (_no_file, "nowhere.usda"),
     (_folder, "not a file"),
 ]
@@ -97,6 +85,35 @@ def test_what_is_no_stage_is_named(
     ended = pullfocus(command, stage, *([out] if command == "record" else []))
     assert_one_sentence(ended, FAILED, word)
     assert not out.exists()
+
+
+def test_a_missing_reference_is_warned_of_and_the_rest_is_drawn(pullfocus: Command, tmp_path: Path) -> None:
+    chair = '\n    def "Chair" (references = @./furniture/chair.usda@) {}\n'
+    ended = pullfocus("record", write_shot(tmp_path / "a.usda", SQUARE, chair, CAMERA), tmp_path / "f.png", *small())
+    assert ended.status == DONE
+    assert "warning: furniture/chair.usda is missing: prim /World/Chair refers to it" in ended.err
+    assert (tmp_path / "f.png").is_file()
+
+
+@pytest.mark.parametrize("options", [(), ("--camera", "/World/main_cam")])
+@pytest.mark.parametrize("command", ["record", "focus-curve"])
+def test_a_stage_whose_only_sublayer_is_missing(
+    command: str, options: tuple[str, ...], pullfocus: Command, tmp_path: Path
+) -> None:
+    path, out = tmp_path / "layered.usda", tmp_path / "frame.png"
+    path.write_text("#usda 1.0\n(\n    subLayers = [@./set_dressing.usda@]\n)\n")
+    ended = pullfocus(command, path, *([out] if command == "record" else []), *options)
+    assert_one_sentence(ended, FAILED, options[-1] if options else "set_dressing.usda is missing")
+    assert "warning: set_dressing.usda is missing: layer layered.usda refers to it" in ended.err
+    assert not out.exists()
+
+
+def test_inspect_lists_missing_files(pullfocus: Command, tmp_path: Path) -> None:
+    path = tmp_path / "layered.usda"
+    path.write_text("#usda 1.0\n(\n    subLayers = [@./set_dressing.usda@]\n)\n")
+    ended = pullfocus("inspect", path)
+    assert ended.status == DONE
+    assert "set_dressing.usda is missing: layer layered.usda" in ended.out
 
 
 @pytest.mark.parametrize("command", ["record", "focus-curve"])

@@ -90,26 +90,43 @@ def test_a_scene_unit_must_be_a_length(tmp_path: Path, unit: str) -> None:
 
 
 @pytest.mark.parametrize("arc", ["references", "payload"])
-def test_a_missing_reference_is_named(tmp_path: Path, arc: str) -> None:
-    error = failure(write(tmp_path / "a.usda", f'def "A" ({arc} = @./props/chair.usda@) {{}}'))
-    assert error.code == "missing_reference"
-    assert "chair.usda" in error.detail
-    assert error.path is not None
-    assert error.path.endswith("props/chair.usda")
-    assert str(tmp_path) not in error.detail
+def test_a_missing_reference_is_a_finding_and_the_rest_is_read(tmp_path: Path, arc: str) -> None:
+    asks = "".join(f'def "{name}" ({arc} = @./props/chair.usda@) {{}}\n' for name in "AB")
+    reader = StageReader(open_stage(write(tmp_path / "a.usda", f'def Sphere "Ball" {{}}\n{asks}')))
+    assert len(reader.read(0).batches) == 1
+    (finding,) = reader.findings
+    assert (finding.code, finding.path) == ("missing_reference", "props/chair.usda")
+    assert finding.message == "props/chair.usda is missing: prim /A and 1 more refer to it and are read without it"
 
 
-def test_a_missing_sublayer_is_named(tmp_path: Path) -> None:
-    error = failure(write(tmp_path / "a.usda", "(subLayers = [@./light.usda@])"))
-    assert error.code == "missing_reference"
-    assert "light.usda" in error.detail
+@pytest.mark.parametrize("depth", [0, 1])
+def test_a_missing_sublayer_is_a_finding_and_the_rest_is_read(tmp_path: Path, depth: int) -> None:
+    text = '(subLayers = [@./gone.usda@])\ndef Sphere "Ball" {}'
+    names = ["a.usda", "b.usda"][: depth + 1]
+    write(tmp_path / names[-1], text)
+    if depth:
+        write(tmp_path / "a.usda", "(subLayers = [@./b.usda@])")
+    reader = StageReader(open_stage(tmp_path / "a.usda"))
+    assert len(reader.read(0).batches) == 1
+    (finding,) = reader.findings
+    assert finding.message == f"gone.usda is missing: layer {names[-1]} refers to it and is read without it"
 
 
-def test_a_damaged_reference_is_named(tmp_path: Path) -> None:
-    (tmp_path / "b.usdc").write_bytes(b"PXR-USDC" + bytes(40))
-    error = failure(write(tmp_path / "a.usda", 'def "A" (references = @./b.usdc@) {}'))
-    assert error.code == "unreadable_reference"
-    assert "b.usdc" in error.detail
+@pytest.mark.parametrize("content", [b"PXR-USDC" + bytes(40), b"these are no bytes of USD"])
+def test_a_damaged_reference_is_a_finding(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "b.usd").write_bytes(content)
+    text = 'def "A" (references = @./b.usd@) {}\ndef Sphere "Ball" {}'
+    reader = StageReader(open_stage(write(tmp_path / "a.usda", text)))
+    assert len(reader.read(0).batches) == 1
+    (finding,) = reader.findings
+    assert (finding.code, finding.path) == ("unreadable_reference", "b.usd")
+    assert finding.message.startswith("b.usd cannot be read (")
+    assert str(tmp_path) not in finding.message
+
+
+def test_a_missing_materialx_file_is_a_finding(tmp_path: Path) -> None:
+    reader = StageReader(open_stage(write(tmp_path / "a.usda", 'def "A" (references = @./gone.mtlx@</MaterialX>) {}')))
+    assert [(finding.code, finding.path) for finding in reader.findings] == [("missing_reference", "gone.mtlx")]
 
 
 def test_a_missing_file_in_a_variant_that_is_not_chosen_does_no_harm(tmp_path: Path) -> None:
@@ -228,7 +245,7 @@ def test_what_lies_inside_is_opened(tmp_path: Path) -> None:
     stage = open_stage(root, confined_to=tmp_path)
     assert stage.GetPrimAtPath("/A").IsA(UsdGeom.Sphere)
     missing = write(tmp_path / "m.usda", 'def "A" (references = @./sub/gone.usda@</A>) {}')
-    assert failure(missing, confined_to=tmp_path).code == "missing_reference"
+    assert codes(StageReader(open_stage(missing, confined_to=tmp_path))) == {"missing_reference"}
 
 
 def test_a_package_is_confined_to_itself(tmp_path: Path) -> None:

@@ -77,12 +77,23 @@ def test_a_truncated_usdc(client, tmp_path, keep):
 
 
 @pytest.mark.parametrize("arc", ["references", "payload", "subLayers"])
-def test_a_missing_reference_is_named(client, arc):
+def test_a_shot_that_is_empty_for_a_missing_file(client, arc):
     where = f'def "Set" (prepend {arc} = @./sets/gone.usda@) {{ }}'
     text = f"{HEADER}(subLayers = [@./sets/gone.usda@])\n" if arc == "subLayers" else f"{HEADER}{where}\n"
     refusal = problem(send(client, "shot.usda", text.encode()))
     assert "gone.usda" in refusal["detail"]
     assert "/shots/" not in refusal["detail"] + str(refusal["path"])
+
+
+def test_a_missing_reference_is_a_note(client):
+    text = ROOM + 'def "Set" (prepend references = @./sets/gone.usda@) { }\n'
+    shot = send(client, "shot.usda", text.encode()).json()["id"]
+    notes = client.get(f"/v1/shots/{shot}/inspect").json()["notes"]
+    client.delete(f"/v1/shots/{shot}")
+    (note,) = [note for note in notes if note["code"] == "missing_reference"]
+    assert note["path"] == "sets/gone.usda"
+    assert "/Set" in note["message"]
+    assert "/shots/" not in note["message"]
 
 
 @pytest.mark.parametrize("target", ["/etc/hostname", "../../../other/files/secret.usda", "file:///etc/hostname"])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from render.errors import CameraError, SettingsError, StageError
-from render.stage import conform_camera, default_camera, frame_range, list_cameras, read_camera
+from render.stage import conform_camera, default_camera, frame_range, list_cameras, open_stage, read_camera
 from tests.render.kits.stages import add_mesh, new_stage
 from usd_schemas import ApertureData, LensCamera, LensData, TiltShiftData
 
@@ -235,6 +236,16 @@ def test_else_a_camera_that_has_everything_in_view(up: str, aspect: float) -> No
 def test_an_empty_stage_has_nothing_to_frame() -> None:
     with pytest.raises(StageError) as caught:
         default_camera(new_stage())
+    assert caught.value.code == "empty_stage"
+
+
+def test_an_empty_stage_says_which_file_is_missing(tmp_path: Path) -> None:
+    file = tmp_path / "a.usda"
+    file.write_text("#usda 1.0\n(subLayers = [@./set.usda@])\n")
+    with pytest.raises(
+        StageError, match=r"nothing that a camera could frame; set\.usda is missing: layer a\.usda"
+    ) as caught:
+        default_camera(open_stage(file))
     assert caught.value.code == "empty_stage"
 
 

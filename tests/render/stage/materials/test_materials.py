@@ -207,6 +207,33 @@ def test_a_texture_that_cannot_be_read_is_named_and_its_fallback_used(tmp_path: 
     assert "gone.png" in finding.message
 
 
+def test_each_missing_texture_of_a_materialx_file_is_named(tmp_path: Path) -> None:
+    inputs = {"base_color": "wood.png", "specular_roughness": "dust.png"}
+    images = "".join(
+        f'<image name="{name}"><input name="file" type="filename" value="{file}"/></image>'
+        for name, file in inputs.items()
+    )
+    links = "".join(f'<input name="{name}" nodename="{name}"/>' for name in inputs)
+    (tmp_path / "m.mtlx").write_text(
+        f'<materialx>{images}<standard_surface name="s">{links}</standard_surface>'
+        '<surfacematerial name="oak"><input name="surfaceshader" nodename="s"/></surfacematerial></materialx>'
+    )
+    stage = new_stage()
+    add_mesh(stage, "/m")
+    stage.GetRootLayer().Export(str(tmp_path / "a.usda"))
+    stage = Usd.Stage.Open(str(tmp_path / "a.usda"))
+    stage.DefinePrim("/Looks").GetReferences().AddReference("./m.mtlx", "/MaterialX")
+    binding = UsdShade.MaterialBindingAPI.Apply(stage.GetPrimAtPath("/m"))
+    binding.GetPrim().CreateRelationship("material:binding").SetTargets(["/Looks/oak"])
+    reader = StageReader(stage)
+    reader.read(0)
+    messages = [finding.message for finding in reader.findings if finding.code == "texture_unreadable"]
+    assert len(messages) == 2
+    for message, (name, file) in zip(messages, inputs.items(), strict=True):
+        assert file in message
+        assert f"{name} of /Looks/oak" in message
+
+
 def test_udim_tiles_are_reported(tmp_path: Path) -> None:
     stage = new_stage()
     add_mesh(stage, "/m")

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from pxr import UsdGeom
 
 from render.errors import PullfocusError, StageError
 from render.model.scene import Scene
@@ -15,7 +14,7 @@ from render.shot.exposure.readout import ExposureReadout
 from render.shot.findings.finish_findings import finish_findings
 from render.shot.focus.readout import Readout
 from render.shot.shot import Shot
-from render.stage import CameraChoice, Finding, FrameRange
+from render.stage import CameraChoice, Finding, FrameRange, is_y_up
 from usd_schemas.units import metres_per_unit
 from usd_schemas.validation import Problem, validate
 
@@ -73,7 +72,7 @@ def inspect_shot(shot: Shot) -> Inspection:
     messages = {note.message for note in notes}
     return Inspection(
         frame_range=shot.frame_range,
-        up_axis="Z" if UsdGeom.GetStageUpAxis(shot.stage) == UsdGeom.Tokens.z else "Y",
+        up_axis="Y" if is_y_up(shot.stage) else "Z",
         metres_per_unit=metres_per_unit(shot.stage),
         cameras=tuple(shot.cameras()),
         default_camera=_default_camera(shot),

@@ -54,10 +54,10 @@ class Shot:
         film: film settings, stocks and finishes.
     """
 
-    def __init__(self, path: Path, stage: Usd.Stage, edits: Edits, reader: StageReader) -> None:
+    def __init__(self, path: Path, stage: Usd.Stage, edits: Edits, reader: StageReader, cameras: CameraLookup) -> None:
         """Use `Shot.open`."""
         edits.attach(stage)
-        anchors, cameras = AnchorReader(stage), CameraLookup(stage, path)
+        anchors = AnchorReader(stage)
         # The parts refer to the reader and not to the shot: without a cycle, dropping the shot closes its files at once.
         self._reader = reader
         self._cameras = cameras
@@ -98,7 +98,8 @@ class Shot:
         layer = Edits(edits)
         stage = open_stage(Path(path), edit_layer=layer.layer, confined_to=confined_to)
         reader = StageReader(stage, purposes=tuple(purposes), mask=mask, complexity=complexity)
-        return cls(Path(path), stage, layer, reader)
+        cameras = CameraLookup(stage, Path(path), purposes, mask)
+        return cls(Path(path), stage, layer, reader, cameras)
 
     @property
     def frame_range(self) -> FrameRange:

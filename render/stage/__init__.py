@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from render.stage.anchors.anchors import AnchorReader, anchor_position
 from render.stage.camera.camera_list import list_cameras
-from render.stage.camera.cameras import CameraChoice, conform_camera, default_camera, framing_camera, read_camera
+from render.stage.camera.cameras import CameraChoice, conform_camera, default_camera, read_camera
 from render.stage.findings import Finding
 from render.stage.opening import open_stage, quiet_diagnostics
 from render.stage.reader import StageReader
-from render.stage.world import FrameRange, frame_range, world_from_stage
+from render.stage.world import FrameRange, frame_range, is_y_up, world_from_stage
 
 __all__ = [
     "AnchorReader",
@@ -20,7 +20,7 @@ __all__ = [
     "conform_camera",
     "default_camera",
     "frame_range",
-    "framing_camera",
+    "is_y_up",
     "list_cameras",
     "open_stage",
     "quiet_diagnostics",

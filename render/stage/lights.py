@@ -20,7 +20,7 @@ from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.findings import FindingLog
 from render.stage.materials.textures import TextureCache, TextureError
 from render.stage.values import UNREADABLE, schema_type, why_unreadable
-from render.stage.world import rigid_frame, world_from_stage
+from render.stage.world import is_y_up, rigid_frame, world_from_stage
 
 RGB = tuple[float, float, float]
 _DOMES = ("DomeLight", "DomeLight_1")
@@ -131,7 +131,7 @@ class LightReader:
 
     def _pole_is_z(self, prim: Usd.Prim, time: Usd.TimeCode) -> bool:
         axis = prim.GetAttribute("poleAxis").Get(time)
-        return bool(axis == "Z" or (axis == "scene" and UsdGeom.GetStageUpAxis(self._stage) == UsdGeom.Tokens.z))
+        return bool(axis == "Z" or (axis == "scene" and not is_y_up(self._stage)))
 
     def _dome_image(self, prim: Usd.Prim, time: Usd.TimeCode) -> Image | None:
         asset = prim.GetAttribute("inputs:texture:file").Get(time)

@@ -121,6 +121,7 @@ class StageReader:
         purposes = binding_purposes(self._stage, self._log)
         groups = plan_groups(inventory.surfaces, looks, skeletons, purposes, time, self._log)
         self._note_complexity(inventory)
+        self._note_up_axis()
         lights = LightReader(self._stage, self._textures, self._log)
         return _Plan(inventory, groups, looks, skeletons, lights, purposes)
 
@@ -133,6 +134,11 @@ class StageReader:
                 message = f"complexity {self._complexity} is not honoured: subdivision surfaces are drawn as their cage"
                 self._log.add("complexity", "/", message)
                 return
+
+    def _note_up_axis(self) -> None:
+        axis = UsdGeom.GetStageUpAxis(self._stage)
+        if axis not in (UsdGeom.Tokens.y, UsdGeom.Tokens.z):
+            self._log.add("up_axis", "/", f"upAxis must be Y or Z, got {axis!r}: Z is up, as in usdrecord")
 
     def _on_change(self, notice: Usd.Notice.ObjectsChanged, _sender: object) -> None:
         # The first edit below a prim creates an empty `over` for it, which USD reports without changed fields.

@@ -32,8 +32,13 @@ class FrameRange:
 def world_from_stage(stage: Usd.Stage) -> DoubleArray:
     """``(4, 4)`` matrix from the stage's space to the world: its units to metres and its up axis to +Y."""
     scale = np.diag([*[metres_per_unit(stage)] * 3, 1.0])
-    turn = _Y_UP_FROM_Z_UP if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z else np.eye(4)
+    turn = np.eye(4) if is_y_up(stage) else _Y_UP_FROM_Z_UP
     return turn @ scale
+
+
+def is_y_up(stage: Usd.Stage) -> bool:
+    """Whether +Y is up. Any other ``upAxis``, also one that USD does not have, is taken as Z, as usdrecord does."""
+    return bool(UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y)
 
 
 def frame_range(stage: Usd.Stage) -> FrameRange:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from pxr import Sdf, Tf, Usd
@@ -17,11 +18,17 @@ class CameraLookup:
     Args:
         stage: the stage.
         file: the file that was opened, named in errors.
+        purposes: of what a framing camera has in view.
+        mask: of what a framing camera has in view.
     """
 
-    def __init__(self, stage: Usd.Stage, file: Path) -> None:
+    def __init__(
+        self, stage: Usd.Stage, file: Path, purposes: Sequence[str], mask: Sequence[str] | None = None
+    ) -> None:
         self._stage = stage
         self._file = file
+        self._purposes = purposes
+        self._mask = mask
         self._paths: list[str] | None = None
         self._listener = Tf.Notice.Register(Usd.Notice.ObjectsChanged, self._on_change, stage)
 
@@ -31,9 +38,9 @@ class CameraLookup:
             self._paths = list_cameras(self._stage)
         return list(self._paths)
 
-    def default(self) -> CameraChoice:
-        """The camera that is used when none is named, and why."""
-        return default_camera(self._stage, cameras=self.paths())
+    def default(self, time: float | None = None) -> CameraChoice:
+        """The camera that is used when none is named, and why; one that frames the stage does so at a time, or at the first."""
+        return default_camera(self._stage, time=time, cameras=self.paths(), purposes=self._purposes, mask=self._mask)
 
     def path(self, camera_path: str | None) -> str:
         """Return a prim path, that of the default camera for None.

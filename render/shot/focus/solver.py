@@ -59,7 +59,7 @@ class FocusSolver:
             SettingsError: the time is not finite.
         """
         check_time(time)
-        choice = self._cameras.default() if camera_path is None else None
+        choice = self._cameras.default(time) if camera_path is None else None
         if choice is not None and choice.framing is not None:
             return focus_without_points(choice.framing)
         focused = self._tracker.at(self._cameras.path(camera_path), time, self._edits.revision)

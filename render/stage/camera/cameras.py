@@ -16,8 +16,9 @@ from render.model.shutter import Shutter
 from render.stage.assembly.poses import world_pose
 from render.stage.camera.camera_exposure import camera_number, exposure_scale
 from render.stage.camera.camera_list import list_cameras
+from render.stage.camera.framing import framing_camera
 from render.stage.camera.lenses import make_iris, make_lens
-from render.stage.opening import confinement, lost_files, read_quietly
+from render.stage.opening import confinement, read_quietly
 from render.stage.values import format_value
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
@@ -52,6 +53,8 @@ def default_camera(
     time: float | None = None,
     aspect: float | None = None,
     cameras: Sequence[str] | None = None,
+    purposes: Sequence[str] = ("default", "render"),
+    mask: Sequence[str] | None = None,
 ) -> CameraChoice:
     """The camera that is meant where none is named.
 
@@ -63,6 +66,8 @@ def default_camera(
         time: the time code to frame at, where framing is needed; by default the stage's first.
         aspect: width over height of the picture, for the framing camera.
         cameras: what `list_cameras` gives, where that is known.
+        purposes: of what the framing camera has in view.
+        mask: of what the framing camera has in view, as in `framing_camera`.
 
     Raises:
         StageError: there is no camera and nothing to frame; code ``empty_stage``.
@@ -80,7 +85,8 @@ def default_camera(
     if len(cameras) == 1:
         return CameraChoice(cameras[0], "it is the only one")
     why = f"none of the {len(cameras)} cameras is called {main}" if cameras else "the stage has no camera"
-    framing = framing_camera(stage, stage.GetStartTimeCode() if time is None else time)
+    at = stage.GetStartTimeCode() if time is None else time
+    framing = framing_camera(stage, at, purposes=purposes, mask=mask)
     return CameraChoice(None, f"{why}, so the whole stage is framed", conform_camera(framing, aspect))
 
 
@@ -145,33 +151,6 @@ def conform_camera(camera: Camera, aspect: float | None, conform: str = "expandA
     if adjusts_width:
         return replace(camera, horizontal_aperture_mm=height * aspect)
     return replace(camera, vertical_aperture_mm=width / aspect)
-
-
-def framing_camera(stage: Usd.Stage, time: float) -> Camera:
-    """Camera with the whole stage in view, placed as by usdrecord (UsdAppUtils' frame recorder).
-
-    Raises:
-        StageError: there is nothing to frame; code ``empty_stage``.
-    """
-    purposes = [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
-    boxes = UsdGeom.BBoxCache(Usd.TimeCode(time), purposes, useExtentsHint=True)
-    with read_quietly(stage):
-        box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
-    if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():
-        name = stage.GetRootLayer().GetDisplayName()
-        why = "".join(f"; {lost.message}" for lost in lost_files(stage)[:1])
-        raise StageError(f"{name} has no camera, and nothing that a camera could frame{why}", code="empty_stage")
-    world = world_from_stage(stage)
-    corners = [(world @ [*box.GetCorner(i), 1.0])[:3] for i in range(8)]
-    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
-    size = high - low
-    camera = Camera(np.eye(4), 50.0, 20.955, 15.2908)  # GfCamera's own defaults
-    half_view = camera.horizontal_aperture_mm / 2 / camera.focal_length_mm
-    # A stage of a single point still needs a camera at some distance.
-    distance = (float(np.hypot(size[0], size[1])) / 2 / half_view or 1.0) + float(size[2]) / 2
-    pose = np.eye(4)
-    pose[:3, 3] = (low + high) / 2 + [0, 0, distance]
-    return replace(camera, world_from_camera=pose, focus_distance_m=distance, near_m=distance * 1e-3)
 
 
 def _stage_policy(stage: Usd.Stage) -> str:

@@ -11,7 +11,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdRender
 
 from render.errors import CameraError, StageError
 from render.stage import StageReader, limits, list_cameras, open_stage, read_camera
-from tests.render.kits.stages import T, add_mesh, instancer, new_stage, only_batch, read
+from tests.render.kits.stages import T, add_mesh, codes, instancer, new_stage, only_batch, read, world_points
 from usd_schemas import LensCamera, SchemaError
 from usd_schemas.validation import validate
 
@@ -330,3 +330,14 @@ def test_levels_of_detail_and_procedurals_are_named() -> None:
         "/house": "the levels of detail of /house are not honoured: all of them are drawn",
         "/grass": "/grass is not drawn: GenerativeProcedural prims are not honoured",
     }
+
+
+@pytest.mark.parametrize("axis", ["X", "rubbish", ""])
+def test_an_up_axis_that_is_not_y_is_z(axis: str) -> None:
+    stage, z_up = new_stage(), new_stage(up="Z")
+    stage.GetPseudoRoot().SetMetadata("upAxis", axis)
+    for one in (stage, z_up):
+        add_mesh(one, "/m")
+    reader = StageReader(stage)
+    assert world_points(only_batch(reader.read(0))) == pytest.approx(world_points(only_batch(read(z_up))))
+    assert codes(reader) == {"up_axis"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,15 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from render.errors import CameraError, SettingsError, StageError
-from render.stage import conform_camera, default_camera, frame_range, list_cameras, open_stage, read_camera
+from render.stage import (
+    conform_camera,
+    default_camera,
+    frame_range,
+    list_cameras,
+    open_stage,
+    read_camera,
+    world_from_stage,
+)
 from tests.render.kits.stages import add_mesh, new_stage
 from usd_schemas import ApertureData, LensCamera, LensData, TiltShiftData
 
@@ -231,6 +240,73 @@ def test_else_a_camera_that_has_everything_in_view(up: str, aspect: float) -> No
     assert (seen[:, 2] < 0).all()
     assert 0.3 < max(x.max(), y.max()) <= 1
     assert camera.horizontal_aperture_mm / camera.vertical_aperture_mm == pytest.approx(aspect)
+
+
+def recorder_camera(stage: Usd.Stage, time: float, purposes: Sequence[str]) -> Gf.Camera:
+    """The camera of ``_ComputeCameraToFrameStage`` in OpenUSD's ``usdAppUtils/frameRecorder.cpp``."""
+    camera = Gf.Camera()
+    box = UsdGeom.BBoxCache(time, purposes, True).ComputeWorldBound(stage.GetPseudoRoot())
+    size, is_y_up = box.ComputeAlignedRange().GetSize(), UsdGeom.GetStageUpAxis(stage) == "Y"
+    corner = Gf.Vec2d(size[0], size[1] if is_y_up else size[2]) / 2
+    half_view = math.radians(camera.GetFieldOfView(Gf.Camera.FOVHorizontal) / 2)
+    distance = corner.GetLength() / math.tan(half_view) + (size[2] if is_y_up else size[1]) / 2
+    distance += camera.clippingRange.min if distance < camera.clippingRange.min else 0
+    transform = Gf.Matrix4d(1).SetRotate(Gf.Rotation((1, 0, 0), 0 if is_y_up else 90))
+    offset = Gf.Vec3d(0, 0, distance) if is_y_up else Gf.Vec3d(0, -distance, 0)
+    camera.transform = transform.SetTranslateOnly(box.ComputeCentroid() + offset)
+    return camera
+
+
+@pytest.mark.parametrize("up", ["Y", "Z", "X", "rubbish"])
+@pytest.mark.parametrize("size", [(30, 10, 5), (0.1, 0.2, 0.05), (0.01, 0.01, 3), (0, 0, 0)])
+def test_the_framing_camera_is_usdrecords(up: str, size: tuple[float, float, float]) -> None:
+    stage = new_stage(0.01)
+    stage.GetPseudoRoot().SetMetadata("upAxis", up)
+    mesh = add_mesh(stage, "/m", np.array([(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5), (0.5, -0.5, 0)]) * size, [3], range(3))
+    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
+    mesh.AddTranslateOp().Set((7, 8, 9), 1)
+    mesh.AddTranslateOp(opSuffix="by").Set((0, 0, 0), 0)
+    mesh.AddRotateXYZOp().Set((10, 20, 30))
+    camera = default_camera(stage, time=1).framing
+    assert camera is not None
+    theirs = recorder_camera(stage, 1, ["default", "render"])
+    pose = (world_from_stage(stage) @ np.array(theirs.transform).T) * [100, 100, 100, 1]
+    assert camera.world_from_camera == pytest.approx(pose, abs=1e-5)
+    lengths = (camera.focal_length_mm, camera.horizontal_aperture_mm, camera.vertical_aperture_mm)
+    assert lengths == pytest.approx((theirs.focalLength, theirs.horizontalAperture, theirs.verticalAperture))
+    assert (camera.near_m, camera.far_m) == pytest.approx((0.01, 1e4))
+    assert camera.f_stop == theirs.fStop == 0
+
+
+def test_a_unit_cube_is_framed_from_its_half_diagonal() -> None:
+    """The front's half diagonal √2/2 is seen under half of the field of view, whose tangent is 20.955/2/50."""
+    stage = new_stage(1.0, "Z")
+    UsdGeom.Cube.Define(stage, "/c").GetSizeAttr().Set(1.0)
+    camera = default_camera(stage).framing
+    assert camera is not None
+    assert camera.world_from_camera[:3, 3] == pytest.approx([0, 0, math.sqrt(0.5) * 100 / 20.955 + 0.5])
+    assert camera.world_from_camera[:3, :3] == pytest.approx(np.eye(3))
+
+
+def test_purposes_and_mask_choose_what_is_framed() -> None:
+    stage = new_stage()
+    for number, purpose in enumerate(("default", "render", "proxy", "guide")):
+        cube = UsdGeom.Cube.Define(stage, f"/{purpose}")
+        cube.GetPurposeAttr().Set(purpose)
+        cube.AddTranslateOp().Set((10.0 * number, 0, 0))
+    middles = {
+        ("default",): 0.0,
+        ("default", "render"): 5.0,
+        ("default", "proxy"): 10.0,
+        ("default", "render", "proxy", "guide"): 15.0,
+    }
+    for purposes, middle in middles.items():
+        camera = default_camera(stage, purposes=purposes).framing
+        assert camera is not None
+        assert camera.world_from_camera[0, 3] == pytest.approx(middle)
+    masked = default_camera(stage, purposes=("default", "render"), mask=["/render", "/guide"]).framing
+    assert masked is not None
+    assert masked.world_from_camera[0, 3] == pytest.approx(10)
 
 
 def test_an_empty_stage_has_nothing_to_frame() -> None:

@@ -40,6 +40,7 @@ from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.moment import Moment, ShutterScenes
 from render.model.scene import Scene
+from render.model.surface_points import SurfacePoints
 from render.optics.distortion import undistort_position
 from render.optics.view import PinholeView
 
@@ -52,18 +53,20 @@ class Frame:
 
     Attributes:
         color: ``(height, width, 4)`` float32 scene-linear radiance, not exposed; premultiplied, alpha is coverage.
-        aovs: the arrays that the settings name, ``(height, width)``, measured where the ray through the pupil's centre meets a
-            surface, at pixel centres: ``depth`` float32 metres (inf for the background); ``coc`` float32 radius of the circle of
-            confusion in pixels, negative in front of the focus; ``defocus`` float32 1/m, inverse depth less that in focus,
-            negative behind it; ``focus_depth`` float32 metres, where the pixel is sharpest; ``prim_id`` uint32, the index in
-            `prim_paths` plus one, 0 for the background; ``face_id`` int32, -1 for the background. And ``albedo``
-            ``(height, width, 3)`` float32: base colours through the lens, as blurred as the picture.
-        prim_paths: prim paths that ``prim_id`` indexes.
+        aovs: the arrays that the settings name, ``(height, width)`` or, where `render.model.aovs` has several channels,
+            ``(height, width, channels)``. They are measured where the ray through the pupil's centre meets a surface, at pixel
+            centres; ``albedo`` alone is as blurred as the picture. Ids are int32 but for ``prim_id``, which is uint32; the rest
+            is float32.
+        prim_paths: prim paths that ids of prims index.
+        points: what the pixels see, where the settings name primvars (`render.pictures.primvars` reads them).
+        time: USD time code of ``points``.
     """
 
     color: FloatArray
     aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
     prim_paths: tuple[str, ...] = ()
+    points: SurfacePoints | None = None
+    time: float = 0.0
 
 
 class FrameRenderer:
@@ -226,7 +229,8 @@ class FrameRenderer:
             request: the request for that picture.
         """
         draw = self.engine(request.settings).draw
-        return Frame(color, measure_aovs(self.device, draw, request), scene.prim_paths)
+        measured = measure_aovs(self.device, draw, request, scene.stage_from_world)
+        return Frame(color, measured.values, scene.prim_paths, measured.points, scene.time)
 
     def engine(self, settings: FrameSettings) -> Engine:
         """Return the engine that settings name; it is made on first use.

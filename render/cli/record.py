@@ -20,6 +20,7 @@ from render.errors import SettingsError
 from render.files import check_replaceable, check_writable
 from render.film import GradeChoice
 from render.film.stock import library_stock
+from render.model.aovs import AOV_NAMES
 from render.model.frame_settings import LEAST_NOISE, MAX_MOTION, MOST_NOISE, MOTIONS, FrameSettings
 from render.model.frame_spec import frame_file_names, parse_frames
 from render.model.limits import MAX_RAYS, MAX_WAVELENGTHS
@@ -151,7 +152,7 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
         "--aov",
         default="color",
         metavar="LIST",
-        help="parts of an EXR: color, depth, coc, defocus, focus_depth, albedo, prim_id, face_id",
+        help=f"parts of an EXR: {', '.join(AOV_NAMES)}",
     )
     group.add_argument(
         "--motion",

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.layers.peel import Peeler
+from render.layers.surface_hits import SurfaceHits
 from render.layers.targets import SurfaceTargets
-from render.model.arrays import DoubleArray, FloatArray, IntArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Batch, Scene
 from render.optics.view import PinholeView
 
@@ -39,26 +40,16 @@ class Pick:
     position_m: tuple[float, float, float]
 
 
-def read_surfaces(peeler: Peeler, view: PinholeView) -> tuple[FloatArray, NDArray[np.uint32], IntArray]:
-    """Read the nearest surface at each pixel's centre.
-
-    Returns:
-        ``(height, width)`` each: inverse depth float32 (empty: 0), prim id + 1 uint32 (empty: 0), face id int32 (empty: -1).
-    """
+def read_hits(peeler: Peeler, view: PinholeView) -> SurfaceHits:
+    """Read the nearest surface at each pixel's centre: hits of ``(height, width)``."""
     w, objects, triangles = _read(peeler.draw_surfaces(view))
-    prim_id = np.zeros(w.shape, np.uint32)
-    face_id = np.full(w.shape, -1, np.int32)
-    drawn_first = np.array([draw.first_object for draw in peeler.index.draws])
-    number = np.searchsorted(drawn_first, objects.astype(np.int64) - 1, side="right") - 1
-    number[objects == 0] = -1
-    for i in np.unique(number[number >= 0]):
-        draw, here = peeler.index.draws[i], number == i
-        geometry, instances = draw.batch.geometry, draw.batch.instance_prim_ids
-        own = geometry.prim_ids[triangles[here]]
-        offset = objects[here].astype(np.int64) - 1 - draw.first_object
-        prim_id[here] = (own if instances is None else instances[draw.instances[offset]]) + 1
-        face_id[here] = geometry.face_ids[triangles[here]]
-    return w, prim_id, face_id
+    first = np.array([draw.first_object for draw in peeler.index.draws])
+    number = objects.astype(np.int64) - 1
+    draws = np.searchsorted(first, number, side="right") - 1
+    draws[objects == 0] = -1
+    x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
+    slopes = np.stack([(x - view.cx) / view.fx, (view.cy - y) / view.fy], axis=-1)
+    return SurfaceHits(w, draws.astype(np.int32), number, triangles.astype(np.int32), slopes)
 
 
 def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: float) -> Pick | None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from render.errors import SettingsError
+from render.model.aovs import check_aov
 from render.model.limits import MAX_LAYERS, MAX_RAYS, MAX_WAVELENGTHS, check_picture_size
 
-AOVS = ("color", "depth", "coc", "defocus", "focus_depth", "albedo", "prim_id", "face_id")
 SHADINGS = ("lit", "unlit")
 MOTIONS = ("moments", "velocities")
 MAX_SUPERSAMPLE = 4
@@ -43,7 +43,7 @@ class FrameSettings:
         motion: moments of the shutter's opening that are sampled; 1 stops all motion at the frame's own time.
         motion_by: one of `MOTIONS`: ``moments`` peels the scene at each of them, which is exact; ``velocities`` peels it once and
             moves surfaces along straight paths, which is many times faster.
-        aovs: names from `AOVS`; ``color`` is always there.
+        aovs: names of `render.model.aovs`; ``color`` is always there.
     """
 
     width: int = 960
@@ -77,7 +77,7 @@ class FrameSettings:
         _check_choice("motion_by", self.motion_by, MOTIONS)
         _check_range("seed", self.seed, 0, 2**31 - 1)
         for aov in self.aovs:
-            _check_choice("aov", aov, AOVS)
+            check_aov(aov)
 
     @property
     def is_adaptive(self) -> bool:

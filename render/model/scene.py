@@ -215,6 +215,7 @@ class Scene:
         dome: light from all around, or None.
         prim_paths: the paths that prim ids index.
         time: USD time code.
+        stage_from_world: ``(4, 4)`` float64, to the stage's own units and up axis.
     """
 
     batches: tuple[Batch, ...] = ()
@@ -222,6 +223,7 @@ class Scene:
     dome: Dome | None = None
     prim_paths: tuple[str, ...] = ()
     time: float = 0.0
+    stage_from_world: DoubleArray = field(default_factory=lambda: np.eye(4))
 
     @property
     def triangle_count(self) -> int:

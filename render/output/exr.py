@@ -1,21 +1,10 @@
 """OpenEXR: rendered radiance and AOVs.
 
-Parts, in this order; a file with the colour alone has a single part:
-
-===========  ===========  ======  ==================================================================
-part         channels     type    what it holds
-===========  ===========  ======  ==================================================================
-rgba         R, G, B, A   half    exposed radiance in the working space, times coverage; coverage
-depth        Z            float   metres along the view axis; infinite where there is nothing
-coc          radius       float   circle of confusion in pixels, negative in front of the focus
-defocus      w            float   1/m, inverse depth less that in focus, negative behind it
-focus_depth  Z            float   metres along the view axis at which the pixel is sharpest
-albedo       R, G, B      half    base colours through the lens
-prim_id      id           uint    index of the prim in the attribute ``pullfocus:primPaths``
-face_id      id           uint    index of the authored face
-===========  ===========  ======  ==================================================================
-
-An id of 4294967295 means nothing is there. All parts carry the camera (`FrameMetadata.exr_attributes`).
+The first part, ``rgba``, has R, G, B and A as half floats: exposed radiance in the working space, times coverage, and coverage.
+Each AOV is a part of its own name, in the order of `render.model.aovs`, which has their channels and types; a file with the
+colour alone has a single part. The attribute ``pullfocus:primPaths`` of an AOV with ids of prims is a JSON object from the ids
+in the picture to paths. A negative id, which means that nothing is there, is 4294967295. All parts carry the camera
+(`FrameMetadata.exr_attributes`).
 """
 
 from __future__ import annotations
@@ -30,22 +19,14 @@ from numpy.typing import NDArray
 
 from render.errors import SettingsError
 from render.film.develop import expose
+from render.model.aovs import file_order, find_aov
 from render.model.arrays import FloatArray
 from render.output.image_file import Part, describe, file_bytes
 from render.output.metadata import Attribute, FrameMetadata
 
 NO_ID = 0xFFFFFFFF
-
-# The channels and the type of each measurement, in the order of the file.
-_AOV_CHANNELS = {
-    "depth": (["Z"], "float"),
-    "coc": (["radius"], "float"),
-    "defocus": (["w"], "float"),
-    "focus_depth": (["Z"], "float"),
-    "albedo": (["R", "G", "B"], "half"),
-    "prim_id": (["id"], "uint"),
-    "face_id": (["id"], "uint"),
-}
+_PRIM_IDS = {"prim_id": 1, "primId": 0}
+"""AOVs with ids of prims, and the id of the first prim."""
 
 
 def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: FrameMetadata) -> bytes:
@@ -54,7 +35,7 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
     Args:
         color: ``(height, width, 4)`` scene-linear radiance, not exposed, times coverage; coverage in alpha. NaN
             becomes 0, and values beyond half-float range become the largest half float.
-        aovs: measurements by name, each ``(height, width)``; ``color``, if there, is left out.
+        aovs: measurements by name, each ``(height, width)`` or ``(height, width, channels)``; ``color``, if there, is left out.
         metadata: metadata of the file.
 
     Raises:
@@ -65,14 +46,15 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
     height, width = color.shape[:2]
     camera = metadata.exr_attributes(width, height)
     parts = [_colour_part(color, camera, metadata)]
-    for name, (channels, kind) in _AOV_CHANNELS.items():
-        if name in aovs:
-            own: list[Attribute] = [("colorInteropID", "string", "data")]
-            if name == "prim_id":
-                own.append(("pullfocus:primPaths", "string", _manifest(aovs[name], metadata.prim_paths)))
-            pixels = _ids(aovs[name]) if kind == "uint" else aovs[name].astype(np.float32)
-            spec = describe(_spec(name, (width, height), channels, kind), [*camera, *own])
-            parts.append((spec, pixels.reshape(height, width, len(channels))))
+    for name in file_order(list(aovs)):
+        pixels = aovs[name].reshape(height, width, -1)
+        aov = find_aov(name, pixels.shape[2])
+        own: list[Attribute] = [("colorInteropID", "string", "data")]
+        if name in _PRIM_IDS:
+            paths = _manifest(aovs[name] - _PRIM_IDS[name], metadata.prim_paths, _PRIM_IDS[name])
+            own.append(("pullfocus:primPaths", "string", paths))
+        pixels = _ids(pixels) if aov.kind == "uint" else pixels.astype(np.float32)
+        parts.append((describe(_spec(name, (width, height), list(aov.channels), aov.kind), [*camera, *own]), pixels))
     return file_bytes(".exr", parts)
 
 
@@ -110,10 +92,10 @@ def _ids(ids: NDArray[Any]) -> NDArray[np.uint32]:
     return np.where(ids < 0, NO_ID, ids).astype(np.uint32)
 
 
-def _manifest(ids: NDArray[Any], prim_paths: tuple[str, ...]) -> str:
-    """JSON object from id to prim path, for the prims that are in the picture."""
-    present = [int(i) for i in np.unique(ids) if 0 <= i < len(prim_paths)]
-    return json.dumps({str(i): prim_paths[i] for i in present}, ensure_ascii=False)
+def _manifest(indices: NDArray[Any], prim_paths: tuple[str, ...], first_id: int) -> str:
+    """JSON object from id to prim path, for the prims that are in the picture; the first prim has ``first_id``."""
+    present = [int(i) for i in np.unique(indices) if 0 <= i < len(prim_paths)]
+    return json.dumps({str(i + first_id): prim_paths[i] for i in present}, ensure_ascii=False)
 
 
 def _check_arrays(color: FloatArray, aovs: Mapping[str, NDArray[Any]]) -> None:
@@ -121,8 +103,10 @@ def _check_arrays(color: FloatArray, aovs: Mapping[str, NDArray[Any]]) -> None:
     if color.ndim != 3 or color.shape[2] != 4:
         raise SettingsError(f"a frame's colour must be (height, width, 4), got {color.shape}")
     for name, pixels in aovs.items():
-        if name != "color" and name not in _AOV_CHANNELS:
-            raise SettingsError(f"unknown AOV '{name}': expected one of color, {', '.join(_AOV_CHANNELS)}")
-        expected = (*color.shape[:2], 3) if name == "albedo" else color.shape[:2]
-        if name != "color" and pixels.shape != expected:
+        if name == "color":
+            continue
+        numbers = pixels.shape[2] if pixels.ndim == 3 else 1
+        channels = len(find_aov(name, numbers).channels)
+        if pixels.shape[:2] != color.shape[:2] or numbers != channels:
+            expected = (*color.shape[:2], channels) if channels > 1 else color.shape[:2]
             raise SettingsError(f"AOV '{name}' must be {expected} like the picture, got {pixels.shape}")

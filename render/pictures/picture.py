@@ -23,6 +23,7 @@ from render.output import FrameMetadata
 from render.pictures.flare import add_flare
 from render.pictures.image_space import ImageSpace
 from render.pictures.moving import check_shutter, has_motion, render_moving_frame
+from render.pictures.primvars import add_primvars
 from render.shot.film.finish import Finish
 from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
@@ -157,7 +158,7 @@ def apply_lens_effects(
     Raises:
         GraphicsError: OpenGL reports an error.
     """
-    frame = space.apply(renderer, frame)
+    frame = space.apply(renderer, add_primvars(shot, frame, space.settings))
     apply_vignetting(frame.color, camera, space.requested)
     return add_flare(renderer, shot.scene_at(time), camera, space.requested, frame)
 

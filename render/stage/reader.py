@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom
 
 from render.model.scene import Scene
@@ -111,7 +112,8 @@ class StageReader:
         )
         batches = tuple(batch for group in plan.groups for batch in group.batches(context))
         lights, dome = plan.lights.read(plan.inventory.lights, transforms)
-        return Scene(batches, lights, dome, tuple(self._prim_ids), time.GetValue())
+        stage_from_world = np.asarray(np.linalg.inv(context.world), np.float64)
+        return Scene(batches, lights, dome, tuple(self._prim_ids), time.GetValue(), stage_from_world)
 
     def _make_plan(self, time: Usd.TimeCode) -> _Plan:
         composition_findings(self._stage, self._log)

@@ -2,61 +2,152 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from render.layers.peel import Peeler
-from render.layers.readback import read_surfaces
+from render.layers.readback import read_hits
+from render.layers.surface_hits import SurfaceDescription, SurfaceHits
 from render.layers.targets import MAX_LAYER_PIXELS
-from render.model.arrays import DoubleArray, IntArray
+from render.model.aovs import primvar_of
+from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.limits import MAX_PICTURE_SIDE_PX
+from render.model.surface_points import SurfacePoints
 from render.optics.distortion import ChiefRays
 from render.optics.view import PinholeView
 from render.trace.layer_view import MAX_SLOPE
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle
-from render.trace.sharpness import measure_sharpness
+from render.trace.sharpness import Sharpness, measure_sharpness
 
-MEASURED = ("depth", "coc", "defocus", "focus_depth", "prim_id", "face_id")
 MAX_AREA_RATIO = 8.0
 """Surfaces are drawn with at most this many times the picture's pixels: a lens that sees further is measured less finely."""
 
 
-def measure_aovs(
-    peeler: Peeler, view: PinholeView, bundle: RayBundle, focus: PictureFocus, chief: ChiefRays | None
-) -> dict[str, NDArray[Any]]:
-    """All of `MEASURED`, each ``(height, width)``.
+@dataclass(frozen=True, eq=False)
+class Measurements:
+    """Measured AOVs.
+
+    Attributes:
+        values: arrays by name.
+        points: what the pixels see, for AOVs that need the stage; None where none was named.
+    """
+
+    values: dict[str, NDArray[Any]]
+    points: SurfacePoints | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Measurer:
+    """Measures AOVs of one picture: a method for each name.
+
+    Attributes:
+        view: the picture.
+        bundle: the lens.
+        focus: focal surface.
+        hits: what each pixel's chief ray meets.
+        surfaces: their description.
+        stage_from_world: `Scene.stage_from_world`.
+    """
+
+    view: PinholeView
+    bundle: RayBundle
+    focus: PictureFocus
+    hits: SurfaceHits
+    surfaces: SurfaceDescription
+    stage_from_world: DoubleArray
+
+    def measure(self, names: Collection[str]) -> Measurements:
+        """Measure those AOVs of the names that are measured along chief rays."""
+        values = {name: _MEASURES[name](self) for name in names if name in _MEASURES}
+        return Measurements(values, self.surfaces.points if any(map(primvar_of, names)) else None)
+
+    def depth(self) -> FloatArray:
+        with np.errstate(divide="ignore"):
+            return (1.0 / np.maximum(self.hits.w.astype(np.float64), 0.0)).astype(np.float32)
+
+    def coc(self) -> FloatArray:
+        return (self.view.fx * self._sharp.pupil_m * (self._sharp.w - self.hits.w)).astype(np.float32)
+
+    def defocus(self) -> FloatArray:
+        return (self.hits.w - self._sharp.w).astype(np.float32)
+
+    def focus_depth(self) -> FloatArray:
+        with np.errstate(divide="ignore"):
+            return (1.0 / np.maximum(self._sharp.w, 0.0)).astype(np.float32)
+
+    def prim_id(self) -> NDArray[np.uint32]:
+        return (self.surfaces.prim_ids + 1).astype(np.uint32)
+
+    def element_id(self) -> IntArray:
+        return self.surfaces.face_ids
+
+    def prim_index(self) -> IntArray:
+        return self.surfaces.prim_ids
+
+    def instance_id(self) -> IntArray:
+        return self.surfaces.instance_ids
+
+    def camera_depth(self) -> FloatArray:
+        return np.abs(self.eye_position()[..., 2])
+
+    def eye_position(self) -> FloatArray:
+        w, slopes = self.hits.w.astype(np.float64)[..., None], self.hits.slopes
+        directions = np.concatenate([slopes, np.full_like(w, -1.0)], axis=-1)
+        there = np.where(w > 0, directions / np.where(w > 0, w, 1.0), 0.0)
+        positions: FloatArray = (there * np.linalg.norm(self.stage_from_world[:3, 0])).astype(np.float32)
+        return positions
+
+    def eye_normal(self) -> FloatArray:
+        return self.surfaces.normals.astype(np.float32)
+
+    def normal(self) -> FloatArray:
+        turn = self.stage_from_world[:3, :3] @ np.linalg.inv(self.view.camera_from_world)[:3, :3]
+        normals: FloatArray = (self.surfaces.normals @ (turn / np.linalg.norm(turn, axis=0)).T).astype(np.float32)
+        return normals
+
+    @cached_property
+    def _sharp(self) -> Sharpness:
+        return measure_sharpness(self.bundle, self.focus, self.view)
+
+
+_MEASURES: dict[str, Callable[[Measurer], NDArray[Any]]] = {
+    "depth": Measurer.depth,
+    "coc": Measurer.coc,
+    "defocus": Measurer.defocus,
+    "focus_depth": Measurer.focus_depth,
+    "prim_id": Measurer.prim_id,
+    "face_id": Measurer.element_id,
+    "cameraDepth": Measurer.camera_depth,
+    "normal": Measurer.normal,
+    "Neye": Measurer.eye_normal,
+    "Peye": Measurer.eye_position,
+    "primId": Measurer.prim_index,
+    "instanceId": Measurer.instance_id,
+    "elementId": Measurer.element_id,
+}
+
+
+def is_measured(name: str) -> bool:
+    """Tell whether an AOV needs the surfaces that chief rays meet."""
+    return name in _MEASURES or bool(primvar_of(name))
+
+
+def chief_hits(peeler: Peeler, view: PinholeView, chief: ChiefRays | None) -> SurfaceHits:
+    """Trace each pixel's chief ray to the first surface.
 
     Args:
         peeler: with the scene loaded.
         view: the picture.
-        bundle: the lens.
-        focus: focal surface.
         chief: the lens's chief rays; None where they are straight.
     """
-    w, prim_id, face_id = _nearest(peeler, view, chief)
-    sharp = measure_sharpness(bundle, focus, view)
-    with np.errstate(divide="ignore"):
-        depth, focus_depth = (1.0 / np.maximum(values, 0.0) for values in (w.astype(np.float64), sharp.w))
-    return {
-        "depth": depth.astype(np.float32),
-        "coc": (view.fx * sharp.pupil_m * (sharp.w - w)).astype(np.float32),
-        "defocus": (w - sharp.w).astype(np.float32),
-        "focus_depth": focus_depth.astype(np.float32),
-        "prim_id": prim_id,
-        "face_id": face_id,
-    }
-
-
-def _nearest(
-    peeler: Peeler, view: PinholeView, chief: ChiefRays | None
-) -> tuple[NDArray[np.float32], NDArray[np.uint32], IntArray]:
-    """Trace each pixel's chief ray to the first surface."""
     if chief is None:
-        return read_surfaces(peeler, view)
+        return read_hits(peeler, view)
     x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
     slopes = np.stack([(x - view.cx) / view.fx, (y - view.cy) / view.fy], axis=-1)
     seen = chief.undistort_slopes(slopes)
@@ -77,8 +168,7 @@ def _nearest(
     )
     column = (seen[..., 0] - left).astype(int)
     row = (seen[..., 1] - top).astype(int)
-    w, prim_id, face_id = read_surfaces(peeler, wide)
-    return w[row, column], prim_id[row, column], face_id[row, column]
+    return read_hits(peeler, wide).at(row, column)
 
 
 def _scale(seen: DoubleArray, view: PinholeView) -> float:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Collection, Generator
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import moderngl
 import numpy as np
@@ -15,15 +15,16 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler, PeelKey
+from render.layers.surface_hits import SurfaceDescription
 from render.layers.surface_sampling import SurfaceSampling, layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
-from render.model.arrays import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.model.limits import MAX_LAYERS, MAX_PICTURE_SIDE_PX
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
-from render.trace.aovs import measure_aovs
+from render.trace.aovs import Measurements, Measurer, chief_hits
 from render.trace.bundles import BundleMaker, merge_wavelengths
 from render.trace.highlights.carrier import HighlightCarrier
 from render.trace.highlights.scattering import SPLAT_REACH_PX
@@ -345,11 +346,14 @@ class LensTracer:
             return self._tiles.with_unfinished(picture, shares)
         return self._carried.add_to(picture), shares
 
-    def measure_aovs(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
-        """AOVs of the picture: see `render.trace.aovs.measure_aovs`."""
+    def measure_aovs(
+        self, peeler: Peeler, camera: Camera, view: PinholeView, stage_from_world: DoubleArray, names: Collection[str]
+    ) -> Measurements:
+        """Measure AOVs along the picture's chief rays: see `render.trace.aovs`."""
         bundle = self._bundles.make_bundle(camera, view, make_ray_pattern(1, IrisShape()))
-        chief = chief_rays(camera)
-        return measure_aovs(peeler, view, bundle, picture_focus(camera, view), chief)
+        hits = chief_hits(peeler, view, chief_rays(camera))
+        surfaces = SurfaceDescription(peeler.index.draws, hits, view.camera_from_world)
+        return Measurer(view, bundle, picture_focus(camera, view), hits, surfaces, stage_from_world).measure(names)
 
     def release_window(self) -> None:
         """Release the layers and N-buffers of the last tile, so that a large picture can be developed in their place."""

@@ -58,9 +58,9 @@ def make_frame() -> Any:
     color[..., 3] /= 2
     depth = rng.uniform(1, 50, (HEIGHT, WIDTH)).astype(np.float32)
     depth[0] = np.inf
-    prims = rng.integers(0, 2, (HEIGHT, WIDTH)).astype(np.int32)
+    prims = rng.integers(1, 3, (HEIGHT, WIDTH)).astype(np.uint32)
     faces = rng.integers(0, 20_000_000, (HEIGHT, WIDTH)).astype(np.int32)
-    prims[0] = faces[0] = -1
+    prims[0], faces[0] = 0, -1
     coc = rng.normal(0, 5, (HEIGHT, WIDTH)).astype(np.float32)
     return SimpleNamespace(color=color, aovs={"face_id": faces, "coc": coc, "depth": depth, "prim_id": prims})
 
@@ -142,10 +142,10 @@ def test_measurements_come_back_bit_for_bit(tmp_path: Path) -> None:
 
     for name in ("depth", "coc"):
         np.testing.assert_array_equal(part(content, name, tmp_path / "a.exr").squeeze(), frame.aovs[name])
-    for name in ("prim_id", "face_id"):
+    for name, nothing in (("prim_id", 0), ("face_id", 0xFFFFFFFF)):
         ids = part(content, name, tmp_path / "a.exr").squeeze()
         np.testing.assert_array_equal(ids[1:], frame.aovs[name][1:])
-        assert (ids[0] == 0xFFFFFFFF).all(), "nothing is there"
+        assert (ids[0] == nothing).all(), "nothing is there"
 
 
 def test_a_frame_without_measurements_has_one_part() -> None:
@@ -269,7 +269,7 @@ def test_ids_can_be_looked_up() -> None:
 
     paths = json.loads(header["pullfocus:primPaths"][1])
 
-    assert paths == {"0": "/World/ground", "1": "/World/hero"}, "only what is in the picture"
+    assert paths == {"1": "/World/ground", "2": "/World/hero"}, "only what is in the picture"
 
 
 @pytest.mark.parametrize(
@@ -291,7 +291,7 @@ def test_frame_rates_are_exact(rate: float, expected: tuple[int, int]) -> None:
 @pytest.mark.parametrize(
     ("aovs", "message"),
     [
-        ({"velocity": np.zeros((HEIGHT, WIDTH))}, "unknown AOV 'velocity': expected one of color, depth, coc"),
+        ({"velocity": np.zeros((HEIGHT, WIDTH))}, "aov must be one of color, depth, coc.*, got 'velocity'"),
         ({"depth": np.zeros((3, 3))}, r"AOV 'depth' must be \(18, 32\) like the picture, got \(3, 3\)"),
     ],
 )

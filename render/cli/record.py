@@ -12,7 +12,7 @@ from pxr import Sdf
 
 from render.cli.console import camel_case_keys, print_json
 from render.cli.options import camera as camera_options
-from render.cli.options import contact_sheet, flare, grade, long_exposure, progressive, shared
+from render.cli.options import contact_sheet, flare, grade, long_exposure, progressive, shared, usdrecord
 from render.cli.recording.frames import record_frames
 from render.cli.recording.job import RecordJob
 from render.engines import all_engines, check_settings
@@ -29,9 +29,9 @@ from render.pictures.contact_axes import Axis
 from render.pictures.picture_height import picture_height
 from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice
+from render.stage.options import COMPLEXITIES, PURPOSES, StageOptions
 
-PURPOSES = ("default", "render", "proxy", "guide")
-COMPLEXITIES = ("low", "medium", "high", "veryhigh")
+DEFAULT_WIDTH_PX = 960
 DEFAULT_MOMENTS = 16
 """Shutter samples where --motion-by is given without --motion."""
 
@@ -43,6 +43,7 @@ class RecordOptions:
     Attributes:
         frames: USD time codes; None takes the first frame.
         settings: of each picture; the height is set from the camera.
+        takes_resolution: the chosen settings prim gives width and height.
         stock: film of the library; None keeps the shot's.
         lens: to mount; None keeps the camera's.
         grade: replaces parts of the shot's grade.
@@ -55,6 +56,7 @@ class RecordOptions:
 
     frames: list[float] | None
     settings: FrameSettings
+    takes_resolution: bool
     stock: str | None
     lens: LensChoice | None
     grade: GradeChoice | None
@@ -83,6 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     shared.add_frames(parser, "the shot's first frame")
     _add_scene_options(parser)
+    usdrecord.add_arguments(parser)
     _add_picture_options(parser)
     for module in (camera_options, grade, flare, long_exposure, contact_sheet, progressive):
         module.add_arguments(parser)
@@ -92,9 +95,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_scene_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("scene")
     group.add_argument(
-        "--purposes", "-p", default="render", metavar="LIST", help="of render, proxy and guide; default is always drawn"
+        "--purposes",
+        "-p",
+        metavar="LIST",
+        help="of render, proxy and guide; default is always drawn; without it render, or those of --renderSettingsPrimPath",
     )
-    group.add_argument("--mask", metavar="PATHS", help="only these prims, with commas between, and what is in them")
+    group.add_argument(
+        "--mask", metavar="PATHS", help="only these prims, with commas or spaces between, and what is in them"
+    )
     group.add_argument(
         "--complexity", "-c", default="low", choices=COMPLEXITIES, help="how finely round prims are divided"
     )
@@ -103,7 +111,12 @@ def _add_scene_options(parser: argparse.ArgumentParser) -> None:
 def _add_picture_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("rendering")
     group.add_argument(
-        "--imageWidth", "-w", type=int, default=960, metavar="PX", help="width; the film gate's shape gives the height"
+        "--imageWidth",
+        "-w",
+        type=int,
+        metavar="PX",
+        help=f"width; the film gate's shape gives the height; without it {DEFAULT_WIDTH_PX}, or the resolution that"
+        " --renderSettingsPrimPath gives",
     )
     group.add_argument(
         "--engine",
@@ -205,6 +218,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _read_options(arguments: argparse.Namespace) -> RecordOptions:
     progressive.check_progressive(arguments)
+    usdrecord.check_arguments(arguments)
     axes = contact_sheet.read_axes(arguments)
     if axes is None and format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
         raise SettingsError(f"--aov {arguments.aov} needs an EXR file to hold it, got {arguments.out}")
@@ -215,6 +229,8 @@ def _read_options(arguments: argparse.Namespace) -> RecordOptions:
     return RecordOptions(
         frames=frames,
         settings=settings,
+        takes_resolution=arguments.imageWidth is None
+        and (arguments.renderSettingsPrimPath or arguments.renderPassPrimPath) is not None,
         stock=arguments.film,
         grade=grade.read_grade_choice(arguments),
         camera=camera_options.read_camera_options(arguments),
@@ -231,15 +247,24 @@ def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: f
     shared.mount_lens(shot, camera_path, options.lens)
     options.camera.set_on(shot, camera_path)
     options.flare.set_on(shot, camera_path)
-    height = picture_height(shot, camera_path, time, options.settings.width)
+    width, height = _picture_size(shot, camera_path, options, time)
     return RecordJob(
         shot=shot,
         camera_path=camera_path,
-        settings=replace(options.settings, height=height),
+        settings=replace(options.settings, width=width, height=height),
         stock=options.stock,
         grade=options.grade,
         overlay=options.camera.draw_guides,
     )
+
+
+def _picture_size(shot: Shot, camera_path: str | None, options: RecordOptions, time: float) -> tuple[int, int]:
+    """Width and height in pixels: the resolution of the chosen settings prim, else the height that the film gate has."""
+    settings = shot.render_settings if options.takes_resolution else None
+    if settings is not None and settings.resolution is not None:
+        return settings.resolution
+    width = options.settings.width
+    return width, picture_height(shot, camera_path, time, width)
 
 
 def _record(job: RecordJob, options: RecordOptions, plan: Sequence[tuple[float, Path]]) -> list[dict[str, Any]]:
@@ -271,15 +296,24 @@ def _check_files(shot: Shot, files: Sequence[Path]) -> None:
 
 
 def _open_shot(arguments: argparse.Namespace) -> Shot:
-    purposes = shared.read_words("--purposes", arguments.purposes, PURPOSES)
+    purposes = None
+    if arguments.purposes is not None:
+        words = shared.read_words("--purposes", arguments.purposes, PURPOSES)
+        purposes = tuple(dict.fromkeys(("default", *words)))
     mask = _read_mask(arguments.mask)
-    shot = Shot.open(
-        arguments.stage,
-        purposes=tuple(dict.fromkeys(("default", *purposes))),
+    options = StageOptions(
+        purposes=purposes,
         mask=mask,
         complexity=arguments.complexity,
-        edits=arguments.edits,
+        camera_light=not arguments.disableCameraLight,
+        dome_visible=arguments.dome_visible,
+        draw_modes=not arguments.disableDrawMode,
+        session_layer=arguments.sessionLayer,
+        resolver=arguments.resolver,
+        settings_prim=arguments.renderSettingsPrimPath,
+        render_pass=arguments.renderPassPrimPath,
     )
+    shot = Shot.open(arguments.stage, edits=arguments.edits, options=options)
     missing = [path for path in mask or () if not shot.stage.GetPrimAtPath(path)]
     if missing:
         raise SettingsError(f"--mask names what {arguments.stage} does not hold: {', '.join(missing)}")
@@ -309,7 +343,7 @@ def _is_prim_path(text: str) -> bool:
 def _read_settings(arguments: argparse.Namespace) -> FrameSettings:
     """Read the settings of a picture, except its height, which follows from the camera's film gate."""
     settings = FrameSettings(
-        width=arguments.imageWidth,
+        width=DEFAULT_WIDTH_PX if arguments.imageWidth is None else arguments.imageWidth,
         height=1,
         engine=arguments.engine,
         rays=arguments.rays,

@@ -18,8 +18,8 @@ class Headlight:
         self._lit: tuple[Scene, DoubleArray, Scene] | None = None
 
     def add_light(self, scene: Scene, camera: Camera) -> Scene:
-        """Return the scene, with a light at the camera where it has none of its own; a faint dome shows the shapes of metals."""
-        if scene.lights or scene.dome is not None:
+        """Return the scene, with a light at the camera where it has none and wants one; a faint dome shows metals."""
+        if scene.lights or scene.dome is not None or not scene.camera_light:
             return scene
         pose = camera.world_from_camera
         if self._lit is None or self._lit[0] is not scene or not np.array_equal(self._lit[1], pose):

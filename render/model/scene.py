@@ -216,6 +216,7 @@ class Scene:
         prim_paths: the paths that prim ids index.
         time: USD time code.
         stage_from_world: ``(4, 4)`` float64, to the stage's own units and up axis.
+        camera_light: a light at the camera is added where there is no other.
     """
 
     batches: tuple[Batch, ...] = ()
@@ -224,6 +225,7 @@ class Scene:
     prim_paths: tuple[str, ...] = ()
     time: float = 0.0
     stage_from_world: DoubleArray = field(default_factory=lambda: np.eye(4))
+    camera_light: bool = True
 
     @property
     def triangle_count(self) -> int:

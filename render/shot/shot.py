@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
@@ -25,7 +26,21 @@ from render.shot.focus.shot_focus import ShotFocus
 from render.shot.focus.solver import FocusSolver
 from render.shot.focus.tracker import FocusTracker
 from render.shot.times import check_time
-from render.stage import AnchorReader, CameraChoice, Finding, FrameRange, StageReader, frame_range, open_stage
+from render.stage import (
+    AnchorReader,
+    CameraChoice,
+    Finding,
+    FrameRange,
+    RenderSettings,
+    StageOptions,
+    StageReader,
+    choose_settings,
+    find_pass,
+    frame_range,
+    open_stage,
+    stage_settings,
+)
+from render.stage.options import DEFAULT_OPTIONS, DRAWN_PURPOSES
 
 _TRIAL_PX = (16, 9)
 """Size of the picture that `Shot.keep_usable` sets a camera up for; it is not rendered."""
@@ -77,29 +92,41 @@ class Shot:
         path: str | Path,
         *,
         confined_to: Path | None = None,
-        purposes: Sequence[str] = ("default", "render"),
-        mask: Sequence[str] | None = None,
-        complexity: str = "low",
         edits: Path | None = None,
+        options: StageOptions = DEFAULT_OPTIONS,
     ) -> Self:
         """Open a shot.
 
         Args:
             path: a USD file.
             confined_to: folder that must hold every file of the stage; None allows any folder.
-            purposes: which of USD's purposes are drawn.
-            mask: only what lies at, below or above these prim paths is drawn; None for everything.
-            complexity: how finely surfaces are refined, as in usdrecord.
             edits: a layer that `Edits.save` wrote, to start from. The file itself is not written to.
+            options: how the stage is opened and read.
 
         Raises:
+            SettingsError: the options name a prim that is no RenderSettings or RenderPass.
             StageError: the file is not USD, is damaged, or refers to a file outside ``confined_to``; missing ones are findings.
         """
         layer = Edits(edits)
-        stage = open_stage(Path(path), edit_layer=layer.layer, confined_to=confined_to)
-        reader = StageReader(stage, purposes=tuple(purposes), mask=mask, complexity=complexity)
-        cameras = CameraLookup(stage, Path(path), purposes, mask)
+        stage = open_stage(
+            Path(path),
+            edit_layer=layer.layer,
+            session_layer=options.session_layer,
+            resolver=options.resolver,
+            confined_to=confined_to,
+        )
+        render_pass = find_pass(stage, options.render_pass) if options.render_pass is not None else None
+        if options.settings_prim is not None:
+            choose_settings(stage, options.settings_prim)
+        purposes = options.purposes or _chosen_purposes(stage, options) or DRAWN_PURPOSES
+        reader = StageReader(stage, replace(options, purposes=purposes), render_pass)
+        cameras = CameraLookup(stage, Path(path), purposes, options.mask)
         return cls(Path(path), stage, layer, reader, cameras)
+
+    @property
+    def render_settings(self) -> RenderSettings | None:
+        """The RenderSettings prim that the options of `open` chose, else the stage's own; None where there is none."""
+        return stage_settings(self.stage)
 
     @property
     def frame_range(self) -> FrameRange:
@@ -187,3 +214,9 @@ class Shot:
         except PullfocusError as error:
             return error
         return None
+
+
+def _chosen_purposes(stage: Usd.Stage, options: StageOptions) -> tuple[str, ...] | None:
+    """Purposes that the settings prim of the options includes; None where they choose none."""
+    settings = stage_settings(stage) if options.settings_prim or options.render_pass else None
+    return settings.included_purposes if settings else None

@@ -7,7 +7,10 @@ from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.cameras import CameraChoice, conform_camera, default_camera, read_camera
 from render.stage.findings import Finding
 from render.stage.opening import open_stage, quiet_diagnostics
+from render.stage.options import StageOptions
 from render.stage.reader import StageReader
+from render.stage.render_pass import find_pass
+from render.stage.render_settings import RenderSettings, choose_settings, stage_settings
 from render.stage.world import FrameRange, frame_range, is_y_up, world_from_stage
 
 __all__ = [
@@ -15,15 +18,20 @@ __all__ = [
     "CameraChoice",
     "Finding",
     "FrameRange",
+    "RenderSettings",
+    "StageOptions",
     "StageReader",
     "anchor_position",
+    "choose_settings",
     "conform_camera",
     "default_camera",
+    "find_pass",
     "frame_range",
     "is_y_up",
     "list_cameras",
     "open_stage",
     "quiet_diagnostics",
     "read_camera",
+    "stage_settings",
     "world_from_stage",
 ]

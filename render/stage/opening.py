@@ -9,16 +9,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pxr import Pcp, Sdf, Tf, Usd, UsdUtils
+from pxr import Ar, Pcp, Sdf, Tf, Usd, UsdUtils
 
 from render.errors import StageError
 from render.stage.confinement import check_confined
 from render.stage.findings import FindingLog
+from render.stage.options import Resolver
 from usd_schemas import SchemaError
 from usd_schemas.units import metres_per_unit
 
 # In the session layer's customLayerData: the folder that nothing may leave. The session layer is ours, so a file cannot say it.
 _CONFINED_TO = "pullfocus:confinedTo"
+# Metadata of a session layer that is its own and not the stage's.
+_NOT_OF_STAGE = ("subLayers", "subLayerOffsets", "customLayerData", "comment", "documentation")
 _TF_REASON = re.compile(r" : '(.*?)'(?:\n|$)", re.DOTALL)
 _SESSION = re.compile(r",?@anon:0x[0-9a-f]+:session\.usda@(?:<[^>]*>)?")
 _ASSET = re.compile(r"@(.+?)@")
@@ -49,12 +52,21 @@ class LostFile:
         return f"{self.name} {what}: {self.users[0]} {refer} read without it"
 
 
-def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confined_to: Path | None = None) -> Usd.Stage:
+def open_stage(
+    path: str | Path,
+    *,
+    edit_layer: Sdf.Layer | None = None,
+    session_layer: Path | None = None,
+    resolver: Resolver = "root",
+    confined_to: Path | None = None,
+) -> Usd.Stage:
     """Open a stage, all payloads loaded. Where a referenced file is lost, the rest is opened: see `lost_files`.
 
     Args:
         path: a .usd, .usda, .usdc or .usdz file.
         edit_layer: goes strongest into the session layer and becomes the edit target, so that files are never written.
+        session_layer: layer that goes into the session layer, below the edits.
+        resolver: ``root`` finds assets from the folder of the root layer, ``inherit`` from the environment alone.
         confined_to: the folder that everything the stage refers to must lie in, after links and ``..`` are followed.
 
     Raises:
@@ -64,16 +76,16 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
     file = Path(path)
     # Uploaders know their files by name alone.
     name = str(file) if confined_to is None else file.name
-    if not file.is_file():
-        raise StageError(f"{name} is not a file that can be opened", code="stage_missing", path=name)
     session = Sdf.Layer.CreateAnonymous("session.usda")
     with quiet_diagnostics():
-        if confined_to is not None:
-            check_confined(file, confined_to)
-            session.customLayerData = {_CONFINED_TO: str(Path(confined_to).resolve())}
+        root = _read_layer(file, name, confined_to)
         if edit_layer is not None:
             session.subLayerPaths.append(edit_layer.identifier)
-        stage = _open(file, name, session)
+        if session_layer is not None:
+            _add_session(session, _read_layer(session_layer, str(session_layer), confined_to))
+        if confined_to is not None:
+            session.customLayerData = {_CONFINED_TO: str(Path(confined_to).resolve())}
+        stage = _compose(root, name, session, resolver)
     _check_unit(stage, name)
     _check_times(stage, name)
     if edit_layer is not None:
@@ -147,17 +159,42 @@ def _reason(error: Tf.ErrorException) -> str:
     return _one_line(reasons[0]) if reasons else "it cannot be read"
 
 
-def _open(file: Path, name: str, session: Sdf.Layer) -> Usd.Stage:
-    try:
+def _read_layer(file: Path, name: str, confined_to: Path | None) -> Sdf.Layer:
+    if not file.is_file():
+        raise StageError(f"{name} is not a file that can be opened", code="stage_missing", path=name)
+    if confined_to is not None:
+        check_confined(file, confined_to)
+    with _unreadable(name, file.parent):
         layer = Sdf.Layer.FindOrOpen(str(file))
-        stage = Usd.Stage.Open(layer, session) if layer else None
-    except Tf.ErrorException as error:
-        message = f"{name} is not a readable USD file: {_relative(_reason(error), file.parent)}"
-        raise StageError(message, code="stage_unreadable", path=name) from error
-    if not stage:
+    if not layer:
         message = f"{name} is not a USD file: expected .usd, .usda, .usdc or .usdz content"
         raise StageError(message, code="stage_unreadable", path=name)
-    return stage
+    return layer
+
+
+def _add_session(session: Sdf.Layer, layer: Sdf.Layer) -> None:
+    """Add a session layer of the caller's below what is there, with its metadata: USD reads a stage's from the session itself."""
+    session.subLayerPaths.append(layer.identifier)
+    for field in layer.pseudoRoot.ListInfoKeys():
+        if field not in _NOT_OF_STAGE:
+            session.pseudoRoot.SetInfo(field, layer.pseudoRoot.GetInfo(field))
+
+
+def _compose(root: Sdf.Layer, name: str, session: Sdf.Layer, resolver: Resolver) -> Usd.Stage:
+    context = Ar.GetResolver().CreateDefaultContext()
+    if resolver == "root":
+        context = Ar.GetResolver().CreateDefaultContextForAsset(root.identifier)
+    with _unreadable(name, Path(root.realPath).parent):
+        return Usd.Stage.Open(root, session, context)
+
+
+@contextlib.contextmanager
+def _unreadable(name: str, folder: Path) -> Iterator[None]:
+    try:
+        yield
+    except Tf.ErrorException as error:
+        message = f"{name} is not a readable USD file: {_relative(_reason(error), folder)}"
+        raise StageError(message, code="stage_unreadable", path=name) from error
 
 
 def _lost_file(error: Pcp.ErrorBase) -> str | None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom
@@ -21,6 +20,8 @@ from render.stage.materials.bindings import binding_purposes
 from render.stage.materials.looks import LookReader
 from render.stage.materials.textures import TextureCache
 from render.stage.opening import composition_findings, confinement, read_quietly
+from render.stage.options import DEFAULT_OPTIONS, StageOptions
+from render.stage.render_pass import RenderPass
 from render.stage.world import world_from_stage
 from usd_schemas.units import metres_per_unit
 
@@ -45,23 +46,20 @@ class StageReader:
 
     Args:
         stage: the stage; it stays open while the reader lives.
-        purposes: which of default, render, proxy and guide are drawn.
-        mask: only what lies at, below or above these prim paths is drawn and lights; None for everything.
-        complexity: ``low``, ``medium``, ``high`` or ``veryhigh``, as in usdrecord. Subdivision surfaces are drawn as
-            their cage at all of them; those above low make a finding.
+        options: what is drawn, and how.
+        render_pass: chooses what is drawn; None for everything.
         max_texture: width and height that no texture exceeds.
     """
 
     def __init__(
         self,
         stage: Usd.Stage,
+        options: StageOptions = DEFAULT_OPTIONS,
+        render_pass: RenderPass | None = None,
         *,
-        purposes: Sequence[str] = ("default", "render"),
-        mask: Sequence[str] | None = None,
-        complexity: str = "low",
         max_texture: int = 2048,
     ) -> None:
-        self._stage, self._purposes, self._mask, self._complexity = stage, tuple(purposes), mask, complexity
+        self._stage, self._options, self._pass = stage, options, render_pass
         self._log = FindingLog()
         composition_findings(stage, self._log)
         self._textures = TextureCache(max_texture, confined_to=confinement(stage))
@@ -112,12 +110,23 @@ class StageReader:
         )
         batches = tuple(batch for group in plan.groups for batch in group.batches(context))
         lights, dome = plan.lights.read(plan.inventory.lights, transforms)
-        stage_from_world = np.asarray(np.linalg.inv(context.world), np.float64)
-        return Scene(batches, lights, dome, tuple(self._prim_ids), time.GetValue(), stage_from_world)
+        if dome is not None and not self._options.dome_visible:
+            dome = replace(dome, visible=False)
+        return Scene(
+            batches,
+            lights,
+            dome,
+            tuple(self._prim_ids),
+            time.GetValue(),
+            stage_from_world=np.asarray(np.linalg.inv(context.world), np.float64),
+            camera_light=self._options.camera_light,
+        )
 
     def _make_plan(self, time: Usd.TimeCode) -> _Plan:
         composition_findings(self._stage, self._log)
-        inventory = take_inventory(self._stage, self._purposes, self._mask, self._log)
+        inventory = take_inventory(self._stage, self._options, self._pass, self._log)
+        if self._pass is not None:
+            self._pass.note_ignored(self._log)
         looks = LookReader(self._stage, self._textures, self._log)
         skeletons = Skeletons(self._stage)
         purposes = binding_purposes(self._stage, self._log)
@@ -128,12 +137,13 @@ class StageReader:
         return _Plan(inventory, groups, looks, skeletons, lights, purposes)
 
     def _note_complexity(self, inventory: Inventory) -> None:
-        if self._complexity == "low":
+        complexity = self._options.complexity
+        if complexity == "low":
             return
         for surface in inventory.surfaces:
             scheme = surface.prim.GetAttribute("subdivisionScheme")
             if scheme and scheme.Get() != UsdGeom.Tokens.none:
-                message = f"complexity {self._complexity} is not honoured: subdivision surfaces are drawn as their cage"
+                message = f"complexity {complexity} is not honoured: subdivision surfaces are drawn as their cage"
                 self._log.add("complexity", "/", message)
                 return
 

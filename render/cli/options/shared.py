@@ -191,5 +191,5 @@ def read_words(option: str, typed: str, known: Sequence[str]) -> tuple[str, ...]
 
 
 def split_words(text: str) -> tuple[str, ...]:
-    """Split a comma-separated list."""
-    return tuple(word.strip() for word in text.split(",") if word.strip())
+    """Split a list with commas or spaces between its words."""
+    return tuple(text.replace(",", " ").split())

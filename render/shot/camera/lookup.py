@@ -22,9 +22,7 @@ class CameraLookup:
         mask: of what a framing camera has in view.
     """
 
-    def __init__(
-        self, stage: Usd.Stage, file: Path, purposes: Sequence[str], mask: Sequence[str] | None = None
-    ) -> None:
+    def __init__(self, stage: Usd.Stage, file: Path, purposes: Sequence[str], mask: Sequence[str] | None) -> None:
         self._stage = stage
         self._file = file
         self._purposes = purposes

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdProc, UsdShade
@@ -10,6 +9,8 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdProc, UsdShade
 from render.stage.findings import FindingLog
 from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
+from render.stage.options import DRAWN_PURPOSES, StageOptions
+from render.stage.render_pass import RenderPass
 from render.stage.values import schema_type
 
 _DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -88,27 +89,30 @@ class Inventory:
     lights: list[tuple[Usd.Prim, tuple[Usd.Prim, ...]]] = field(default_factory=list)
 
 
-def take_inventory(stage: Usd.Stage, purposes: Iterable[str], mask: Sequence[str] | None, log: FindingLog) -> Inventory:
+def take_inventory(
+    stage: Usd.Stage, options: StageOptions, render_pass: RenderPass | None, log: FindingLog
+) -> Inventory:
     """Walk the stage.
 
     Args:
         stage: the stage.
-        purposes: which of default, render, proxy and guide are drawn.
-        mask: only what lies at, below or above these paths exists, as in a population mask; None for everything.
+        options: purposes, mask and draw modes.
+        render_pass: chooses what is drawn; None for everything.
         log: notes prims of kinds that are not honoured.
 
     Raises:
         StageError: instances within instances multiply to more prims than can be walked; code ``too_many_prims``.
     """
-    walk = _Walk(frozenset(purposes), mask, log)
+    walk = _Walk(options, render_pass, log)
     walk.below(stage.GetPseudoRoot(), _State(UsdGeom.Imageable.PurposeInfo()))
     return walk.found
 
 
 class _Walk:
-    def __init__(self, purposes: frozenset[str], mask: Sequence[str] | None, log: FindingLog) -> None:
-        self._purposes, self._log = purposes, log
-        self._mask = Usd.StagePopulationMask([Sdf.Path(p) for p in mask]) if mask is not None else None
+    def __init__(self, options: StageOptions, render_pass: RenderPass | None, log: FindingLog) -> None:
+        self._purposes, self._log = frozenset(options.purposes or DRAWN_PURPOSES), log
+        self._mask = Usd.StagePopulationMask([Sdf.Path(p) for p in options.mask]) if options.mask is not None else None
+        self._pass, self._notes_draw_modes = render_pass, options.draw_modes
         self.found = Inventory()
         self._instanced = PrimCount()
         self._waiting: list[tuple[Usd.Prim, _State]] = []
@@ -127,16 +131,25 @@ class _Walk:
             return
         if state.chain or prim.IsInstanceProxy():
             self._instanced.add(prim.GetPath())
-        if self._mask is not None and not state.chain and not self._mask.Includes(prim.GetPath()):
+        if not state.chain and self._is_left_out(prim.GetPath()):
             return
         below = self._inherit(prim, state)
         if below is None:
             return
+        is_shown = self._pass is None or bool(state.chain) or self._pass.shows(prim.GetPath())
         if prim.IsA(UsdGeom.PointInstancer):
-            self._instancer(prim, below)
+            if is_shown:
+                self._instancer(prim, below)
             return
-        self._take(prim, below)
+        if is_shown:
+            self._take(prim, below)
         self._descend(prim, below)
+
+    def _is_left_out(self, path: Sdf.Path) -> bool:
+        """Whether a prim does not exist for the mask or the render pass, nor anything below it."""
+        if self._mask is not None and not self._mask.Includes(path):
+            return True
+        return self._pass is not None and self._pass.prunes(path)
 
     def _inherit(self, prim: Usd.Prim, state: _State) -> _State | None:
         """State below a prim, or None where the prim is always invisible."""
@@ -178,6 +191,8 @@ class _Walk:
             self._note_draw_mode(prim)
 
     def _note_draw_mode(self, prim: Usd.Prim) -> None:
+        if not self._notes_draw_modes:
+            return
         attribute = prim.GetAttribute("model:drawMode")
         mode = attribute.Get() if attribute else None
         if mode not in (None, "default", "inherited"):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
 from render.model.camera import Camera
@@ -19,6 +19,8 @@ from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.framing import framing_camera
 from render.stage.camera.lenses import make_iris, make_lens
 from render.stage.opening import confinement, read_quietly
+from render.stage.options import DRAWN_PURPOSES
+from render.stage.render_settings import stage_settings
 from render.stage.values import format_value
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
@@ -53,7 +55,7 @@ def default_camera(
     time: float | None = None,
     aspect: float | None = None,
     cameras: Sequence[str] | None = None,
-    purposes: Sequence[str] = ("default", "render"),
+    purposes: Sequence[str] = DRAWN_PURPOSES,
     mask: Sequence[str] | None = None,
 ) -> CameraChoice:
     """The camera that is meant where none is named.
@@ -73,11 +75,11 @@ def default_camera(
         StageError: there is no camera and nothing to frame; code ``empty_stage``.
     """
     cameras = list_cameras(stage) if cameras is None else cameras
-    settings = UsdRender.Settings.GetStageRenderSettings(stage)
+    settings = stage_settings(stage)
     with read_quietly(stage):
-        targets = settings.GetCameraRel().GetForwardedTargets() if settings else []
-    if targets and str(targets[0]) in cameras:
-        return CameraChoice(str(targets[0]), f"the render settings {settings.GetPath()} name it")
+        named_camera = settings.camera_path if settings else None
+    if settings and named_camera in cameras:
+        return CameraChoice(named_camera, f"the render settings {settings.path} name it")
     main = str(UsdUtils.GetPrimaryCameraName())
     named = [path for path in cameras if Sdf.Path(path).name == main]
     if named:
@@ -154,10 +156,11 @@ def conform_camera(camera: Camera, aspect: float | None, conform: str = "expandA
 
 
 def _stage_policy(stage: Usd.Stage) -> str:
-    settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    policy = str(settings.GetAspectRatioConformPolicyAttr().Get()) if settings else "expandAperture"
+    settings = stage_settings(stage)
+    if settings is None:
+        return "expandAperture"
+    policy, path = settings.conform_policy, settings.path
     if policy not in get_args(Conform):
-        path = str(settings.GetPath())
         raise StageError(
             f"aspectRatioConformPolicy of {path} must be one of {', '.join(get_args(Conform))}, got {policy}", path=path
         )

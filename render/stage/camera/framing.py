@@ -11,6 +11,7 @@ from pxr import Sdf, Usd, UsdGeom
 from render.errors import StageError
 from render.model.camera import Camera
 from render.stage.opening import lost_files, read_quietly
+from render.stage.options import DRAWN_PURPOSES
 from render.stage.world import is_y_up, world_from_stage
 from usd_schemas.units import metres_per_unit
 
@@ -20,7 +21,7 @@ _NEAR, _FAR = 1.0, 1e6  # scene units, whatever the unit is
 
 
 def framing_camera(
-    stage: Usd.Stage, time: float, *, purposes: Sequence[str] = ("default", "render"), mask: Sequence[str] | None = None
+    stage: Usd.Stage, time: float, *, purposes: Sequence[str] = DRAWN_PURPOSES, mask: Sequence[str] | None = None
 ) -> Camera:
     """Make a pinhole camera in front of the whole stage, placed as by ``UsdAppUtilsFrameRecorder`` (OpenUSD).
 

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdRender, UsdShade, Vt
+from pxr import Usd, UsdGeom, UsdShade
 
 from render.model.arrays import IntArray
 from render.stage.findings import FindingLog
-from render.stage.values import format_value
+from render.stage.render_settings import stage_settings
 
 PURPOSES = (UsdShade.Tokens.preview, UsdShade.Tokens.allPurpose, UsdShade.Tokens.full)
 """Purposes of bindings, first to last, where the stage asks for none. The first two are Storm's and usdrecord's; the last
@@ -40,17 +40,8 @@ def binding_purposes(stage: Usd.Stage, log: FindingLog) -> tuple[str, ...]:
         stage: the stage.
         log: notes a value of another type.
     """
-    settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    authored = settings.GetMaterialBindingPurposesAttr() if settings else None
-    if not authored or not authored.HasAuthoredValue():
-        return PURPOSES
-    value = authored.Get()
-    if not isinstance(value, Vt.TokenArray | None):
-        path = settings.GetPath()
-        message = f"materialBindingPurposes of {path} must be a list of tokens, got {format_value(value)}: not used"
-        log.add("bad_binding_purposes", path, message)
-        return PURPOSES
-    return tuple(str(purpose) for purpose in value or ()) or PURPOSES
+    settings = stage_settings(stage)
+    return (settings.binding_purposes(log) if settings else None) or PURPOSES
 
 
 def bound_parts(prim: Usd.Prim, purposes: Sequence[str], time: Usd.TimeCode, log: FindingLog) -> list[BoundPart]:

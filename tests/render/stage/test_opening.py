@@ -11,6 +11,7 @@ from pxr import Sdf, UsdGeom
 
 from render.errors import InputError, StageError
 from render.stage import StageReader, open_stage, read_camera
+from render.stage.options import Resolver
 from tests.render.kits.stages import (
     ASSETS,
     add_mesh,
@@ -162,6 +163,50 @@ def test_edits_go_to_the_edit_layer(tmp_path: Path) -> None:
     UsdGeom.Sphere(stage.GetPrimAtPath("/ball")).GetRadiusAttr().Set(3.0)
     assert edits.GetAttributeAtPath("/ball.radius").default == 3.0
     assert not stage.GetRootLayer().dirty
+
+
+# Session layer and resolver
+
+
+def test_a_session_layer_is_put_over_the_stage_and_below_the_edits(tmp_path: Path) -> None:
+    file = write(tmp_path / "a.usda", 'def Sphere "a" {}\ndef Sphere "b" {}')
+    overs = "".join(f'over "{name}" {{\n double radius = 5\n}}\n' for name in "ab")
+    session = write(tmp_path / "s.usda", f'(renderSettingsPrimPath = "/R")\n{overs}')
+    edits = Sdf.Layer.CreateAnonymous("edits.usda")
+    stage = open_stage(file, edit_layer=edits, session_layer=session)
+    UsdGeom.Sphere(stage.GetPrimAtPath("/b")).GetRadiusAttr().Set(7.0)
+    assert [stage.GetAttributeAtPath(f"/{name}.radius").Get() for name in "ab"] == [5, 7]
+    assert stage.GetMetadata("renderSettingsPrimPath") == "/R"
+    assert edits.GetAttributeAtPath("/b.radius").default == 7
+    assert "7" not in session.read_text()
+
+
+def test_a_session_layer_that_cannot_be_opened(tmp_path: Path) -> None:
+    file = write(tmp_path / "a.usda", "")
+    assert failure(file, session_layer=tmp_path / "gone.usda").code == "stage_missing"
+    broken = tmp_path / "broken.usda"
+    broken.write_text("these are no bytes of USD")
+    error = failure(file, session_layer=broken)
+    assert error.code == "stage_unreadable"
+    assert "broken.usda" in error.detail
+
+
+def test_a_session_layer_lies_inside_too(tmp_path: Path) -> None:
+    secret = write(tmp_path / "secret.usda", 'def "A" {}')
+    root = write(tmp_path / "shot" / "a.usda", "")
+    link = write(tmp_path / "shot" / "s.usda", 'def "A" (references = @../secret.usda@) {}')
+    for session in (secret, link):
+        assert failure(root, session_layer=session, confined_to=root.parent).code == "outside_reference"
+
+
+@pytest.mark.parametrize("resolver", ["root", "inherit"])
+def test_the_resolver_searches_the_folder_of_the_root_or_not(tmp_path: Path, resolver: Resolver) -> None:
+    write(tmp_path / "props" / "c.usda", 'def Sphere "A" {}')
+    write(tmp_path / "sub" / "b.usda", 'def "A" (references = @props/c.usda@</A>) {}')
+    root = write(tmp_path / "a.usda", 'def "A" (references = @sub/b.usda@</A>) {}')
+    reader = StageReader(open_stage(root, resolver=resolver))
+    assert len(reader.read(0).batches) == (1 if resolver == "root" else 0)
+    assert codes(reader) == (set() if resolver == "root" else {"missing_reference"})
 
 
 # Confinement

@@ -10,7 +10,7 @@ from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdLux, UsdShade
 
 from render.errors import StageError
 from render.model.scene import Batch, Scene
-from render.stage import StageReader, open_stage
+from render.stage import StageOptions, StageReader, open_stage
 from tests.render.kits.stages import (
     ASSETS,
     QUAD_POINTS,
@@ -237,7 +237,7 @@ def test_purpose_visibility_and_activation() -> None:
     stage.CreateClassPrim("/h")
     add_mesh(stage, "/h/i")
     assert set(read(stage).prim_paths) == {"/a", "/b"}
-    assert set(StageReader(stage, purposes=("proxy",)).read(0).prim_paths) == {"/c", "/proxies/e"}
+    assert set(StageReader(stage, StageOptions(purposes=("proxy",))).read(0).prim_paths) == {"/c", "/proxies/e"}
 
 
 def test_a_mask_leaves_out_everything_else() -> None:
@@ -245,7 +245,7 @@ def test_a_mask_leaves_out_everything_else() -> None:
     for path in ("/set/chair", "/set/table", "/cast/mara"):
         add_mesh(stage, path)
     UsdLux.SphereLight.Define(stage, "/lights/key")
-    scene = StageReader(stage, mask=["/set/chair", "/cast"]).read(0)
+    scene = StageReader(stage, StageOptions(mask=("/set/chair", "/cast"))).read(0)
     assert set(scene.prim_paths) == {"/set/chair", "/cast/mara"}
     assert scene.lights == ()
 
@@ -256,7 +256,7 @@ def test_what_cannot_be_drawn_is_reported() -> None:
     UsdGeom.Points.Define(stage, "/points")
     add_mesh(stage, "/cage", scheme="catmullClark")
     UsdShade.Material.Define(stage, "/looks")
-    reader = StageReader(stage, complexity="high")
+    reader = StageReader(stage, StageOptions(complexity="high"))
     reader.read(0)
     found = {(f.code, f.path) for f in reader.findings}
     assert found == {("unsupported_geometry", "/curves"), ("unsupported_geometry", "/points"), ("complexity", "/")}

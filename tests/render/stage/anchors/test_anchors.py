@@ -12,7 +12,7 @@ from render.errors import NotFoundError
 from render.frame import FrameRenderer
 from render.model.camera import Camera
 from render.model.scene import Batch, Scene
-from render.stage import AnchorReader, StageReader, anchor_position, default_camera, open_stage
+from render.stage import AnchorReader, StageOptions, StageReader, anchor_position, default_camera, open_stage
 from tests.render.kits.skinned import bent_strip
 from tests.render.kits.stages import (
     ASSETS,
@@ -228,7 +228,7 @@ def test_a_click_finds_the_place_that_the_anchor_finds_again(
 ) -> None:
     """Click on real assets, make a focus point of what was hit, and ask where it is: within a millionth of the distance."""
     stage = open_stage(ASSETS / name)
-    scene = StageReader(stage, mask=mask, max_texture=64).read(stage.GetStartTimeCode())
+    scene = StageReader(stage, StageOptions(mask=mask), max_texture=64).read(stage.GetStartTimeCode())
     camera = default_camera(stage, aspect=1.0).framing
     assert isinstance(camera, Camera)
     hits = 0

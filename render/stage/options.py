@@ -1,0 +1,47 @@
+"""Options of how a stage is opened and read: those of usdrecord."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+Resolver = Literal["root", "inherit"]
+
+COMPLEXITIES = ("low", "medium", "high", "veryhigh")
+PURPOSES = ("default", "render", "proxy", "guide")
+DRAWN_PURPOSES = ("default", "render")
+"""Purposes that are drawn where nobody says which."""
+
+
+@dataclass(frozen=True)
+class StageOptions:
+    """Options of how a stage is opened and read.
+
+    Attributes:
+        purposes: which of `PURPOSES` are drawn; None for the included purposes of the settings prim where ``settings_prim`` or
+            ``render_pass`` names one, else `DRAWN_PURPOSES`.
+        mask: only what lies at, below or above these prim paths is drawn and lights; None for everything.
+        complexity: one of `COMPLEXITIES`. Subdivision surfaces are drawn as their cage at all; above low that is a finding.
+        camera_light: a stage without lights is lit by one at the camera.
+        dome_visible: the camera sees the dome behind everything; it lights either way.
+        draw_modes: the stage's draw modes are wanted; they are not honoured, and make findings.
+        session_layer: goes into the session layer, below the edits.
+        resolver: ``root`` finds assets from the root layer's folder, ``inherit`` from the environment alone.
+        settings_prim: path of a RenderSettings prim, in place of the one that the stage names.
+        render_pass: path of a RenderPass prim, whose source is the settings prim and whose collections choose what is drawn.
+    """
+
+    purposes: tuple[str, ...] | None = None
+    mask: tuple[str, ...] | None = None
+    complexity: str = "low"
+    camera_light: bool = True
+    dome_visible: bool = True
+    draw_modes: bool = True
+    session_layer: Path | None = None
+    resolver: Resolver = "root"
+    settings_prim: str | None = None
+    render_pass: str | None = None
+
+
+DEFAULT_OPTIONS = StageOptions()

@@ -1,0 +1,62 @@
+"""RenderPass prim: a source of render settings, and collections of what is drawn (UsdRenderPass)."""
+
+from __future__ import annotations
+
+from pxr import Sdf, Usd, UsdRender
+
+from render.errors import SettingsError
+from render.stage.findings import FindingLog
+from render.stage.render_settings import choose_settings
+
+_NOT_HONOURED = ("cameraVisibility", "matte")
+_MEMBERS = ("includes", "excludes", "includeRoot", "membershipExpression")
+
+
+class RenderPass:
+    """Collections of a RenderPass prim that choose what is drawn.
+
+    Args:
+        prim: the prim; see `find_pass`.
+    """
+
+    def __init__(self, prim: Usd.Prim) -> None:
+        self._prim = prim
+        self._visible = Usd.CollectionAPI(prim, "renderVisibility").ComputeMembershipQuery()
+        self._pruned = Usd.CollectionAPI(prim, "prune").ComputeMembershipQuery()
+
+    def prunes(self, path: Sdf.Path) -> bool:
+        """Whether a prim is left out with all below it."""
+        return bool(self._pruned.IsPathIncluded(path))
+
+    def shows(self, path: Sdf.Path) -> bool:
+        """Whether a surface or a light is there at all; what lies below it is asked for itself."""
+        return bool(self._visible.IsPathIncluded(path))
+
+    def note_ignored(self, log: FindingLog) -> None:
+        """Note the collections that are not honoured."""
+        path = self._prim.GetPath()
+        for name in _NOT_HONOURED:
+            properties = [self._prim.GetProperty(f"collection:{name}:{part}") for part in _MEMBERS]
+            if any(known and known.IsAuthored() for known in properties):
+                log.add(f"pass_{name}", path, f"the collection {name} of render pass {path} is not honoured")
+
+
+def find_pass(stage: Usd.Stage, path: str) -> RenderPass:
+    """Find a RenderPass prim, and choose the settings prim that is its source.
+
+    Args:
+        stage: the stage.
+        path: of the pass.
+
+    Raises:
+        SettingsError: there is no such prim, or it has no RenderSettings prim for a source.
+    """
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    if not prim or not prim.IsA(UsdRender.Pass):
+        known = ", ".join(str(found.GetPath()) for found in stage.Traverse() if found.IsA(UsdRender.Pass))
+        raise SettingsError(f"there is no RenderPass prim at {path!r}; the stage has: {known or 'none'}")
+    sources = UsdRender.Pass(prim).GetRenderSourceRel().GetForwardedTargets()
+    if not sources:
+        raise SettingsError(f"render pass {path} has no renderSource, which names its RenderSettings prim")
+    choose_settings(stage, str(sources[0]))
+    return RenderPass(prim)

@@ -1,0 +1,97 @@
+"""RenderSettings prim that a stage is rendered by: the one that the caller chose, else the one that the stage names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pxr import Gf, Sdf, Usd, UsdRender, Vt
+
+from render.errors import SettingsError
+from render.stage.findings import FindingLog
+from render.stage.options import PURPOSES
+from render.stage.values import format_value
+
+_STAGE_FIELD = UsdRender.Tokens.renderSettingsPrimPath
+
+
+@dataclass(frozen=True, eq=False)
+class RenderSettings:
+    """Values of a RenderSettings prim. A value of another type than its schema's counts as none.
+
+    Attributes:
+        prim: the prim.
+    """
+
+    prim: UsdRender.Settings
+
+    @property
+    def path(self) -> str:
+        """Prim path."""
+        return str(self.prim.GetPath())
+
+    @property
+    def camera_path(self) -> str | None:
+        """Path of the camera; None where it names none."""
+        targets = self.prim.GetCameraRel().GetForwardedTargets()
+        return str(targets[0]) if targets else None
+
+    @property
+    def conform_policy(self) -> str:
+        """Policy by which the camera's gate becomes the picture's shape, as it is authored."""
+        return str(self.prim.GetAspectRatioConformPolicyAttr().Get())
+
+    @property
+    def resolution(self) -> tuple[int, int] | None:
+        """Width and height in pixels; None where they are not authored."""
+        attribute = self.prim.GetResolutionAttr()
+        value = attribute.Get() if attribute.HasAuthoredValue() else None
+        return (value[0], value[1]) if isinstance(value, Gf.Vec2i) else None
+
+    @property
+    def included_purposes(self) -> tuple[str, ...] | None:
+        """Purposes that are drawn, the default one always among them; None where the value is no list of tokens."""
+        value = self.prim.GetIncludedPurposesAttr().Get()
+        if not isinstance(value, Vt.TokenArray):
+            return None
+        return tuple(dict.fromkeys(("default", *(str(word) for word in value if str(word) in PURPOSES))))
+
+    def binding_purposes(self, log: FindingLog) -> tuple[str, ...] | None:
+        """Purposes of material bindings in the order in which they are tried; None where none are authored.
+
+        Args:
+            log: notes a value of another type.
+        """
+        attribute = self.prim.GetMaterialBindingPurposesAttr()
+        if not attribute.HasAuthoredValue():
+            return None
+        value = attribute.Get()
+        if not isinstance(value, Vt.TokenArray | None):
+            message = (
+                f"materialBindingPurposes of {self.path} must be a list of tokens, got {format_value(value)}: not used"
+            )
+            log.add("bad_binding_purposes", self.path, message)
+            return None
+        return tuple(str(purpose) for purpose in value or ()) or None
+
+
+def stage_settings(stage: Usd.Stage) -> RenderSettings | None:
+    """Settings that a stage is rendered by; None where there are none."""
+    settings = UsdRender.Settings.GetStageRenderSettings(stage)
+    return RenderSettings(settings) if settings else None
+
+
+def choose_settings(stage: Usd.Stage, path: str) -> None:
+    """Choose the settings prim of an opened stage, in its session layer, in place of the one that the stage names.
+
+    Args:
+        stage: the stage.
+        path: of a RenderSettings prim.
+
+    Raises:
+        SettingsError: there is no such prim.
+    """
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    if not prim or not prim.IsA(UsdRender.Settings):
+        known = ", ".join(str(found.GetPath()) for found in stage.Traverse() if found.IsA(UsdRender.Settings))
+        raise SettingsError(f"there is no RenderSettings prim at {path!r}; the stage has: {known or 'none'}")
+    stage.GetSessionLayer().pseudoRoot.SetInfo(_STAGE_FIELD, path)

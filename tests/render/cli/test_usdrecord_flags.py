@@ -1,0 +1,141 @@
+"""Every flag of usdrecord, as its help spells it, has the effect there that it has in usdrecord or that the guide says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO
+import pytest
+from numpy.typing import NDArray
+
+from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, Ended, write_shot
+
+WIDTH, HEIGHT = 24, 16
+DOME = '\n    def DomeLight "Sky"\n    {\n        color3f inputs:color = (0.5, 0.5, 0.5)\n    }\n'
+LAMP = '\n    def DistantLight "Sun"\n    {\n        float inputs:intensity = 2\n    }\n'
+SETTINGS = """
+    def RenderSettings "Wide"
+    {
+        rel camera = </World/other_cam>
+        uniform token[] includedPurposes = ["proxy"]
+        uniform int2 resolution = (20, 6)
+    }
+    def RenderPass "Beauty" (prepend apiSchemas = ["CollectionAPI:prune"])
+    {
+        rel renderSource = </World/Wide>
+        rel collection:prune:includes = </World/Square>
+    }
+"""
+OTHER_CAMERA = CAMERA.replace("main_cam", "other_cam")
+PROXY = SQUARE.replace("Square", "Proxy").replace(
+    "int[] faceVertexCounts", 'uniform token purpose = "proxy"\n        int[] faceVertexCounts'
+)
+
+
+@pytest.fixture
+def pullfocus(capsys: pytest.CaptureFixture[str]) -> Command:
+    """The command."""
+    return Command(capsys)
+
+
+def record(pullfocus: Command, shot: Path, *flags: object, name: str = "f.exr") -> tuple[Ended, NDArray[np.float32]]:
+    """Record one small sharp picture: what was said, and the pixels ``(height, width, channels)``."""
+    out = shot.parent / name
+    size = () if {"-w", "--imageWidth"} & set(flags) else ("-w", WIDTH)
+    ended = pullfocus("record", shot, out, "--engine", "pinhole", *size, *flags)
+    assert ended.status == 0, ended.err
+    return ended, np.asarray(OpenImageIO.ImageBuf(str(out)).get_pixels(OpenImageIO.FLOAT))
+
+
+def middle(picture: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The pixel in the middle."""
+    return picture[picture.shape[0] // 2, picture.shape[1] // 2]
+
+
+def test_mask_takes_commas_and_spaces(pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA, '\n    def Xform "Empty" {}\n')
+    for mask, alpha in (("/World/Empty", 0), ("/World/Empty,/World/Square", 1), ("/World/Empty /World/Square", 1)):
+        _, picture = record(pullfocus, shot, "--mask", mask)
+        assert middle(picture)[3] == pytest.approx(alpha, abs=1e-3)
+
+
+@pytest.mark.parametrize("flag", ["--purposes", "-p"])
+def test_purposes_takes_commas_and_spaces(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", PROXY, CAMERA)
+    for purposes, alpha in (("render", 0), ("default,proxy", 1), ("guide proxy", 1)):
+        _, picture = record(pullfocus, shot, flag, purposes)
+        assert middle(picture)[3] == pytest.approx(alpha, abs=1e-3)
+
+
+def test_session_layer(pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    session = tmp_path / "session.usda"
+    session.write_text('#usda 1.0\nover "World"\n{\n    over "Square" (active = false) {}\n}\n')
+    _, picture = record(pullfocus, shot, "--sessionLayer", session)
+    assert middle(picture)[3] == 0
+    ended = pullfocus("record", shot, tmp_path / "g.exr", "--sessionLayer", tmp_path / "gone.usda")
+    assert ended.status == 1
+    assert "gone.usda" in ended.err
+
+
+@pytest.mark.parametrize(("resolver", "alpha"), [("root", 1), ("inherit", 0)])
+def test_resolver(resolver: str, alpha: float, pullfocus: Command, tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    write_shot(tmp_path / "square.usda", SQUARE)
+    (tmp_path / "sub" / "b.usda").write_text('#usda 1.0\ndef "B" (references = @square.usda@</World/Square>) {}\n')
+    chain = '\n    def "Chain" (references = @./sub/b.usda@</B>) {}\n'
+    _, picture = record(pullfocus, write_shot(tmp_path / "a.usda", chain, CAMERA), "--resolver", resolver)
+    assert middle(picture)[3] == alpha
+
+
+def test_disable_draw_mode(pullfocus: Command, tmp_path: Path) -> None:
+    cards = SQUARE.replace('"Square"', '"Square" (prepend apiSchemas = ["GeomModelAPI"])').replace(
+        "int[] faceVertexCounts", 'uniform token model:drawMode = "cards"\n        int[] faceVertexCounts'
+    )
+    shot = write_shot(tmp_path / "a.usda", cards, CAMERA)
+    assert "draw mode cards of /World/Square is not honoured" in record(pullfocus, shot)[0].err
+    assert "draw mode" not in record(pullfocus, shot, "--disableDrawMode")[0].err
+
+
+def test_disable_camera_light(pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    assert middle(record(pullfocus, shot)[1])[0] > 0.1
+    assert middle(record(pullfocus, shot, "--disableCameraLight")[1]) == pytest.approx([0, 0, 0, 1], abs=1e-3)
+    lit = write_shot(tmp_path / "lit.usda", SQUARE, CAMERA, LAMP)
+    assert (record(pullfocus, lit)[1] == record(pullfocus, lit, "--disableCameraLight")[1]).all()
+
+
+def test_dome_light_visibility(pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA, DOME)
+    shown, hidden = record(pullfocus, shot)[1], record(pullfocus, shot, "--disableDomeLightVisibility")[1]
+    assert shown[0, 0, :3] == pytest.approx([0.5, 0.5, 0.5], abs=1e-2)
+    assert hidden[0, 0] == pytest.approx([0, 0, 0, 0])
+    assert middle(hidden) == pytest.approx(middle(shown))
+    both = ("--disableDomeLightVisibility", "--enableDomeLightVisibility")
+    assert (record(pullfocus, shot, *both)[1] == shown).all()
+
+
+@pytest.mark.parametrize("flag", ["--renderSettingsPrimPath", "-rs"])
+def test_render_settings_prim_path(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", PROXY, CAMERA, OTHER_CAMERA, SETTINGS)
+    ended, picture = record(pullfocus, shot, flag, "/World/Wide")
+    assert ended.err.startswith("camera: /World/other_cam (the render settings /World/Wide name it)")
+    assert picture.shape[1] == WIDTH
+    assert middle(picture)[3] == 1
+    assert pullfocus("record", shot, tmp_path / "g.exr", "--engine", "pinhole", flag, "/World/Wide").status == 0
+    assert np.asarray(OpenImageIO.ImageBuf(str(tmp_path / "g.exr")).get_pixels()).shape[:2] == (6, 20)
+    refused = pullfocus("record", shot, tmp_path / "h.exr", flag, "/World/Square")
+    assert refused.status == 2
+    assert "no RenderSettings prim at '/World/Square'; the stage has: /World/Wide" in refused.err
+
+
+@pytest.mark.parametrize("flag", ["--renderPassPrimPath", "-rp"])
+def test_render_pass_prim_path(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA, OTHER_CAMERA, SETTINGS)
+    ended, picture = record(pullfocus, shot, flag, "/World/Beauty")
+    assert ended.err.startswith("camera: /World/other_cam (")
+    assert middle(picture)[3] == 0
+    both = pullfocus("record", shot, tmp_path / "g.exr", flag, "/World/Beauty", "-rs", "/World/Wide")
+    assert both.status == 2
+    assert "leave out --renderSettingsPrimPath" in both.err

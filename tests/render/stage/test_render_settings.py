@@ -1,0 +1,157 @@
+"""RenderSettings and RenderPass prims that the caller chooses, in place of what the stage names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdRender
+
+from render.errors import SettingsError
+from render.shot import Shot
+from render.stage import (
+    StageOptions,
+    StageReader,
+    choose_settings,
+    default_camera,
+    find_pass,
+    read_camera,
+    stage_settings,
+)
+from tests.render.kits.stages import add_mesh, codes, instancer, new_stage
+
+
+def two_settings(stage: Usd.Stage) -> Usd.Stage:
+    """Settings /R/own, which the stage names, and /R/other, with a camera each."""
+    for name, policy in (("own", "expandAperture"), ("other", "cropAperture")):
+        camera = UsdGeom.Camera.Define(stage, f"/{name}_cam")
+        camera.GetHorizontalApertureAttr().Set(36.0)
+        camera.GetVerticalApertureAttr().Set(24.0)
+        settings = UsdRender.Settings.Define(stage, f"/R/{name}")
+        settings.CreateCameraRel().SetTargets([camera.GetPath()])
+        settings.CreateAspectRatioConformPolicyAttr(policy)
+    stage.SetMetadata("renderSettingsPrimPath", "/R/own")
+    return stage
+
+
+def drawn(stage: Usd.Stage, render_pass: str) -> set[str]:
+    """Prims that a pass leaves to be drawn."""
+    scene = StageReader(stage, render_pass=find_pass(stage, render_pass)).read(0)
+    return {scene.prim_paths[i] for batch in scene.batches for i in set(batch.geometry.prim_ids.tolist())}
+
+
+def add_pass(stage: Usd.Stage, **members: Sequence[str]) -> Usd.Prim:
+    """A pass /P with source /R/own and collections, such as ``prune__includes``."""
+    two_settings(stage)
+    prim = UsdRender.Pass.Define(stage, "/P").GetPrim()
+    UsdRender.Pass(prim).GetRenderSourceRel().SetTargets([Sdf.Path("/R/own")])
+    for name, paths in members.items():
+        prim.CreateRelationship(f"collection:{name.replace('__', ':')}").SetTargets([Sdf.Path(path) for path in paths])
+    return prim
+
+
+def test_the_chosen_settings_give_camera_and_conform_policy() -> None:
+    stage = two_settings(new_stage(0.01))
+    assert default_camera(stage).path == "/own_cam"
+    assert read_camera(stage, "/own_cam", 0, aspect=2.0).horizontal_aperture_mm == pytest.approx(48)
+    choose_settings(stage, "/R/other")
+    assert default_camera(stage).path == "/other_cam"
+    assert read_camera(stage, "/own_cam", 0, aspect=2.0).horizontal_aperture_mm == pytest.approx(36)
+    assert stage.GetRootLayer().pseudoRoot.GetInfo("renderSettingsPrimPath") == "/R/own"
+
+
+def test_resolution_and_purposes_are_read() -> None:
+    stage = two_settings(new_stage())
+    prim = UsdRender.Settings(stage.GetPrimAtPath("/R/own"))
+    settings = stage_settings(stage)
+    assert settings is not None
+    assert settings.resolution is None
+    assert settings.included_purposes == ("default", "render")
+    prim.CreateResolutionAttr(Gf.Vec2i(64, 20))
+    prim.CreateIncludedPurposesAttr(["proxy", "rubbish"])
+    assert settings.resolution == (64, 20)
+    assert settings.included_purposes == ("default", "proxy")
+
+
+@pytest.mark.parametrize("path", ["/R/gone", "/own_cam", "no path"])
+def test_a_prim_that_is_no_settings_is_refused_with_those_there_are(path: str) -> None:
+    with pytest.raises(SettingsError, match="the stage has: /R/own, /R/other"):
+        choose_settings(two_settings(new_stage()), path)
+
+
+def test_prune_leaves_out_all_below() -> None:
+    stage = new_stage()
+    for path in ("/set/wall", "/set/wall/door", "/set/floor", "/cast"):
+        add_mesh(stage, path)
+    UsdLux.SphereLight.Define(stage, "/set/wall/lamp")
+    add_pass(stage, prune__includes=["/set/wall"])
+    assert drawn(stage, "/P") == {"/set/floor", "/cast"}
+    assert StageReader(stage, render_pass=find_pass(stage, "/P")).read(0).lights == ()
+
+
+def test_render_visibility_is_asked_for_each_prim() -> None:
+    stage = new_stage()
+    for path in ("/set/wall", "/set/wall/door", "/cast"):
+        add_mesh(stage, path)
+    for path in ("/lamp", "/sun"):
+        UsdLux.SphereLight.Define(stage, path)
+    add_pass(stage, renderVisibility__excludes=["/set/wall", "/lamp"], renderVisibility__includes=["/set/wall/door"])
+    assert drawn(stage, "/P") == {"/set/wall/door", "/cast"}
+    scene = StageReader(stage, render_pass=find_pass(stage, "/P")).read(0)
+    assert [light.path for light in scene.lights] == ["/sun"]
+
+
+def test_a_pass_may_choose_by_expression() -> None:
+    stage = new_stage()
+    for path in ("/set/wall", "/set/floor", "/cast"):
+        add_mesh(stage, path)
+    prim = add_pass(stage)
+    Usd.CollectionAPI(prim, "prune").CreateMembershipExpressionAttr(Sdf.PathExpression("//wall + /cast"))
+    assert drawn(stage, "/P") == {"/set/floor"}
+
+
+def test_an_instancer_is_left_out_whole() -> None:
+    stage = new_stage()
+    UsdGeom.Sphere.Define(stage, "/trees/leaf")
+    instancer(stage, "/trees", ["/trees/leaf"], [0, 0])
+    add_mesh(stage, "/ground")
+    add_pass(stage, renderVisibility__excludes=["/trees"])
+    assert drawn(stage, "/P") == {"/ground"}
+
+
+@pytest.mark.parametrize("name", ["cameraVisibility", "matte"])
+def test_collections_that_are_not_honoured_are_named(name: str) -> None:
+    stage = new_stage()
+    add_mesh(stage, "/m")
+    add_pass(stage, **{f"{name}__excludes": ["/m"]})
+    reader = StageReader(stage, render_pass=find_pass(stage, "/P"))
+    reader.read(0)
+    assert codes(reader) == {f"pass_{name}"}
+
+
+def test_a_pass_needs_a_source() -> None:
+    stage = new_stage()
+    add_pass(stage)
+    UsdRender.Pass.Define(stage, "/Bare")
+    with pytest.raises(SettingsError, match="render pass /Bare has no renderSource"):
+        find_pass(stage, "/Bare")
+    with pytest.raises(SettingsError, match="the stage has: /P, /Bare"):
+        find_pass(stage, "/R/own")
+
+
+@pytest.mark.parametrize("chooses", ["settings_prim", "render_pass"])
+def test_included_purposes_hold_where_the_settings_are_chosen(chooses: str, tmp_path: Path) -> None:
+    stage = new_stage()
+    add_pass(stage)
+    add_mesh(stage, "/proxy").GetPurposeAttr().Set("proxy")
+    UsdRender.Settings(stage.GetPrimAtPath("/R/own")).CreateIncludedPurposesAttr(["proxy"])
+    stage.GetRootLayer().Export(str(tmp_path / "a.usda"))
+    chosen = {chooses: "/R/own" if chooses == "settings_prim" else "/P"}
+    for options, count in (
+        (StageOptions(), 0),
+        (StageOptions(**chosen), 1),
+        (StageOptions(**chosen, purposes=("default", "render")), 0),
+    ):
+        shot = Shot.open(tmp_path / "a.usda", options=options)
+        assert len(shot.scene_at(0).batches) == count

@@ -6,6 +6,7 @@ from render.stage.anchors.anchors import AnchorReader, anchor_position
 from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.cameras import CameraChoice, conform_camera, default_camera, read_camera
 from render.stage.findings import Finding
+from render.stage.honoured.walk import find_not_honoured
 from render.stage.opening import open_stage, quiet_diagnostics
 from render.stage.options import StageOptions
 from render.stage.reader import StageReader
@@ -25,6 +26,7 @@ __all__ = [
     "choose_settings",
     "conform_camera",
     "default_camera",
+    "find_not_honoured",
     "find_pass",
     "frame_range",
     "is_y_up",

@@ -15,11 +15,13 @@ class Finding:
         code: a short stable word for programs, such as ``unsupported_light``.
         path: the prim (or file) that it is about.
         message: one sentence.
+        count: prims that it stands for; the path is the first one's.
     """
 
     code: str
     path: str
     message: str
+    count: int = 1
 
     def __post_init__(self) -> None:
         """The message is one line, whatever the names in it."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
+from pxr import Sdf, Usd, UsdGeom, UsdLux
 
 from render import colour
 from render.errors import InputError
@@ -31,16 +31,6 @@ _MAX_RADIANCE = 1e18
 _MAX_MEASURE = 1e10
 # +Z-up from +Y-up: the rotation of DomeLight_1's pole axis on a Z-up stage.
 _Z_UP_FROM_Y_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], np.float64)
-
-# Attributes that are not honoured, with the value that has no effect.
-_IGNORED: dict[str, tuple[str, object]] = {
-    "inputs:shaping:focus": ("shaping focus", 0.0),
-    "inputs:shaping:focusTint": ("shaping focus tint", Gf.Vec3f(0, 0, 0)),
-    "inputs:shaping:ies:file": ("IES profile", Sdf.AssetPath()),
-    "inputs:shadow:color": ("shadow colour", Gf.Vec3f(0, 0, 0)),
-    "inputs:shadow:distance": ("shadow distance", -1.0),
-    "inputs:shadow:falloff": ("shadow falloff", -1.0),
-}
 
 
 class LightReader:
@@ -104,7 +94,6 @@ class LightReader:
                 "unsupported_light", path, f"light {path} is not honoured: {kind or 'its kind'} is not supported"
             )
             return None
-        self._note_ignored(prim)
         light = reader(prim, world_pose(prim, transforms, self._world), transforms.GetTime())
         if light is not None and not _in_range(
             light.radiance, light.radius_m, light.width_m, light.height_m, light.angle_rad
@@ -116,7 +105,6 @@ class LightReader:
     def dome(self, prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Dome:
         """A dome light."""
         time = transforms.GetTime()
-        self._note_ignored(prim)
         # The dome's axes are the stage's; it depends on directions alone, so units and scale drop out.
         pose = rigid_frame(world_pose(prim, transforms, self._world))
         pose[:3, 3] = 0.0
@@ -184,9 +172,6 @@ class LightReader:
         if width_m <= 0 or height_m <= 0:
             self._log.add("light_without_area", path, f"light {path} is dark: its width or height is 0")
             return None
-        texture = prim.GetAttribute("inputs:texture:file").Get(time)
-        if isinstance(texture, Sdf.AssetPath) and texture.path:
-            self._log.add("light_texture", path, f"the texture of rect light {path} is not honoured: it shines evenly")
         area = width_m * height_m / self._metres_per_unit**2
         factor = 1 / area if _flag(prim, "inputs:normalize", time) else 1.0
         return self._light(prim, "rect", pose, time, factor, width_m=width_m, height_m=height_m)
@@ -209,32 +194,6 @@ class LightReader:
             path=str(prim.GetPath()),
             **measures,
         )
-
-    def _note_ignored(self, prim: Usd.Prim) -> None:
-        path = prim.GetPath()
-        if UsdLux.LightAPI(prim).GetFiltersRel().GetTargets():
-            self._log.add("light_filter", path, f"the light filters of {path} are not honoured")
-        for name, (what, neutral) in _IGNORED.items():
-            attribute = prim.GetAttribute(name)
-            value = attribute.Get() if attribute and attribute.HasAuthoredValue() else None
-            if value is not None and value != neutral:
-                self._log.add(f"light_{what.replace(' ', '_')}", path, f"the {what} of light {path} is not honoured")
-        portals = prim.GetRelationship("portals")
-        if portals and portals.GetTargets():
-            self._log.add(
-                "dome_portals", path, f"the portals of dome {path} are not honoured: it lights from all around"
-            )
-        for name in ("lightLink", "shadowLink"):
-            if _is_partial(Usd.CollectionAPI.Get(prim, name)):
-                self._log.add("light_linking", path, f"light {path} lights everything: {name} is not honoured")
-
-
-def _is_partial(collection: Usd.CollectionAPI) -> bool:
-    """Whether a light's collection leaves anything out; by default it includes the root and so everything."""
-    if not collection:
-        return False
-    is_whole = collection.GetIncludeRootAttr().Get() and not collection.GetExcludesRel().GetTargets()
-    return not is_whole
 
 
 def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> RGB:

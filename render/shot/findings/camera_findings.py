@@ -1,4 +1,4 @@
-"""Findings of cameras and lights: settings that are not honoured, and focus that cannot be met."""
+"""Findings of cameras and lights: settings that contradict each other or go beyond limits, and focus that cannot be met."""
 
 from __future__ import annotations
 
@@ -15,15 +15,11 @@ from render.optics.prescription.mounting import PRESCRIBED, nearer_than_marked
 from render.shot.findings.topology_findings import topology_findings
 from render.shot.focus.focused_camera import FocusedCamera
 from render.stage import Finding
-from usd_schemas import HydraDistortion, LensCamera
-from usd_schemas.binding import property_names
-
-_NOT_HONOURED = frozenset({"lens:entrancePupilOffset", *property_names(HydraDistortion)})
-"""Schema properties that change nothing. Tests hold that each other one changes the picture as documented."""
+from usd_schemas import LensCamera
 
 
 def camera_findings(stage: Usd.Stage, camera_paths: Sequence[str]) -> list[Finding]:
-    """Find each schema property that a camera sets and that is not honoured.
+    """Find the settings of each camera that have no effect beside its others.
 
     Args:
         stage: the stage.
@@ -106,17 +102,3 @@ def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     for rule in (two_drivers, counting):
         for fault in rule(camera.prim):
             yield Finding("contradictory_keys", str(fault.path), fault.message)
-    for name in [name for name in camera.authored() if name in _NOT_HONOURED]:
-        yield Finding("unsupported_camera_property", f"{path}.{name}", f"{name} of {path} is not honoured")
-    yield from _findings_of_usd_camera(camera.prim, path)
-
-
-def _findings_of_usd_camera(prim: Usd.Prim, path: str) -> Iterator[Finding]:
-    planes = prim.GetAttribute("clippingPlanes")
-    if planes and planes.HasAuthoredValue() and any(planes.Get(time) for time in planes.GetTimeSamples() or [0.0]):
-        message = f"clippingPlanes of {path} are not honoured: only its clippingRange clips"
-        yield Finding("unsupported_camera_property", f"{path}.clippingPlanes", message)
-    for applied in prim.GetAppliedSchemas():
-        schema, _, plate = str(applied).partition(":")
-        if schema == "BackPlateAPI":
-            yield Finding("unsupported_camera_property", path, f"the back plate {plate} of {path} is not drawn")

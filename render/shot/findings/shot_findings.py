@@ -17,7 +17,7 @@ from render.shot.findings.camera_findings import (
     unmet_findings,
 )
 from render.shot.focus.focused_camera import FocusedCamera
-from render.stage import Finding, StageReader
+from render.stage import Finding, StageReader, find_not_honoured
 
 
 class ShotFindings:
@@ -42,7 +42,8 @@ class ShotFindings:
         """Every finding so far that still holds."""
         cameras = camera_findings(self._stage, self._cameras.paths())
         focus = [finding for finding, revision in self._focus.items() if revision == self._edits.revision]
-        return [*self._reader.findings, *cameras, *light_findings(self._lights), *focus]
+        ignored = find_not_honoured(self._stage)
+        return [*self._reader.findings, *cameras, *light_findings(self._lights), *focus, *ignored]
 
     def note_lights(self, lights: tuple[Light, ...]) -> None:
         """Keep the lights of the scene that was read last."""

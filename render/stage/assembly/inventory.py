@@ -20,7 +20,6 @@ _INSTANCER_ATTRIBUTES = ("positions", "orientations", "orientationsf", "scales",
 # A single sample of these moves instances all the time.
 _INSTANCER_RATES = ("velocities", "accelerations", "angularVelocities")
 _MAX_NESTED_INSTANCERS = 8
-_LEVELS = "LODRootAPI"
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,9 +173,6 @@ class _Walk:
     def _take(self, prim: Usd.Prim, state: _State) -> None:
         if prim.HasAPI(UsdLux.LightAPI):
             self._light(prim, state)
-        if prim.HasAPI(_LEVELS):
-            message = f"the levels of detail of {prim.GetPath()} are not honoured: all of them are drawn"
-            self._log.add("levels_of_detail", prim.GetPath(), message)
         if is_drawable(prim):
             if state.purpose.purpose in self._purposes:
                 self._note_draw_mode(prim)

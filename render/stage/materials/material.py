@@ -80,7 +80,6 @@ class _SurfaceReader:
         if self._network.constant(self._shader, "useSpecularWorkflow", 0) == 1:
             self._color("specular", "specularColor", (0.0,) * 3)
         self._normal()
-        self._note_ignored()
         material = Material(
             name=self._path,
             uses_display_color=self._primvars.color is not None or self._primvars.opacity is not None,
@@ -155,11 +154,6 @@ class _SurfaceReader:
         if len(names) > 1:
             self._ignored("uv", f"several texture coordinates are used ({', '.join(names)}); only {chosen} is honoured")
         return chosen
-
-    def _note_ignored(self) -> None:
-        displacement = self._network.source(self._shader, "displacement")
-        if displacement is not None and (displacement.shader is not None or displacement.value != 0.0):
-            self._ignored("displacement", "displacement is not honoured")
 
     def _ignored(self, what: str, message: str) -> None:
         self._log.add(f"material_{what}", self._path, f"in material {self._path}, {message}")

@@ -20,7 +20,7 @@ from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.paraxial import first_order
 from render.shot.findings.camera_findings import camera_findings
 from render.shot.lens.lens_choice import measured_choice
-from render.stage import read_camera
+from render.stage import find_not_honoured, read_camera
 from render.stage.camera.lens_data import lens_data
 from render.stage.camera.lenses import make_iris, make_lens
 from render.stage.camera.planes import rotate_plane
@@ -288,23 +288,23 @@ def test_a_prescription_goes_into_usd_and_back(stage: Usd.Stage, camera: LensCam
 def test_what_is_honoured_is_no_finding_and_what_is_not_is(stage: Usd.Stage, camera: LensCamera) -> None:
     entry = library_lens("soft_focus_85")
     mount_lens(camera, entry.lens, aperture=entry.aperture)
-    assert camera_findings(stage, ["/cam"]) == []
+    assert find_not_honoured(stage) == []
     camera.lens.author(
         LensData(model="dataSheet", data_sheet=DataSheet(height=(0.0,), distortion=(0.0,)), entrance_pupil_offset=9.0)
     )
-    findings = {finding.path: finding.code for finding in camera_findings(stage, ["/cam"])}
-    assert findings == {"/cam.lens:entrancePupilOffset": "unsupported_camera_property"}
+    findings = {finding.path: finding.code for finding in find_not_honoured(stage)}
+    assert findings == {"/cam.lens:entrancePupilOffset": "not_honoured"}
     assert _read(stage).lens.data_sheet == SheetTables((0.0,), distortion=(0.0,))
 
 
 def test_clipping_planes_and_back_plates_are_named(stage: Usd.Stage, camera: LensCamera) -> None:
     planes = UsdGeom.Camera(camera.prim).CreateClippingPlanesAttr([])
-    assert camera_findings(stage, ["/cam"]) == []
+    assert find_not_honoured(stage) == []
     planes.Set([(0, 0, -1, -5)], 12)
     UsdGeom.BackPlateAPI.Apply(camera.prim, "sky")
-    planes_named, plate_named = camera_findings(stage, ["/cam"])
+    plate_named, planes_named = find_not_honoured(stage)
     assert planes_named.path == "/cam.clippingPlanes"
-    assert "back plate sky" in plate_named.message
+    assert plate_named.message == "schema BackPlateAPI:sky of /cam is not honoured: the plate is not drawn"
 
 
 def test_a_data_sheet_goes_through_usd_and_back(stage: Usd.Stage, camera: LensCamera) -> None:

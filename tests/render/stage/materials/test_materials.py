@@ -10,7 +10,7 @@ from pxr import Gf, Usd, UsdGeom, UsdRender, UsdShade
 
 from render import colour
 from render.model.scene import Batch, Material
-from render.stage import StageReader
+from render.stage import StageReader, find_not_honoured
 from tests.render.kits.stages import (
     T,
     add_material,
@@ -313,7 +313,8 @@ def test_what_a_material_uses_that_is_not_honoured_is_reported() -> None:
     bind(add_mesh(stage, "/n").GetPrim(), "/looks/empty")
     reader = StageReader(stage)
     reader.read(0)
-    assert codes(reader) == {"material_displacement", "material_diffuseColor", "material_unread"}
+    assert codes(reader) == {"material_diffuseColor", "material_unread"}
+    assert [finding.path for finding in find_not_honoured(stage)] == [f"{shader.GetPath()}.inputs:displacement"]
 
 
 def test_equal_materials_are_one_draw() -> None:

@@ -1,0 +1,243 @@
+"""Rules: which properties of which schemas are honoured, and why others change nothing.
+
+A property that no rule mentions is not honoured, and neither is a schema without rules: properties of later versions of
+OpenUSD are so named by `inspect` until somebody decides about them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from usd_schemas import HydraDistortion
+from usd_schemas.binding import property_names
+
+EVERYTHING = "*"
+
+
+Status = Literal["honoured", "neutral", "ignored", "named"]
+
+
+@dataclass(frozen=True)
+class Ruling:
+    """Ruling on one property.
+
+    Attributes:
+        status: one of `Status`.
+        text: what `Rules` says about that status.
+    """
+
+    status: Status
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Rules for the properties of one schema, given by name; several names are separated by spaces.
+
+    Names of multiple-apply schemas are without the instance's: ``collection:excludes`` for ``collection:lightLink:excludes``.
+
+    Attributes:
+        honoured: read and obeyed; `EVERYTHING` for all that are not mentioned otherwise.
+        neutral: without effect on any picture, with the reason.
+        ignored: not honoured, with what is drawn instead.
+        named: not honoured, with the code of the finding that the reader makes of it.
+    """
+
+    honoured: str = ""
+    neutral: Mapping[str, str] = field(default_factory=dict)
+    ignored: Mapping[str, str] = field(default_factory=dict)
+    named: Mapping[str, str] = field(default_factory=dict)
+
+    def ruling(self, name: str) -> Ruling | None:
+        """The ruling on a property, or None where it is not mentioned.
+
+        Args:
+            name: of the property, without an instance's.
+        """
+        mentions: dict[Status, Mapping[str, str]] = {
+            "neutral": self.neutral,
+            "ignored": self.ignored,
+            "named": self.named,
+        }
+        for status, texts in mentions.items():
+            for names, text in texts.items():
+                if name in names.split():
+                    return Ruling(status, text)
+        return Ruling("honoured") if {name, EVERYTHING} & set(self.honoured.split()) else None
+
+
+NEUTRAL_PLUGINS = {
+    "usdMedia": "sound, previews and authorship",
+    "usdPhysics": "input of simulations; their results are in transforms and points",
+    "UsdProfiles": "claims about the file",
+    "usdRi": "for RenderMan alone",
+    "usdSemantics": "labels for training of classifiers",
+    "usdUI": "for user interfaces",
+}
+"""Plugins of OpenUSD none of whose schemas has an effect on pictures, with the reason."""
+
+NAMED_SCHEMAS = {
+    "Gprim": "unsupported_geometry",
+    "GenerativeProcedural": "unsupported_geometry",
+    "BoundableLightBase": "unsupported_light",
+    "NonboundableLightBase": "unsupported_light",
+    "PluginLight": "unsupported_light",
+    "MeshLightAPI": "unsupported_light",
+    "VolumeLightAPI": "unsupported_light",
+}
+"""Schemas without rules of their own, or bases of such, with the code of the finding that the reader makes of their prims."""
+
+IGNORED_SCHEMAS = {
+    "BackPlateAPI": "the plate is not drawn",
+    "ColorSpaceAPI": "colours are linear Rec. 709 where they do not say otherwise",
+    "ColorSpaceDefinitionAPI": "colours are linear Rec. 709 where they do not say otherwise",
+    "LODOverrideAPI": "all levels of detail are drawn",
+    "LODRootAPI": "all levels of detail are drawn",
+    "LightFilter": "light is not filtered",
+    "PluginLightFilter": "light is not filtered",
+    "VisibilityAPI": "visibility and purpose alone decide",
+}
+"""What is drawn instead, for schemas without rules."""
+
+_CAGE = "subdivision surfaces are drawn as their cage"
+_EVEN = "its light is the same in all directions of its cone"
+_WHICH = "collection:excludes collection:expansionRule collection:includeRoot collection:membershipExpression collection:mode"
+_COLLECTION = {
+    "collection": "stands for the others",
+    "collection:includes": "adds nothing to the root; that the root is not included is named",
+}
+
+RULES = {
+    "Imageable": Rules("visibility purpose", neutral={"proxyPrim": "for programs that swap prims"}),
+    "Xformable": Rules("xformOpOrder"),
+    "Boundable": Rules("extent"),
+    "Scope": Rules(),
+    "Xform": Rules(),
+    "Gprim": Rules("primvars:displayColor primvars:displayOpacity"),
+    "PointBased": Rules(
+        "points normals",
+        ignored={"velocities accelerations": "points move as they are authored at each time"},
+    ),
+    "Mesh": Rules(
+        "faceVertexCounts faceVertexIndices holeIndices orientation subdivisionScheme",
+        ignored={
+            "cornerIndices cornerSharpnesses creaseIndices creaseLengths creaseSharpnesses": _CAGE,
+            "faceVaryingLinearInterpolation interpolateBoundary triangleSubdivisionRule": _CAGE,
+        },
+    ),
+    "Capsule": Rules("axis height radius"),
+    "Capsule_1": Rules("axis height radiusBottom radiusTop"),
+    "Cone": Rules("axis height radius"),
+    "Cube": Rules("size"),
+    "Cylinder": Rules("axis height radius"),
+    "Cylinder_1": Rules("axis height radiusBottom radiusTop"),
+    "Plane": Rules("axis length width"),
+    "Sphere": Rules("radius"),
+    "GeomSubset": Rules("elementType familyName indices"),
+    "PointInstancer": Rules(
+        "accelerations angularVelocities ids invisibleIds orientations orientationsf positions protoIndices prototypes "
+        "scales velocities"
+    ),
+    "GeomModelAPI": Rules(
+        named={"model:drawMode": "draw_mode"},
+        neutral={
+            "model:applyDrawMode model:drawModeColor model:cardGeometry model:cardVisibility model:cardTextureXNeg "
+            "model:cardTextureXPos model:cardTextureYNeg model:cardTextureYPos model:cardTextureZNeg "
+            "model:cardTextureZPos": "only with a draw mode, which is named"
+        },
+    ),
+    "MotionAPI": Rules(
+        ignored={
+            "motion:blurScale": "motion is blurred as long as the shutter is open",
+            "motion:nonlinearSampleCount": "the number of moments is a setting of the picture",
+            "motion:velocityScale": "velocities are not scaled",
+        }
+    ),
+    "Camera": Rules(
+        "clippingRange exposure exposure:fStop exposure:iso exposure:responsivity exposure:time fStop focalLength "
+        "focusDistance horizontalAperture horizontalApertureOffset projection shutter:close shutter:open "
+        "verticalAperture verticalApertureOffset",
+        ignored={
+            "clippingPlanes": "only its clippingRange clips",
+            "stereoRole": "each camera is drawn by itself",
+        },
+    ),
+    "LensCamera": Rules(),
+    "ApertureAPI": Rules(EVERYTHING),
+    "FilmAPI": Rules(EVERYTHING),
+    "FocusAPI": Rules(EVERYTHING),
+    "FocusPointAPI": Rules(EVERYTHING),
+    "LensAPI": Rules(
+        EVERYTHING,
+        ignored={
+            "lens:entrancePupilOffset": "the camera's position is the entrance pupil",
+            " ".join(property_names(HydraDistortion)): "distortion is that of the lens:* properties",
+        },
+    ),
+    "TiltShiftAPI": Rules(EVERYTHING),
+    "LightAPI": Rules(
+        "inputs:color inputs:colorTemperature inputs:diffuse inputs:enableColorTemperature inputs:exposure "
+        "inputs:intensity inputs:normalize inputs:specular",
+        neutral={"light:materialSyncMode": "for lights of meshes and volumes, which are named"},
+        ignored={"light:filters": "light is not filtered", "light:shaderId": "the prim's type decides"},
+    ),
+    "CollectionAPI:lightLink": Rules(neutral=_COLLECTION, ignored={_WHICH: "the light shines on everything"}),
+    "CollectionAPI:shadowLink": Rules(neutral=_COLLECTION, ignored={_WHICH: "everything casts its shadow"}),
+    "CollectionAPI": Rules(neutral={f"collection collection:includes {_WHICH}": "a set for other properties to name"}),
+    "ShadowAPI": Rules("inputs:shadow:enable"),
+    "ShapingAPI": Rules(
+        "inputs:shaping:cone:angle inputs:shaping:cone:softness",
+        neutral={"inputs:shaping:ies:angleScale inputs:shaping:ies:normalize": "only with an IES file, which is named"},
+        ignored={"inputs:shaping:focus inputs:shaping:focusTint inputs:shaping:ies:file": _EVEN},
+    ),
+    "DiskLight": Rules("inputs:radius"),
+    "DistantLight": Rules(
+        "inputs:angle",
+        ignored={"inputs:shaping:cone:angle inputs:shaping:cone:softness": "a distant light has no cone"},
+    ),
+    "RectLight": Rules("inputs:height inputs:width", ignored={"inputs:texture:file": "it shines evenly"}),
+    "SphereLight": Rules("inputs:radius", neutral={"treatAsPoint": "allows a renderer to be less exact"}),
+    "DomeLight": Rules(
+        "inputs:texture:file inputs:texture:format",
+        neutral={"guideRadius": "size of its outline in viewers", "inputs:normalize": "a dome has no area"},
+        ignored={
+            "portals": "the dome lights from all around",
+            "inputs:diffuse inputs:specular": "it is 1 for domes",
+            "inputs:shadow:enable": "domes cast no shadows",
+            "inputs:shaping:cone:angle inputs:shaping:cone:softness": "a dome has no cone",
+        },
+    ),
+    "LightListAPI": Rules(neutral={"lightList lightList:cacheBehavior": "all lights are found anyway"}),
+    "ListAPI": Rules(neutral={"lightList lightList:cacheBehavior": "all lights are found anyway"}),
+    "Material": Rules("outputs:surface", ignored={"outputs:displacement": "", "outputs:volume": ""}),
+    "MaterialBindingAPI": Rules(),
+    "NodeGraph": Rules(),
+    "Shader": Rules(),
+    "NodeDefAPI": Rules("info:id", neutral={"info:implementationSource": "a shader without info:id is named"}),
+    "CoordSysAPI": Rules(neutral={"coordSys:binding": "for shaders that name it, and none of those is honoured"}),
+    "HydraPrimAPI": Rules(neutral={"hydra:expandInstances": "instances look the same"}),
+    "SkelRoot": Rules(),
+    "Skeleton": Rules("bindTransforms joints restTransforms", neutral={"jointNames": "names for users"}),
+    "SkelAnimation": Rules("blendShapeWeights blendShapes joints rotations scales translations"),
+    "SkelBindingAPI": Rules(EVERYTHING),
+    "BlendShape": Rules("offsets pointIndices", ignored={"normalOffsets": "normals turn with the surface"}),
+    "RenderSettings": Rules("aspectRatioConformPolicy camera materialBindingPurposes"),
+}
+"""Rules by schema: a type, a base of types, an API schema, or one instance of a multiple-apply schema.
+
+For a property of a prim those of the prim's type come first, then those of its bases, then those of the API schema that
+declares the property.
+"""
+RULES["DomeLight_1"] = Rules(
+    f"{RULES['DomeLight'].honoured} poleAxis", RULES["DomeLight"].neutral, RULES["DomeLight"].ignored
+)
+
+NODE_RULES = {
+    "UsdPreviewSurface": Rules(
+        EVERYTHING, ignored={"displacement": "surfaces stay in place", "opacityMode": "opacity fades highlights too"}
+    ),
+    "UsdPrimvarReader_float2": Rules("varname", ignored={"fallback": "0 is used"}),
+}
+"""Rules for the inputs of shader nodes; all inputs of other nodes are honoured, or the node is named as a whole."""

@@ -12,9 +12,10 @@ from service.models.cameras import READOUT_EXAMPLE, Readout
 from service.models.shots import RANGE_EXAMPLE, SHOT_EXAMPLE, CameraChoice, FrameRange
 
 NOTE_EXAMPLE: JsonDict = {
-    "code": "subdivision",
-    "path": "/World/Statue",
-    "message": "the loop subdivision of /World/Statue is drawn as its cage",
+    "code": "not_honoured",
+    "path": "/World/Statue.creaseIndices",
+    "message": "creaseIndices of /World/Statue and 11 other prims is not honoured: subdivision surfaces are drawn as their cage",
+    "count": 12,
 }
 FINDING_EXAMPLE: JsonDict = {
     "rule": "focusPointTarget",
@@ -29,8 +30,9 @@ class Note(Model):
     """A feature of the shot that is not honoured."""
 
     code: str = Field(description="Short stable word for programs.")
-    path: str = Field(description="Prim path or file.")
+    path: str = Field(description="Prim, property or file; the first one where there are several.")
     message: str = Field(description="One sentence.")
+    count: int = Field(description="Number of prims that the note stands for.")
 
 
 class ValidationFinding(Model):

@@ -75,7 +75,12 @@ def inspection_model(record: ShotRecord, shot: OpenShot) -> Inspection:
         triangle_count=inspection.triangle_count,
         light_count=inspection.light_count,
         notes=[
-            Note(code=note.code, path=as_sent(note.path, record), message=as_sent(note.message, record))
+            Note(
+                code=note.code,
+                path=as_sent(note.path, record),
+                message=as_sent(note.message, record),
+                count=note.count,
+            )
             for note in inspection.notes
         ],
         validation=[ValidationFinding.model_validate(problem) for problem in inspection.validation],

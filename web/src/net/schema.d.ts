@@ -4617,9 +4617,10 @@ export interface components {
          *       "metersPerUnit": 0.01,
          *       "notes": [
          *         {
-         *           "code": "subdivision",
-         *           "message": "the loop subdivision of /World/Statue is drawn as its cage",
-         *           "path": "/World/Statue"
+         *           "code": "not_honoured",
+         *           "count": 12,
+         *           "message": "creaseIndices of /World/Statue and 11 other prims is not honoured: subdivision surfaces are drawn as their cage",
+         *           "path": "/World/Statue.creaseIndices"
          *         }
          *       ],
          *       "primCount": 214,
@@ -6000,13 +6001,18 @@ export interface components {
              */
             readonly code: string;
             /**
+             * Count
+             * @description Number of prims that the note stands for.
+             */
+            readonly count: number;
+            /**
              * Message
              * @description One sentence.
              */
             readonly message: string;
             /**
              * Path
-             * @description Prim path or file.
+             * @description Prim, property or file; the first one where there are several.
              */
             readonly path: string;
         };

@@ -99,7 +99,7 @@ IGNORED_SCHEMAS = {
     "PluginLightFilter": "light is not filtered",
     "VisibilityAPI": "visibility and purpose alone decide",
 }
-"""What is drawn instead, for schemas without rules."""
+"""Schemas without rules, each with what is drawn instead."""
 
 _CAGE = "subdivision surfaces are drawn as their cage"
 _EVEN = "its light is the same in all directions of its cone"

@@ -30,7 +30,7 @@ class Verdict:
 
     @cached_property
     def ignored(self) -> dict[str, str]:
-        """What is drawn instead, or an empty string, by each property that is not honoured and that no other finding names."""
+        """Properties that are not honoured and that no other finding names, each with what is drawn instead, if known."""
         return {name: ruling.text for name, ruling in self.rulings.items() if ruling.status == "ignored"}
 
 

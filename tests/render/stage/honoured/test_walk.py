@@ -123,7 +123,7 @@ def test_shader_inputs_that_are_not_honoured_are_named(
     assert [finding.path for finding in find_not_honoured(stage)] == ([f"/s.inputs:{name}"] if named else [])
 
 
-def test_a_displacement_output_of_a_preview_surface_is_nothing_by_itself() -> None:
+def test_the_displacement_of_a_preview_surface_is_its_input() -> None:
     stage = new_stage()
     material = UsdShade.Material.Define(stage, "/m")
     shader = UsdShade.Shader.Define(stage, "/m/s")

@@ -125,8 +125,6 @@ class StageReader:
     def _make_plan(self, time: Usd.TimeCode) -> _Plan:
         composition_findings(self._stage, self._log)
         inventory = take_inventory(self._stage, self._options, self._pass, self._log)
-        if self._pass is not None:
-            self._pass.note_ignored(self._log)
         looks = LookReader(self._stage, self._textures, self._log)
         skeletons = Skeletons(self._stage)
         purposes = binding_purposes(self._stage, self._log)

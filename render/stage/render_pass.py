@@ -5,11 +5,7 @@ from __future__ import annotations
 from pxr import Sdf, Usd, UsdRender
 
 from render.errors import SettingsError
-from render.stage.findings import FindingLog
 from render.stage.render_settings import choose_settings
-
-_NOT_HONOURED = ("cameraVisibility", "matte")
-_MEMBERS = ("includes", "excludes", "includeRoot", "membershipExpression")
 
 
 class RenderPass:
@@ -31,14 +27,6 @@ class RenderPass:
     def shows(self, path: Sdf.Path) -> bool:
         """Whether a surface or a light is there at all; what lies below it is asked for itself."""
         return bool(self._visible.IsPathIncluded(path))
-
-    def note_ignored(self, log: FindingLog) -> None:
-        """Note the collections that are not honoured."""
-        path = self._prim.GetPath()
-        for name in _NOT_HONOURED:
-            properties = [self._prim.GetProperty(f"collection:{name}:{part}") for part in _MEMBERS]
-            if any(known and known.IsAuthored() for known in properties):
-                log.add(f"pass_{name}", path, f"the collection {name} of render pass {path} is not honoured")
 
 
 def find_pass(stage: Usd.Stage, path: str) -> RenderPass:

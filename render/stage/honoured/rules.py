@@ -223,7 +223,18 @@ RULES = {
     "SkelAnimation": Rules("blendShapeWeights blendShapes joints rotations scales translations"),
     "SkelBindingAPI": Rules(EVERYTHING),
     "BlendShape": Rules("offsets pointIndices", ignored={"normalOffsets": "normals turn with the surface"}),
-    "RenderSettings": Rules("aspectRatioConformPolicy camera materialBindingPurposes"),
+    "RenderSettings": Rules(
+        "aspectRatioConformPolicy camera includedPurposes materialBindingPurposes resolution",
+    ),
+    "RenderPass": Rules(
+        "renderSource", neutral={"command fileName passType": "for programs that start other renderers by it"}
+    ),
+    "CollectionAPI:renderVisibility": Rules(EVERYTHING),
+    "CollectionAPI:prune": Rules(EVERYTHING),
+    "CollectionAPI:cameraVisibility": Rules(
+        ignored={f"collection collection:includes {_WHICH}": "the camera sees all that is there"}
+    ),
+    "CollectionAPI:matte": Rules(ignored={f"collection collection:includes {_WHICH}": "nothing is held out"}),
 }
 """Rules by schema: a type, a base of types, an API schema, or one instance of a multiple-apply schema.
 

@@ -52,6 +52,7 @@ ACCESSORS = {
     "offsets": "ComputeSubShapePointOffsets",
     "pointIndices": "ComputeBlendShapePointIndices",
     "skel:": "ComputeSkelBindings",
+    "collection": "ComputeMembershipQuery",
     "primvars:skel:geomBindTransform": "GetGeomBindTransform",
     "primvars:skel:jointIndices": "ComputeVaryingJointInfluences",
     "primvars:skel:jointWeights": "ComputeVaryingJointInfluences",

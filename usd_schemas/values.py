@@ -42,19 +42,24 @@ def is_animated(attribute: Usd.Attribute) -> bool:
 def read_value(attribute: Usd.Attribute, time: Time = None) -> Any:
     """The attribute's value at a time as plain Python: tuples for vectors and arrays, `Asset` for files.
 
+    None and NaN are the default time.
+
     None where there is no value, or where some layer has one of another type than the schema's: USD hands that out as it
     is, and the rule "AuthoredTypes" names it. A uniform attribute has one value for all times: keys authored on it are
     ignored.
     """
-    is_uniform = time is not None and attribute.GetVariability() == Sdf.VariabilityUniform
-    value = _plain(attribute.Get(time_code(None if is_uniform else time)))
+    value = _plain(attribute.Get(_reading_code(attribute, time)))
     return value if value is not None and _fits(attribute.GetTypeName(), value) else None
+
+
+def _reading_code(attribute: Usd.Attribute, time: Time) -> Usd.TimeCode:
+    has_one_value = attribute.GetVariability() == Sdf.VariabilityUniform
+    return time_code(None if time is None or math.isnan(time) or has_one_value else time)
 
 
 def misfit(attribute: Usd.Attribute, time: Time = None) -> str:
     """The type of a value that `read_value` passes over because it is another than the schema's; empty where it is not."""
-    is_uniform = time is not None and attribute.GetVariability() == Sdf.VariabilityUniform
-    value = attribute.Get(time_code(None if is_uniform else time))
+    value = attribute.Get(_reading_code(attribute, time))
     if value is None or _fits(attribute.GetTypeName(), _plain(value)):
         return ""
     return str(Sdf.GetValueTypeNameForValue(value)) or type(value).__name__

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 
 from pxr import Sdf
 
-from render.cli.console import camel_case_keys, print_json
+from render.cli.console import camel_case_keys, finite, print_json
 from render.cli.options import camera as camera_options
 from render.cli.options import contact_sheet, flare, grade, long_exposure, progressive, shared, usdrecord
 from render.cli.recording.frames import record_frames
@@ -29,6 +30,7 @@ from render.pictures.contact_axes import Axis
 from render.pictures.picture_height import picture_height
 from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice
+from render.shot.times import DEFAULT_TIME
 from render.stage.options import COMPLEXITIES, PURPOSES, StageOptions
 
 DEFAULT_WIDTH_PX = 960
@@ -41,7 +43,7 @@ class RecordOptions:
     """Options of `pullfocus record`, read and checked before the shot is opened.
 
     Attributes:
-        frames: USD time codes; None takes the first frame.
+        frames: USD time codes, or `DEFAULT_TIME` alone; None takes the first frame.
         settings: of each picture; the height is set from the camera.
         takes_resolution: the chosen settings prim gives width and height.
         stock: film of the library; None keeps the shot's.
@@ -83,7 +85,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="expose this stock of the library (pullfocus films); without it the shot's own",
     )
-    shared.add_frames(parser, "the shot's first frame")
+    times = parser.add_mutually_exclusive_group()
+    shared.add_frames(times, "the shot's first frame")
+    times.add_argument(
+        "--defaultTime",
+        "-d",
+        action="store_true",
+        help="record the values that hold without a time, not those of a frame",
+    )
     _add_scene_options(parser)
     usdrecord.add_arguments(parser)
     _add_picture_options(parser)
@@ -210,7 +219,7 @@ def run(arguments: argparse.Namespace) -> None:
                 "stage": arguments.stage,
                 "camera": job.camera_path,
                 "settings": camel_case_keys(asdict(job.settings)),
-                "frames": written,
+                "frames": [finite(entry) for entry in written],
                 "findings": [asdict(finding) for finding in shot.findings()],
             }
         )
@@ -222,7 +231,7 @@ def _read_options(arguments: argparse.Namespace) -> RecordOptions:
     axes = contact_sheet.read_axes(arguments)
     if axes is None and format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
         raise SettingsError(f"--aov {arguments.aov} needs an EXR file to hold it, got {arguments.out}")
-    frames = None if arguments.frames is None else parse_frames(arguments.frames)
+    frames = _read_frames(arguments)
     settings = _read_settings(arguments)
     if arguments.film is not None:
         library_stock(arguments.film)
@@ -242,16 +251,27 @@ def _read_options(arguments: argparse.Namespace) -> RecordOptions:
     )
 
 
+def _read_frames(arguments: argparse.Namespace) -> list[float] | None:
+    if not arguments.defaultTime:
+        return None if arguments.frames is None else parse_frames(arguments.frames)
+    if "#" in arguments.out:
+        raise SettingsError(f"--defaultTime has no frame number for the # in {arguments.out!r}")
+    if arguments.long_exposure is not None or arguments.contact_sheet is not None:
+        raise SettingsError("--defaultTime takes single pictures: leave out --long-exposure and --contact-sheet")
+    return [DEFAULT_TIME]
+
+
 def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: float) -> RecordJob:
     """Set the shot's camera as the options say, for this run alone."""
     shared.mount_lens(shot, camera_path, options.lens)
     options.camera.set_on(shot, camera_path)
     options.flare.set_on(shot, camera_path)
     width, height = _picture_size(shot, camera_path, options, time)
+    motion = 1 if math.isnan(time) else options.settings.motion  # nothing moves at the default time
     return RecordJob(
         shot=shot,
         camera_path=camera_path,
-        settings=replace(options.settings, width=width, height=height),
+        settings=replace(options.settings, width=width, height=height, motion=motion),
         stock=options.stock,
         grade=options.grade,
         overlay=options.camera.draw_guides,

@@ -27,7 +27,7 @@ class FrameMetadata:
 
     Attributes:
         camera: as the frame was rendered, focus solved in.
-        time: USD time code of the frame.
+        time: USD time code of the frame; NaN for the default time, which has no number.
         frames_per_second: of the shot.
         grade: grade of the picture; its working space is that of the radiance.
         film: film that the picture was developed on; None for none.
@@ -53,7 +53,8 @@ class FrameMetadata:
     @property
     def description(self) -> str:
         """One line for people: shot, camera and time."""
-        return " ".join(part for part in (self.stage, self.camera.path, f"frame {self.time:g}") if part)
+        when = "default time" if math.isnan(self.time) else f"frame {self.time:g}"
+        return " ".join(part for part in (self.stage, self.camera.path, when) if part)
 
     def exr_attributes(self, width: int, height: int) -> list[Attribute]:
         """Attributes for the header of an EXR part.
@@ -76,12 +77,12 @@ class FrameMetadata:
         named: list[Attribute] = [
             ("Software", "string", SOFTWARE),
             ("comments", "string", self.description),
-            ("imageCounter", "int", math.floor(self.time)),
             ("framesPerSecond", "rational", exact_frame_rate(self.frames_per_second)),
-            ("pullfocus:timeCode", "float", self.time),
             ("pullfocus:exposureScale", "float", self.camera.exposure_scale),
             ("pullfocus:worldSpace", "string", "metres, +Y up"),
         ]
+        if not math.isnan(self.time):
+            named += [("imageCounter", "int", math.floor(self.time)), ("pullfocus:timeCode", "float", self.time)]
         if self.stage:
             named.append(("pullfocus:stage", "string", self.stage))
         if self.camera.path:

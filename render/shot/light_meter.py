@@ -125,7 +125,8 @@ class LightMeter:
             return math.nan
         stops = np.log2(luminances, where=lit, out=np.full(len(luminances), math.nan))
         rate = self._shot.stage.GetTimeCodesPerSecond()
-        light = float(smoothed_keys(np.array(times) / rate, stops, metering.smoothing_s, at_s=[time / rate])[0])
+        seconds = np.nan_to_num([*times, time]) / rate
+        light = float(smoothed_keys(seconds[:-1], stops, metering.smoothing_s, at_s=seconds[-1:])[0])
         needed_stops = exposure.settings.compensation_stops - exposure.reading(2**light).stops
         return float(
             np.clip(needed_stops + metering.compensation_stops, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS)
@@ -133,6 +134,8 @@ class LightMeter:
 
     def _times(self, time: float, smoothing_s: float) -> list[float]:
         """Times of the readings that count at a time, an odd number of time codes apart so that alternating flicker averages."""
+        if math.isnan(time):  # no times lie beside the default one
+            return [time]
         sigma = smoothing_s / 4 * self._shot.stage.GetTimeCodesPerSecond()
         step = max(1, (int(sigma) - 1) // 2 * 2 + 1)
         frames = self._shot.frame_range

@@ -25,7 +25,7 @@ from render.shot.findings.shot_findings import ShotFindings
 from render.shot.focus.shot_focus import ShotFocus
 from render.shot.focus.solver import FocusSolver
 from render.shot.focus.tracker import FocusTracker
-from render.shot.times import check_time
+from render.shot.times import check_reading_time
 from render.stage import (
     AnchorReader,
     CameraChoice,
@@ -56,8 +56,8 @@ class Shot:
     threads (the service) hold a lock around each call.
 
     In the shot and its parts, a camera path of None stands for the shot's default camera. `CameraError` is raised where there
-    is no such camera or its numbers are impossible. A time is a USD time code; one that is not finite raises
-    `SettingsError`.
+    is no such camera or its numbers are impossible. A time is a USD time code, or `DEFAULT_TIME` for USD's
+    default time; one that is infinite raises `SettingsError`.
 
     Attributes:
         path: the file that was opened.
@@ -147,7 +147,7 @@ class Shot:
 
     def scene_at(self, time: float) -> Scene:
         """Read the scene at a USD time code; what did not change since the last call is the same object."""
-        scene = self._reader.read(check_time(time))
+        scene = self._reader.read(check_reading_time(time))
         self._findings.note_lights(scene.lights)
         return scene
 

@@ -92,7 +92,7 @@ class StageReader:
             if self._plan is None:
                 self._scene = None
                 self._plan = self._make_plan(Usd.TimeCode(time))
-            if self._scene is None or self._scene.time != time:
+            if self._scene is None or Usd.TimeCode(self._scene.time) != Usd.TimeCode(time):
                 self._scene = self._scene_at(self._plan, UsdGeom.XformCache(Usd.TimeCode(time)))
         return self._scene
 

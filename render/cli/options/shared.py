@@ -113,7 +113,7 @@ def mount_lens(shot: Shot, camera_path: str | None, lens: LensChoice | None) -> 
         print_message(f"lens: {note}")
 
 
-def add_frames(parser: argparse.ArgumentParser, without: str) -> None:
+def add_frames(parser: argparse._ActionsContainer, without: str) -> None:
     """Add --frames, for `parse_frames`.
 
     Args:

@@ -15,7 +15,7 @@ from render.focus.curve import FAR_AWAY_M
 from render.near_names import hint
 from render.optics.photometry.exposure import check_positive
 from render.shot.edits.edit_layer import schema_errors_as_settings, set_value
-from render.shot.times import check_time
+from render.shot.times import check_reading_time
 from usd_schemas import Key, LensCamera
 from usd_schemas.applying import applied
 from usd_schemas.binding import property_values
@@ -175,7 +175,7 @@ def read_settings(camera: LensCamera, settings: Mapping[str, Setting], time: flo
         SettingsError: a value has no meaning, or the time is not finite.
     """
     with schema_errors_as_settings():
-        schemas = dict(property_values(camera.film.read(check_time(time)))) | dict(
+        schemas = dict(property_values(camera.film.read(check_reading_time(time)))) | dict(
             property_values(camera.lens.read(time))
         )
     return {

@@ -77,8 +77,8 @@ class Finish:
 
 
 def frame_number(time: float) -> int:
-    """Number of the frame that contains a time code; grain and noise differ between frames."""
-    return int(np.floor(time))
+    """Number of the frame that contains a time code, 0 at the default time; grain and noise differ between frames."""
+    return 0 if np.isnan(time) else int(np.floor(time))
 
 
 def gate_mm(camera: Camera) -> tuple[float, float]:

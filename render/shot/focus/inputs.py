@@ -72,8 +72,8 @@ class FocusInputs:
 
     @property
     def seconds(self) -> DoubleArray:
-        """``(n,)`` the times in seconds."""
-        return self.times * self.seconds_in_a_code
+        """``(n,)`` the times in seconds; 0 for the default time, which has no others beside it."""
+        return np.nan_to_num(self.times) * self.seconds_in_a_code
 
     @property
     def key_seconds(self) -> DoubleArray:

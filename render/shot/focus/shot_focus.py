@@ -21,7 +21,7 @@ from render.shot.focus.place_readout import PlaceReadout, read_place, read_point
 from render.shot.focus.rack import pull_rack
 from render.shot.focus.readout import PlacedPoint, Readout, make_readout, place_points
 from render.shot.focus.solver import FocusSolver
-from render.shot.times import check_time
+from render.shot.times import check_reading_time, check_time
 from render.stage import AnchorReader
 from usd_schemas import FocusData, FocusPoint, FocusPointView, Interpolation, Key, Tangents, TiltShiftData
 from usd_schemas.curves import EXACT
@@ -278,7 +278,7 @@ class ShotFocus:
         """
         camera = self._cameras.camera(camera_path)
         with schema_errors_as_settings():
-            return camera.focus.read(check_time(time)), camera.tilt_shift.read(time)
+            return camera.focus.read(check_reading_time(time)), camera.tilt_shift.read(time)
 
     def set(self, camera_path: str | None, *, time: float | None = None, **settings: Any) -> None:
         """Change focus settings of a camera, or the tilt and shift of its lens.

@@ -13,7 +13,7 @@ from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits
 from render.shot.focus.focused_camera import FocusedCamera, focus_without_points
 from render.shot.focus.tracker import FocusTracker
-from render.shot.times import check_time
+from render.shot.times import check_reading_time
 from render.stage import conform_camera, read_camera
 
 
@@ -58,7 +58,7 @@ class FocusSolver:
             CameraError: there is no such camera, or its numbers are impossible.
             SettingsError: the time is not finite.
         """
-        check_time(time)
+        check_reading_time(time)
         choice = self._cameras.default(time) if camera_path is None else None
         if choice is not None and choice.framing is not None:
             return focus_without_points(choice.framing)

@@ -125,7 +125,7 @@ class FocusTracker:
 
     def _columns_over_time(self, camera_path: str, inputs: FocusInputs) -> tuple[str, ...]:
         """Columns of `FocusTrack` that depend on other times."""
-        if inputs.focus[0].mode == "manual":
+        if inputs.focus[0].mode == "manual" or np.isnan(inputs.times).any():  # no frames lie beside the default time
             return ()
         camera = LensCamera(self._stage.GetPrimAtPath(camera_path))
         keyed = (camera.keys(f"focus:{name}") for name in ("smoothing", "lag", "deadZone", "maxSpeed"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -139,3 +140,62 @@ def test_render_pass_prim_path(flag: str, pullfocus: Command, tmp_path: Path) ->
     both = pullfocus("record", shot, tmp_path / "g.exr", flag, "/World/Beauty", "-rs", "/World/Wide")
     assert both.status == 2
     assert "leave out --renderSettingsPrimPath" in both.err
+
+
+MOVED = SQUARE.replace(
+    "color3f[] primvars",
+    """double3 xformOp:translate = (0, 0, 1)
+        double3 xformOp:translate.timeSamples = {1: (0, 0, -1), 9: (0, 0, -3)}
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        color3f[] primvars""",
+)
+FOCUSED = CAMERA.replace(
+    'Camera "main_cam"', 'Camera "main_cam" (prepend apiSchemas = ["FocusAPI", "FocusPointAPI:it"])'
+).replace(
+    "{",
+    """{
+        uniform token focus:mode = "points"
+        float focus:smoothing = 0.5
+        rel focusPoint:it:target = </World/Square>""",
+)
+
+
+@pytest.mark.parametrize("flag", ["--defaultTime", "-d"])
+def test_default_time(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    """Depth and focus are those of the default values, 4 m before the camera; at the first frame it is 6 m."""
+    shot = write_shot(tmp_path / "a.usda", MOVED, FOCUSED)
+    for time, depth_m in ((("--frames", 1), 6), ((flag,), 4)):
+        record(pullfocus, shot, *time, "--aov", "color,depth")
+        header = OpenImageIO.ImageBuf(str(tmp_path / "f.exr"), 0, 0).spec()
+        assert header.getattribute("focus") == pytest.approx(depth_m, rel=1e-4)
+        assert (header.getattribute("pullfocus:timeCode") is None) == (flag in time)
+        depths = np.asarray(OpenImageIO.ImageBuf(str(tmp_path / "f.exr"), 1, 0).get_pixels())
+        assert middle(depths)[0] == pytest.approx(depth_m, rel=1e-4)
+
+
+@pytest.mark.parametrize("options", [("--film", "portra_400"), ("--meter", "spot"), ("--motion", 3), ("--json",)])
+def test_default_time_goes_with_everything_of_one_picture(
+    options: tuple[object, ...], pullfocus: Command, tmp_path: Path
+) -> None:
+    shot = write_shot(tmp_path / "a.usda", MOVED, FOCUSED)
+    ended, picture = record(pullfocus, shot, "-d", *options, name="f.png")
+    assert middle(picture)[0] > 0.1
+    if options == ("--json",):
+        assert json.loads(ended.out)["frames"][0]["time"] is None
+
+
+@pytest.mark.parametrize(
+    ("out", "options", "words"),
+    [
+        ("f.#.png", (), "no frame number for the #"),
+        ("f.png", ("--frames", "1"), "not allowed with argument"),
+        ("f.png", ("--long-exposure", "1:4"), "leave out --long-exposure"),
+        ("f.png", ("--contact-sheet", "stop=2,4"), "leave out --long-exposure and --contact-sheet"),
+    ],
+)
+def test_default_time_is_one_picture(
+    out: str, options: tuple[str, ...], words: str, pullfocus: Command, tmp_path: Path
+) -> None:
+    ended = pullfocus("record", write_shot(tmp_path / "a.usda", SQUARE, CAMERA), tmp_path / out, "-d", *options)
+    assert ended.status == 2
+    assert words in ended.err

@@ -33,6 +33,7 @@ from render.shot.lens.lens_choice import LensChoice
 from render.shot.times import DEFAULT_TIME
 from render.stage.options import COMPLEXITIES, PURPOSES, StageOptions
 
+CULLS = ("nothing", "backfaces")
 DEFAULT_WIDTH_PX = 960
 DEFAULT_MOMENTS = 16
 """Shutter samples where --motion-by is given without --motion."""
@@ -114,6 +115,12 @@ def _add_scene_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--complexity", "-c", default="low", choices=COMPLEXITIES, help="how finely round prims are divided"
+    )
+    group.add_argument(
+        "--cull",
+        default=CULLS[0],
+        choices=CULLS,
+        help="backfaces: draw only the outsides of what is not doubleSided; both sides are drawn without it",
     )
 
 
@@ -325,6 +332,7 @@ def _open_shot(arguments: argparse.Namespace) -> Shot:
         purposes=purposes,
         mask=mask,
         complexity=arguments.complexity,
+        cull_backfaces=arguments.cull == "backfaces",
         camera_light=not arguments.disableCameraLight,
         dome_visible=arguments.dome_visible,
         draw_modes=not arguments.disableDrawMode,

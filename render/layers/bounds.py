@@ -33,6 +33,16 @@ class BoxCache:
         placed = own @ batch.poses[:, :3, :3].transpose(0, 2, 1) + batch.poses[:, None, :3, 3]
         return np.asarray(placed.reshape(-1, 3))
 
+    def insides(self, batch: Batch) -> DoubleArray:
+        """The boxes ``Batch.insides`` of each instance in the world, ``(k, n, 2, 3)`` metres; the batch has some."""
+        if batch.insides is None:
+            raise ValueError("the batch has no closed surfaces")
+        linear, origin = batch.poses[:, None, :3, :3], batch.poses[:, None, :3, 3]
+        middle, half = batch.insides.mean(axis=1), np.ptp(batch.insides, axis=1) / 2
+        middles = (linear @ middle[..., None])[..., 0] + origin
+        halves = (np.abs(linear) @ half[..., None])[..., 0]
+        return np.stack([middles - halves, middles + halves], axis=2)
+
     def clusters(self, geometry: Geometry) -> DoubleArray:
         """Corners ``(c, 8, 3)`` of boxes around each `CLUSTER_TRIANGLES` triangles of a geometry, in its own space."""
         if id(geometry) not in self._clusters:

@@ -2,7 +2,7 @@
 
 A cluster is `CLUSTER_TRIANGLES` successive triangles of a geometry, in one place; its order is that of the geometry, so that
 leaving clusters out changes no pixel. It is left out where its box lies beside the view; where all of its triangles face away
-from the eye, in single-sided draws; and in a later layer where the layer before hides all of it (`render.layers.hidden`).
+from the eye, in draws without back faces; and in a later layer where the layer before hides all of it (`render.layers.hidden`).
 
 Cones of normals: Shirman & Abi-Ezzi 1993, "The cone of normals technique for fast processing of curved patches", section 3.
 """
@@ -46,7 +46,7 @@ class Drawn(Protocol):
         ...
 
     @property
-    def double_sided(self) -> bool:
+    def has_backs(self) -> bool:
         """Whether back faces are drawn."""
         ...
 
@@ -170,7 +170,7 @@ class ClusterIndex:
         placed = []
         for draw in draws:
             first = int(draw.instances[0]) if len(draw.instances) else -1
-            key = id(draw.batch), first, draw.double_sided
+            key = id(draw.batch), first, draw.has_backs
             kept[key] = self._placed.get(key) or shared.get(key) or (draw.batch, self._place(draw))
             placed.append(kept[key][1])
         used = {id(draw.batch.geometry) for draw in draws}
@@ -190,22 +190,28 @@ class ClusterIndex:
         draws: Iterable[Drawn] | None = None,
         eye: DoubleArray | None = None,
         among: IndexArray | None = None,
+        both_sides: Iterable[int] = (),
     ) -> IndexArray:
         """Indices of the clusters that may be seen, ascending.
 
         Args:
             clip_from_world: ``(4, 4)``, zero-to-one depth.
             draws: those among the indexed draws that are considered; None for all.
-            eye: ``(3,)`` point of view in the world, from which single-sided triangles that face away are not drawn; None
-                where both sides are drawn.
+            eye: ``(3,)`` point of view in the world: triangles that face away from it are not drawn, where their draw has no back
+                faces; None where both sides are drawn.
             among: ascending indices of the clusters that are considered; None for all.
+            both_sides: indices of draws whose triangles are drawn all the same.
         """
         chosen = np.arange(len(self._owner)) if among is None else among
         if draws is not None:
             ids = {id(draw) for draw in draws}
             chosen = chosen[np.array([id(draw) in ids for draw in self.draws], bool)[self._owner[chosen]]]
         chosen = chosen[in_frustum(self._all.low[chosen], self._all.high[chosen], clip_from_world)]
-        return chosen if eye is None else chosen[~self._face_away(chosen, eye)]
+        if eye is None:
+            return chosen
+        hidden = self._face_away(chosen, eye)
+        hidden[np.isin(self._owner[chosen], list(both_sides))] = False
+        return chosen[~hidden]
 
     def draws_of(self, clusters: IndexArray) -> list[int]:
         """Indices of the draws that clusters belong to, ascending."""
@@ -297,7 +303,7 @@ class ClusterIndex:
         geometry = draw.batch.geometry
         if not len(geometry.triangles) or not len(draw.instances):
             return _join([])
-        cones = not draw.double_sided
+        cones = not draw.has_backs
         key = id(geometry), cones
         if key not in self._geometries:
             self._geometries[key] = geometry, cut_clusters(geometry, cones=cones)

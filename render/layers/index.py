@@ -32,7 +32,9 @@ class Draw:
         instances: ``(k,)`` indices of the batch's poses, in the order of the draw's instances.
         first_object: the object number of its first instance; ids in layers are object numbers.
         mirrored: whether its poses reverse the triangles' winding.
-        double_sided: whether back faces are drawn.
+        has_backs: whether back faces are drawn for every view.
+        insides: ``(n, 2, 3)`` least and greatest corners of boxes in the world, metres: back faces are drawn for views from
+            within one of them; None where ``has_backs`` holds for every view.
         corners: ``(n, 3)`` corners of its bounding boxes in the world, metres.
         may_be_transparent: whether a fragment may be wholly or partly transparent.
         may_be_translucent: whether a fragment may be partly transparent; cut-outs are not.
@@ -43,7 +45,8 @@ class Draw:
     instances: IndexArray
     first_object: int
     mirrored: bool
-    double_sided: bool
+    has_backs: bool
+    insides: DoubleArray | None
     corners: DoubleArray
     may_be_transparent: bool
     may_be_translucent: bool
@@ -80,6 +83,7 @@ class SceneIndex:
                 node = self.node(batch, instances, mirrored, self._nodes, kept)
                 corners = self.boxes.corners(batch)
                 clear, cut_out = self._may_be_transparent(batch), batch.material.opacity_threshold > 0
+                is_solid = batch.has_backs and batch.insides is not None and not clear
                 self.draws.append(
                     Draw(
                         node,
@@ -87,7 +91,8 @@ class SceneIndex:
                         instances,
                         first_object,
                         mirrored,
-                        batch.double_sided,
+                        batch.has_backs and not is_solid,
+                        self.boxes.insides(batch)[instances].reshape(-1, 2, 3) if is_solid else None,
                         corners,
                         may_be_transparent=clear,
                         may_be_translucent=clear and not cut_out,

@@ -168,7 +168,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         umbra = layer.umbra if layer.moving is None else 0.0  # where surfaces move apart, it may be cut short
         selection = self._sketched if layer.is_sketch else self._selection
         drawn = selection.ranges(layer.view, layer.draws, layer.previous, umbra, layer.reach)
-        faded = [(draw, ranges) for draw, ranges in drawn if draw.may_be_translucent] if layer.solid_first else []
+        faded = [one for one in drawn if one.draw.may_be_translucent] if layer.solid_first else []
         try:
             self._draw_pass(layer, drawn, OPAQUE if faded else _ANY_OPACITY)
             if faded:
@@ -201,7 +201,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         if layer.first is not None:
             layer.first.w.use(_FIRST_UNIT)
         layer.slot.begin_depth()
-        for draw, ranges in drawn:
+        for draw, ranges, shows_backs in drawn:
             program = self._depth_program(
                 draw,
                 least_opacity,
@@ -220,7 +220,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("packs"), 1 if layer.first is None or layer.first.w is previous.w else 2)
             GL.glUniform1i(program.location("own_channel"), own.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
-            self._bind_draw(draw, program, view.camera_from_world, clip)
+            self._bind_draw(draw, program, view.camera_from_world, clip, cull=not shows_backs)
             for share in self._splitter.split_depth(ranges):
                 self._draw_range(program, share)
 
@@ -229,7 +229,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         clip = view.projection_matrix().astype(np.float32)
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
-        for draw, ranges in drawn:
+        for draw, ranges, shows_backs in drawn:
             program = self._surface_program(draw, least_opacity, unlit=layer.unlit, moving=layer.moving)
             GL.glUseProgram(program._program_id)
             self._set_motion(program, draw, layer)
@@ -237,7 +237,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
-            self._bind_draw(draw, program, view.camera_from_world, clip)
+            self._bind_draw(draw, program, view.camera_from_world, clip, cull=not shows_backs)
             for share in self._splitter.split(draw, ranges, view):
                 self._draw_range(program, share)
 
@@ -258,11 +258,11 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._begin(side_px, side_px)
         clip = clip_from_world.astype(np.float32)
         try:
-            for draw, ranges in self._selection.shadow_ranges(clip_from_world, draws):
+            for draw, ranges, shows_backs in self._selection.shadow_ranges(clip_from_world, draws):
                 program = self._depth_program(draw, 0.5, peel=False)
                 GL.glUseProgram(program._program_id)
                 GL.glUniform1f(program.location("detail"), 1.0)
-                self._bind_draw(draw, program, np.eye(4), clip, cull=False)
+                self._bind_draw(draw, program, np.eye(4), clip, cull=not shows_backs)
                 for share in self._splitter.split_depth(ranges):
                     self._draw_range(program, share)
         finally:
@@ -288,7 +288,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         camera_from_world: DoubleArray,
         clip: FloatArray,
         *,
-        cull: bool = True,
+        cull: bool,
     ) -> None:
         """Prepare one primitive for drawing. Its pose is multiplied in float64, for precision far from the origin."""
         primitive = draw.node.mesh.primitives[0]
@@ -296,9 +296,10 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
         GL.glUniformMatrix4fv(program.location("clip_from_camera"), 1, GL.GL_TRUE, clip)
         self._bind_material(primitive.material)
+        GL.glUniform1i(program.location("double_sided"), draw.batch.double_sided)
         # the picture's rows go down, which turns every triangle's winding around
         GL.glFrontFace(GL.GL_CCW if draw.mirrored else GL.GL_CW)
-        (GL.glEnable if cull and not draw.double_sided else GL.glDisable)(GL.GL_CULL_FACE)
+        (GL.glEnable if cull else GL.glDisable)(GL.GL_CULL_FACE)
         primitive._bind()
 
     def _draw_range(self, program: SourceProgram, share: DrawRange) -> None:

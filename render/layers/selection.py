@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import moderngl
 import numpy as np
@@ -19,8 +19,20 @@ from render.optics.view import PinholeView
 
 Choose = Callable[[PinholeView], IndexArray | None]
 """Function that gives the ascending indices of the clusters that a view may show; None for all."""
-DrawnRanges = tuple[Draw, list[DrawRange]]
-"""A draw, and the ranges of it that are drawn, in order."""
+
+
+class DrawnRanges(NamedTuple):
+    """What is drawn of a draw.
+
+    Attributes:
+        draw: the draw.
+        ranges: its ranges, in order.
+        shows_backs: whether back faces are drawn.
+    """
+
+    draw: Draw
+    ranges: list[DrawRange]
+    shows_backs: bool
 
 
 class Indexed(Protocol):
@@ -46,12 +58,14 @@ class _Seen:
         draws: the index's draws at that time.
         index: the index's clusters.
         clusters: their indices, ascending.
+        both_sides: indices of the draws whose back faces the view may see.
     """
 
     view: PinholeView
     draws: list[Draw]
     index: ClusterIndex
     clusters: IndexArray
+    both_sides: frozenset[int]
 
     @cached_property
     def rectangles(self) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
@@ -101,11 +115,11 @@ class ClusterSelection:
         clusters = seen.clusters
         if previous is not None and len(clusters):
             clusters = clusters[~self._measurer.measure(previous, umbra, reach).hide(*seen.rectangles)]
-        return self._of(clusters, draws)
+        return self._of(clusters, draws, seen.both_sides)
 
     def shadow_ranges(self, clip_from_world: DoubleArray, draws: Sequence[Draw]) -> list[DrawnRanges]:
         """Ranges of draws that may leave fragments in a shadow map; both sides cast shadows."""
-        return self._of(self._index.clusters.select(clip_from_world, draws), draws)
+        return self._of(self._index.clusters.select(clip_from_world, draws), draws, range(len(self._index.draws)))
 
     def release(self) -> None:
         """Release the memory on the device."""
@@ -116,13 +130,29 @@ class ClusterSelection:
         seen = self._seen
         if seen is None or seen.view is not view or seen.draws is not self._index.draws:
             clip_from_world = view.projection_matrix() @ view.camera_from_world
-            eye = np.linalg.inv(view.camera_from_world) @ (view.eye_x_m, view.eye_y_m, 0.0, 1.0)
             among = None if self._choose is None else self._choose(view)
-            clusters = self._index.clusters.select(clip_from_world, eye=eye[:3], among=among)
-            seen = self._seen = _Seen(view, self._index.draws, self._index.clusters, clusters)
+            both_sides = frozenset(_seen_from_inside(self._index.draws, view))
+            index = self._index.clusters
+            clusters = index.select(clip_from_world, eye=view.eye_in_world, among=among, both_sides=both_sides)
+            seen = self._seen = _Seen(view, self._index.draws, index, clusters, both_sides)
         return seen
 
-    def _of(self, clusters: IndexArray, draws: Iterable[Draw]) -> list[DrawnRanges]:
-        """Ranges that cover clusters, of each of the draws that has any."""
-        ranges = {id(self._index.draws[i]): found for i, found in self._index.clusters.ranges(clusters).items()}
-        return [(draw, ranges[id(draw)]) for draw in draws if id(draw) in ranges]
+    def _of(self, clusters: IndexArray, draws: Iterable[Draw], both_sides: Container[int]) -> list[DrawnRanges]:
+        """Ranges that cover clusters, of each of the draws that has any; ``both_sides`` as in `_Seen`."""
+        numbers = {id(draw): i for i, draw in enumerate(self._index.draws)}
+        ranges = self._index.clusters.ranges(clusters)
+        return [
+            DrawnRanges(draw, ranges[i], draw.has_backs or i in both_sides)
+            for draw in draws
+            if (i := numbers.get(id(draw))) in ranges
+        ]
+
+
+def _seen_from_inside(draws: Sequence[Draw], view: PinholeView) -> Iterator[int]:
+    """Indices of the draws of closed surfaces whose insides a view may show: the near plane may cut into them."""
+    eye, reach = view.eye_in_world, view.farthest_near_m
+    for i, draw in enumerate(draws):
+        if draw.insides is not None:
+            away = np.maximum(np.maximum(draw.insides[:, 0] - eye, eye - draw.insides[:, 1]), 0.0)
+            if (np.sum(away**2, axis=1) <= reach**2).any():
+                yield i

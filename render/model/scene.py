@@ -131,7 +131,12 @@ class Batch:
         geometry: geometry that is drawn.
         material: with what.
         poses: ``(k, 4, 4)`` float64 world from geometry space, one for each instance.
-        double_sided: whether back faces are drawn.
+        double_sided: whether both sides are outsides: drawn, with normals towards the eye.
+        culls_backs: whether back faces are left out where ``double_sided`` is False; otherwise they are drawn with the normals of
+            the front, as in Storm: lights in front of the surface light them.
+        insides: ``(n, 2, 3)`` least and greatest corners of boxes in geometry space, metres, where all of the geometry's surfaces
+            are closed (`render.stage.geometry.closed`): seen from outside of all boxes, opaque front faces hide the back faces.
+            None where one is open.
         instance_prim_ids: ``(k,)`` int32 index into ``Scene.prim_paths`` of the prim an instance is picked as, or None
             where the triangle's own prim is. For native instances: one entry for each instance, and each is the instance
             proxy's path of the mesh. For a PointInstancer: the instancer.
@@ -144,6 +149,13 @@ class Batch:
     double_sided: bool = False
     instance_prim_ids: IntArray | None = None
     instance_numbers: IntArray | None = None
+    insides: DoubleArray | None = None
+    culls_backs: bool = True
+
+    @property
+    def has_backs(self) -> bool:
+        """Whether back faces are drawn."""
+        return self.double_sided or not self.culls_backs
 
 
 LightKind = Literal["distant", "sphere", "disk", "rect"]

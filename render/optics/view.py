@@ -87,6 +87,17 @@ class PinholeView:
         """Width and height in pixels."""
         return self.width, self.height
 
+    @property
+    def eye_in_world(self) -> DoubleArray:
+        """``(3,)`` position of the eye in the world, metres."""
+        return np.asarray((np.linalg.inv(self.camera_from_world) @ (self.eye_x_m, self.eye_y_m, 0.0, 1.0))[:3])
+
+    @property
+    def farthest_near_m(self) -> float:
+        """Distance from the eye to the farthest point of the near plane that the picture shows, metres."""
+        corners = ((x, y) for x in (0, self.width) for y in (0, self.height))
+        return self.near_m * max(float(np.linalg.norm(self.ray(x, y)[1])) for x, y in corners)
+
     def resize(self, width: int, height: int) -> PinholeView:
         """The same view at another resolution."""
         x, y = width / self.width, height / self.height

@@ -23,6 +23,7 @@ class StageOptions:
             ``render_pass`` names one, else `DRAWN_PURPOSES`.
         mask: only what lies at, below or above these prim paths is drawn and lights; None for everything.
         complexity: one of `COMPLEXITIES`. Subdivision surfaces are drawn as their cage at all; above low that is a finding.
+        cull_backfaces: leave out back faces of what is not ``doubleSided``; as in usdrecord, both sides are drawn otherwise.
         camera_light: a stage without lights is lit by one at the camera.
         dome_visible: the camera sees the dome behind everything; it lights either way.
         draw_modes: the stage's draw modes are wanted; they are not honoured, and make findings.
@@ -35,6 +36,7 @@ class StageOptions:
     purposes: tuple[str, ...] | None = None
     mask: tuple[str, ...] | None = None
     complexity: str = "low"
+    cull_backfaces: bool = False
     camera_light: bool = True
     dome_visible: bool = True
     draw_modes: bool = True

@@ -11,7 +11,7 @@ from render.model.scene import Scene
 from render.stage.assembly.groups import DrawContext, Group
 from render.stage.assembly.inventory import Inventory, take_inventory
 from render.stage.assembly.pieces import ShapeReader
-from render.stage.assembly.plan import plan_groups
+from render.stage.assembly.plan import PieceCutter, plan_groups
 from render.stage.assembly.poses import InstanceReader
 from render.stage.findings import Finding, FindingLog
 from render.stage.geometry.skinning import Skeletons
@@ -128,7 +128,9 @@ class StageReader:
         looks = LookReader(self._stage, self._textures, self._log)
         skeletons = Skeletons(self._stage)
         purposes = binding_purposes(self._stage, self._log)
-        groups = plan_groups(inventory.surfaces, looks, skeletons, purposes, time, self._log)
+        shapes = ShapeReader(skeletons, purposes, time, self._log)
+        cutter = PieceCutter(looks, skeletons, purposes, shapes, self._options.cull_backfaces, self._log)
+        groups = plan_groups(inventory.surfaces, cutter, self._log)
         self._note_complexity(inventory)
         self._note_up_axis()
         lights = LightReader(self._stage, self._textures, self._log)

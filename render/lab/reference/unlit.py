@@ -55,7 +55,7 @@ class UnlitScene:
             triangles, placed = _transform_part(batch, camera_from_world)
             self._parts.append(_Part(batch, count, triangles))
             corners.append(placed)
-            two_sided.append(np.full(len(placed), batch.double_sided))
+            two_sided.append(np.full(len(placed), batch.has_backs))
             count += len(placed)
         self._tracer = TriangleTracer(np.concatenate(corners), np.concatenate(two_sided), near_m=near_m, far_m=far_m)
         self._dome = scene.dome if scene.dome is not None and scene.dome.visible else None

@@ -29,6 +29,7 @@ layout(std140, binding = 1) uniform MaterialBlock {
     Lookup lookups[8];
 } material;
 
+uniform bool double_sided; // turn the normals of back faces towards the eye
 uniform float detail;      // times finer than this pass's pixels that the finished picture samples surfaces
 uniform float patch_px_m;  // side of one ray's patch per 1/m of w from the plane of focus (surface_sampling.py)
 uniform vec3 focus;        // w of that plane at the pass's corner and its change along x and y
@@ -162,7 +163,7 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     facet = dot(facet, position) > 0.0 ? -facet : facet;
     vec3 n = dot(normal, normal) > 1e-20 ? normalize(normal) : (front ? 1.0 : -1.0) * facet * inversesqrt(max(dot(facet, facet), 1e-30));
     float shortening = 0.0;
-    s.normal = front ? n : -n;
+    s.normal = front || !double_sided ? n : -n;
 #ifdef HAS_NORMAL
     vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, uv).xyz;
     shortening = max(1.0 - length(tangent), 0.0);

@@ -7,7 +7,7 @@ struct Reflector {
     float occlusion;     // 1 sees the whole dome
     float clearcoat;
     float clearcoat_roughness;
-    vec3 normal;         // camera space, towards the viewer's side
+    vec3 normal;         // camera space; away from the viewer on back faces of what is not double-sided
 };
 
 // Octahedral coordinates of a direction, 0 to 1 (Cigolle et al. 2014, "A survey of efficient representations for independent unit

@@ -65,7 +65,7 @@ def transmittance(scene: Scene, lines: Lines) -> DoubleArray:
     """Compute the transmittance of a scene along each line: 1 where nothing is in the way, 0 behind something opaque.
 
     Surfaces that are partly clear, by their material, texture or displayOpacity, let that part through; holes of cut-outs let
-    all through. One-sided surfaces are met from the front alone, as they are drawn.
+    all through. Surfaces whose back faces are not drawn are met from the front alone.
 
     Args:
         scene: the scene.
@@ -78,7 +78,7 @@ def transmittance(scene: Scene, lines: Lines) -> DoubleArray:
     for batch, to_local, bundle in _candidate_instances(scene, lines):
         open_ = through[bundle].any(axis=1)
         local = lines.transform(bundle[open_], to_local[open_])
-        hits = _hierarchy_of(batch.geometry).intersect(local, two_sided=batch.double_sided)
+        hits = _hierarchy_of(batch.geometry).intersect(local, two_sided=batch.has_backs)
         opacity = opacity_at(batch, batch.geometry.triangles[hits.triangle], hits.u, hits.v)
         clear = np.where(opacity >= _OPAQUE, 0.0, 1 - opacity)
         np.multiply.at(through, (bundle[open_][hits.bundle], hits.line), clear)

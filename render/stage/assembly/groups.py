@@ -73,17 +73,19 @@ class Group(ABC):
         poses: DoubleArray,
         prim_ids: IntArray | None,
         numbers: IntArray | None,
+        insides: DoubleArray | None,
     ) -> tuple[Batch, ...]:
         """The batch of one geometry; poses that mirror it leave its outside outside (`render.model.scene.Geometry`)."""
         unchanged = (
-            len(self._made_of) == 5
+            len(self._made_of) == 6
             and self._made_of[0] is geometry
             and self._made_of[1] is material
-            and all(_same(a, b) for a, b in zip(self._made_of[2:], (poses, prim_ids, numbers), strict=True))
+            and all(_same(a, b) for a, b in zip(self._made_of[2:], (poses, prim_ids, numbers, insides), strict=True))
         )
         if not unchanged:
-            self._made_of = (geometry, material, poses, prim_ids, numbers)
-            self._batches = (Batch(geometry, material, poses, self._pieces[0].double_sided, prim_ids, numbers),)
+            self._made_of = (geometry, material, poses, prim_ids, numbers, insides)
+            sides = self._pieces[0].sides
+            self._batches = (Batch(geometry, material, poses, sides.double, prim_ids, numbers, insides, sides.culled),)
         return self._batches
 
 
@@ -93,6 +95,7 @@ class RigidGroup(Group):
     def __init__(self, pieces: Sequence[Piece]) -> None:
         super().__init__(pieces)
         self._geometry: Geometry | None = None
+        self._insides: DoubleArray | None = None
         self._is_read = False
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
@@ -101,7 +104,9 @@ class RigidGroup(Group):
             return ()
         if not self._is_read:
             parts = [part for piece in self._pieces if (part := self._place(piece, context)) is not None]
-            self._geometry = join_geometry(parts) if parts else None
+            self._geometry = join_geometry([geometry for geometry, _ in parts]) if parts else None
+            if parts and self._pieces[0].sides.closed:
+                self._insides = np.stack([inside for _, inside in parts])
             self._is_read = True
         if self._geometry is None:
             return ()
@@ -109,9 +114,10 @@ class RigidGroup(Group):
         if first.mover is not None:
             pose = world_pose(first.mover, context.transforms, context.world) @ _shrink(context)
         material = context.look(self._pieces[0].material).material
-        return self._make_batch(self._geometry, material, pose[None], None, None)
+        return self._make_batch(self._geometry, material, pose[None], None, None, self._insides)
 
-    def _place(self, piece: Piece, context: DrawContext) -> Geometry | None:
+    def _place(self, piece: Piece, context: DrawContext) -> tuple[Geometry, DoubleArray] | None:
+        """A piece's geometry, and the corners ``(2, 3)`` of the box around the whole of its surface."""
         shape = context.shapes.shape(piece)
         if shape is None:
             return None
@@ -122,7 +128,7 @@ class RigidGroup(Group):
             matrix = np.diag([*[context.scale] * 3, 1.0]) @ relative_pose(prim, mover, context.transforms)
         if not is_placeable(shape.positions, matrix, piece.occurrence.path, context.log):
             return None
-        return place_shape(shape, context.prim_id(piece.occurrence.path), matrix)
+        return place_shape(shape, context.prim_id(piece.occurrence.path), matrix), _box(piece, context, matrix)
 
 
 class InstancedGroup(Group):
@@ -133,6 +139,7 @@ class InstancedGroup(Group):
         self._shape: Shape | None = None
         self._geometry: Geometry | None = None
         self._is_read = False
+        self._insides: DoubleArray | None = None
         self._places: tuple[DoubleArray, IntArray, IntArray | None] | None = None
         self._moves = any(piece.occurrence.moves or piece.occurrence.hiders for piece in pieces)
 
@@ -145,7 +152,8 @@ class InstancedGroup(Group):
         poses, prim_ids, numbers = self._places
         if not len(poses):
             return ()
-        return self._make_batch(geometry, context.look(self._pieces[0].material).material, poses, prim_ids, numbers)
+        material = context.look(self._pieces[0].material).material
+        return self._make_batch(geometry, material, poses, prim_ids, numbers, self._insides)
 
     def _geometry_at(self, context: DrawContext) -> Geometry | None:
         if self._is_read and not self._pieces[0].deforms:
@@ -155,6 +163,8 @@ class InstancedGroup(Group):
             first_id = context.prim_id(self._pieces[0].occurrence.path)
             to_metres = np.diag([*[context.scale] * 3, 1.0])
             self._geometry = place_shape(shape, first_id, to_metres) if shape is not None else None
+            if shape is not None and self._pieces[0].sides.closed:
+                self._insides = _box(self._pieces[0], context, to_metres)[None]
             self._shape = shape if self._pieces[0].deforms else None
         self._is_read = True
         return self._geometry
@@ -179,6 +189,17 @@ class InstancedGroup(Group):
             prim_ids.append(np.full(len(here), context.prim_id(picked_as), np.int32))
         instanced = bool(self._pieces[0].occurrence.chain)
         return np.concatenate(poses), np.concatenate(prim_ids), np.concatenate(numbers) if instanced else None
+
+
+def _box(piece: Piece, context: DrawContext, matrix: DoubleArray) -> DoubleArray:
+    """Least and greatest corner ``(2, 3)`` of the whole of a piece's surface, where a ``(4, 4)`` matrix puts it."""
+    whole = context.shapes.whole(piece)
+    if whole is None:
+        return np.zeros((2, 3))
+    low, high = whole.positions.min(axis=0).astype(np.float64), whole.positions.max(axis=0).astype(np.float64)
+    middle = matrix[:3, :3] @ (low + high) / 2 + matrix[:3, 3]
+    half = np.abs(matrix[:3, :3]) @ (high - low) / 2
+    return np.stack([middle - half, middle + half])
 
 
 def _shrink(context: DrawContext) -> DoubleArray:

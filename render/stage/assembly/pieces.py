@@ -5,13 +5,31 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
-from pxr import Usd
+from pxr import Sdf, Usd
 
 from render.stage.assembly.inventory import Occurrence
 from render.stage.findings import FindingLog
+from render.stage.geometry.closed import is_closed
+from render.stage.geometry.polygons import BadGeometry, check
 from render.stage.geometry.shape import PrimvarNames, Shape, pick_faces, read_shape
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.surface import faces_may_vary, read_surface
 from render.stage.materials.bindings import bound_parts, face_owner
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Sides of a surface that are drawn.
+
+    Attributes:
+        double: whether both sides are outsides.
+        culled: whether back faces are left out otherwise.
+        closed: whether the surface is closed (`render.stage.geometry.closed`).
+    """
+
+    double: bool
+    culled: bool
+    closed: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +41,7 @@ class Piece:
         material: path of the material prim, or empty.
         part: which of the surface's parts by material this is.
         part_count: number of such parts.
-        double_sided: whether back faces are drawn.
+        sides: sides that are drawn.
         deforms: whether the surface's polygons or primvars vary.
         primvars: primvars that the material reads.
         shape_key: the same for pieces whose surfaces have the same triangles and primvars.
@@ -33,7 +51,7 @@ class Piece:
     material: str
     part: int
     part_count: int
-    double_sided: bool
+    sides: Sides
     deforms: bool
     primvars: PrimvarNames
     shape_key: Hashable
@@ -47,29 +65,46 @@ class ShapeReader:
         binding_purposes: of materials (`render.stage.materials.bindings.binding_purposes`).
         time: when.
         log: notes surfaces that cannot be used.
+
+    Attributes:
+        time: when.
     """
 
     def __init__(
         self, skeletons: Skeletons, binding_purposes: Sequence[str], time: Usd.TimeCode, log: FindingLog
     ) -> None:
-        self._skeletons, self._binding_purposes, self._time, self._log = skeletons, binding_purposes, time, log
+        self._skeletons, self._binding_purposes, self._log = skeletons, binding_purposes, log
+        self.time = time
         self._shapes: dict[Hashable, Shape | None] = {}
+        self._closed: dict[Sdf.Path, bool] = {}
 
     def shape(self, piece: Piece) -> Shape | None:
         """Triangles of a piece, in the prim's space and units; None where there are none or they cannot be used."""
         whole = self.whole(piece)
         if whole is None or piece.part_count == 1:
             return whole
-        parts = bound_parts(piece.occurrence.prim, self._binding_purposes, self._time, self._log)
+        parts = bound_parts(piece.occurrence.prim, self._binding_purposes, self.time, self._log)
         owner = face_owner(parts, int(whole.face_ids.max(initial=0)) + 1)
         keep = owner[whole.face_ids] == piece.part
         return pick_faces(whole, keep) if keep.any() else None
+
+    def is_closed(self, surface: Occurrence) -> bool:
+        """Whether a surface is closed (`render.stage.geometry.closed`), with the same faces at all times."""
+        if surface.source not in self._closed:
+            self._closed[surface.source] = not faces_may_vary(surface.prim) and self._reads_closed(surface)
+        return self._closed[surface.source]
+
+    def _reads_closed(self, surface: Occurrence) -> bool:
+        try:
+            polygons = read_surface(surface.prim, self.time, self._skeletons, FindingLog())
+            check(polygons)
+        except BadGeometry:
+            return False  # `whole` logs the finding
+        return is_closed(polygons)
 
     def whole(self, piece: Piece) -> Shape | None:
         """The triangles of the whole surface that a piece is part of."""
         key = piece.shape_key
         if key not in self._shapes:
-            self._shapes[key] = read_shape(
-                piece.occurrence.prim, self._time, piece.primvars, self._skeletons, self._log
-            )
+            self._shapes[key] = read_shape(piece.occurrence.prim, self.time, piece.primvars, self._skeletons, self._log)
         return self._shapes[key]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass
 
 from pxr import Usd, UsdGeom
 
 from render.stage.assembly.groups import Group, InstancedGroup, RigidGroup
 from render.stage.assembly.inventory import Occurrence
-from render.stage.assembly.pieces import Piece, ShapeReader
+from render.stage.assembly.pieces import Piece, ShapeReader, Sides
 from render.stage.findings import FindingLog
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import PrimvarNames
@@ -24,41 +25,30 @@ from render.stage.values import UNREADABLE, why_unreadable
 INSTANCING_PAYS_FROM = 10_000
 
 
-def plan_groups(
-    surfaces: Iterable[Occurrence],
-    looks: LookReader,
-    skeletons: Skeletons,
-    binding_purposes: Sequence[str],
-    time: Usd.TimeCode,
-    log: FindingLog,
-) -> list[Group]:
+def plan_groups(surfaces: Iterable[Occurrence], cutter: PieceCutter, log: FindingLog) -> list[Group]:
     """Gather surfaces into groups.
 
     Args:
         surfaces: surfaces that are drawn.
-        looks: reads materials.
-        skeletons: which surfaces a skeleton bends.
-        binding_purposes: of materials.
-        time: time at which the materials' primvars are read; the plan does not depend on it.
+        cutter: cuts them into pieces.
         log: for findings.
     """
-    shapes = ShapeReader(skeletons, binding_purposes, time, log)
     rigid: dict[Hashable, list[Piece]] = defaultdict(list)
     shared: dict[Hashable, list[Piece]] = defaultdict(list)
     for surface in surfaces:
         try:
-            pieces = _pieces(surface, looks, skeletons, binding_purposes, time, log)
+            pieces = cutter.cut(surface)
         except UNREADABLE as problem:
             log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
             continue
         for piece in pieces:
             if surface.chain:
-                shared[(piece.shape_key, piece.part, piece.material, piece.double_sided, surface.path)].append(piece)
+                shared[(piece.shape_key, piece.part, piece.material, piece.sides, surface.path)].append(piece)
             else:
-                shared[(piece.shape_key, piece.part, piece.material, piece.double_sided)].append(piece)
+                shared[(piece.shape_key, piece.part, piece.material, piece.sides)].append(piece)
     groups: list[Group] = []
     for pieces in shared.values():
-        if _pays_to_instance(pieces, shapes):
+        if _pays_to_instance(pieces, cutter.shapes):
             groups.append(InstancedGroup(pieces))
         else:
             for piece in pieces:
@@ -66,26 +56,42 @@ def plan_groups(
     return [RigidGroup(pieces) for pieces in rigid.values()] + groups
 
 
-def _pieces(
-    surface: Occurrence,
-    looks: LookReader,
-    skeletons: Skeletons,
-    binding_purposes: Sequence[str],
-    time: Usd.TimeCode,
-    log: FindingLog,
-) -> list[Piece]:
-    prim = surface.prim
-    parts = bound_parts(prim, binding_purposes, time, log)
-    deforms = surface_varies(prim, skeletons) or subsets_vary(prim)
-    double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time))
-    pieces = []
-    for number, part in enumerate(parts):
-        material = looks.representative(part.material, time)
-        primvars = looks.look(material, time).primvars
-        inherited, varies = _inherited_primvars(prim, primvars, time)
-        key = (surface.source, primvars, inherited)
-        pieces.append(Piece(surface, material, number, len(parts), double_sided, deforms or varies, primvars, key))
-    return pieces
+@dataclass(frozen=True, eq=False)
+class PieceCutter:
+    """Cuts surfaces into pieces by material.
+
+    Attributes:
+        looks: reads materials.
+        skeletons: which surfaces a skeleton bends.
+        binding_purposes: of materials.
+        shapes: reads triangles, at the time at which the materials' primvars are read; the plan does not depend on it.
+        cull_backfaces: leave out back faces of what is not ``doubleSided``.
+        log: for findings.
+    """
+
+    looks: LookReader
+    skeletons: Skeletons
+    binding_purposes: Sequence[str]
+    shapes: ShapeReader
+    cull_backfaces: bool
+    log: FindingLog
+
+    def cut(self, surface: Occurrence) -> list[Piece]:
+        """The pieces of a surface."""
+        prim, time = surface.prim, self.shapes.time
+        parts = bound_parts(prim, self.binding_purposes, time, self.log)
+        deforms = surface_varies(prim, self.skeletons) or subsets_vary(prim)
+        double = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time))
+        has_backs = double or not self.cull_backfaces
+        sides = Sides(double, not has_backs, closed=has_backs and self.shapes.is_closed(surface))
+        pieces = []
+        for number, part in enumerate(parts):
+            material = self.looks.representative(part.material, time)
+            primvars = self.looks.look(material, time).primvars
+            inherited, varies = _inherited_primvars(prim, primvars, time)
+            key = (surface.source, primvars, inherited)
+            pieces.append(Piece(surface, material, number, len(parts), sides, deforms or varies, primvars, key))
+        return pieces
 
 
 def _inherited_primvars(prim: Usd.Prim, primvars: PrimvarNames, time: Usd.TimeCode) -> tuple[Hashable, bool]:
@@ -114,7 +120,7 @@ def _rigid_key(piece: Piece) -> Hashable:
     mover, hiders = piece.occurrence.mover, piece.occurrence.hiders
     return (
         piece.material,
-        piece.double_sided,
+        piece.sides,
         mover.GetPath() if mover is not None else None,
         tuple(prim.GetPath() for prim in hiders),
     )

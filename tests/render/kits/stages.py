@@ -12,6 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
 
 from render.model.scene import Batch, Scene
 from render.stage import StageReader
+from render.stage.options import StageOptions
 
 ASSETS = Path(__file__).parents[3].parent / "shared" / "assets"
 needs_assets = pytest.mark.skipif(not ASSETS.is_dir(), reason="the shared assets are not here")
@@ -55,9 +56,9 @@ def set_primvar(
     return primvar
 
 
-def read(stage: Usd.Stage, time: float = 0.0) -> Scene:
+def read(stage: Usd.Stage, time: float = 0.0, *, cull_backfaces: bool = False) -> Scene:
     """The scene of a stage."""
-    return StageReader(stage).read(time)
+    return StageReader(stage, StageOptions(cull_backfaces=cull_backfaces)).read(time)
 
 
 def only_batch(scene: Scene) -> Batch:

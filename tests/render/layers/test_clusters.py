@@ -37,7 +37,7 @@ class SomeDraw:
 
     batch: Batch
     instances: IndexArray
-    double_sided: bool = False
+    has_backs: bool = False
 
 
 def place(x: float, y: float, z: float, scale: float = 1.0) -> DoubleArray:
@@ -95,9 +95,9 @@ def test_what_faces_away_or_lies_beside_is_left_out() -> None:
     assert len(triangles_of(ahead, ahead.select(CLIP))) == whole
     assert len(triangles_of(ahead, ahead.select(CLIP, eye=np.zeros(3)))) < whole
     beneath, above = np.array([0.0, -60.0, -5.0]), np.array([0.0, 60.0, -5.0])
-    for double_sided, eye, count in ((False, beneath, 0), (False, above, 2), (True, beneath, 2)):
+    for has_backs, eye, count in ((False, beneath, 0), (False, above, 2), (True, beneath, 2)):
         floor = ClusterIndex()
-        floor.update([SomeDraw(Batch(FLOOR, Material(), np.eye(4)[None]), np.arange(1), double_sided)])
+        floor.update([SomeDraw(Batch(FLOOR, Material(), np.eye(4)[None]), np.arange(1), has_backs)])
         assert len(triangles_of(floor, floor.select(CLIP, eye=eye))) == count
     for x, y, z in ((9, 0, -5), (0, -8, -5), (0, 0, 3), (0, 0, -120)):
         beside = index_of(place(x, y, z))

@@ -159,15 +159,16 @@ def _depths_in_view(points: DoubleArray, edges: IndexArray, view: PinholeView) -
     """
     depth = -points[..., 2]
     x, y = view.fx * (points[..., 0] - view.eye_x_m), view.fy * (points[..., 1] - view.eye_y_m)
-    planes = (
+    planes = [
         view.cx * depth + x,
         (view.width - view.cx) * depth - x,
         view.cy * depth - y,
         (view.height - view.cy) * depth + y,
-    )
+        *(points @ plane[:3] + plane[3] for plane in view.clip_planes),
+    ]
     nearest: DoubleArray = np.maximum(depth.min(1), view.near_m)
     nearest[(depth.max(1) < view.near_m) | (nearest > view.far_m)] = np.inf
-    for inside in planes:  # positive on the view's side of it, px·m
+    for inside in planes:  # positive on the view's side of it, px·m or, for clip planes, in their own unit
         within = np.where(inside >= 0, depth, np.inf).min(1)
         cut = np.flatnonzero((inside < 0).any(1) & np.isfinite(within))
         within[cut] = np.minimum(within[cut], _depths_at_cut(inside[cut][:, edges], depth[cut][:, edges]))

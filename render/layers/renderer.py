@@ -25,6 +25,7 @@ from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import MOST_RADIANCE, Slot
 from render.model.arrays import DoubleArray, FloatArray, IndexArray
+from render.model.limits import MAX_CLIP_PLANES
 from render.optics.view import PinholeView
 
 OPAQUE = 0.999
@@ -180,7 +181,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self, layer: LayerPass, drawn: list[DrawnRanges], least_opacity: float, *, fill: bool = False
     ) -> None:
         """Draw fragments of at least ``least_opacity``; ``fill`` keeps to pixels in which the layer is empty."""
-        self._begin(layer.view.width, layer.view.height)
+        self._begin(layer.view.width, layer.view.height, len(layer.view.clip_planes))
         self._draw_depths(layer, drawn, least_opacity, fill=fill)
         layer.slot.begin_colour(fill=fill)
         self._draw_colours(layer, drawn, least_opacity)
@@ -211,6 +212,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
                 fill=fill,
                 rest=layer.rest is not None,
                 moving=layer.moving,
+                clip_planes=len(view.clip_planes),
             )
             GL.glUseProgram(program._program_id)
             self._set_motion(program, draw, layer)
@@ -220,7 +222,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("packs"), 1 if layer.first is None or layer.first.w is previous.w else 2)
             GL.glUniform1i(program.location("own_channel"), own.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
-            self._bind_draw(draw, program, view.camera_from_world, clip, cull=not shows_backs)
+            self._bind_draw(
+                draw, program, view.camera_from_world, clip, cull=not shows_backs, clip_planes=view.clip_planes
+            )
             for share in self._splitter.split_depth(ranges):
                 self._draw_range(program, share)
 
@@ -230,14 +234,18 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
         for draw, ranges, shows_backs in drawn:
-            program = self._surface_program(draw, least_opacity, unlit=layer.unlit, moving=layer.moving)
+            program = self._surface_program(
+                draw, least_opacity, unlit=layer.unlit, moving=layer.moving, clip_planes=len(view.clip_planes)
+            )
             GL.glUseProgram(program._program_id)
             self._set_motion(program, draw, layer)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
-            self._bind_draw(draw, program, view.camera_from_world, clip, cull=not shows_backs)
+            self._bind_draw(
+                draw, program, view.camera_from_world, clip, cull=not shows_backs, clip_planes=view.clip_planes
+            )
             for share in self._splitter.split(draw, ranges, view):
                 self._draw_range(program, share)
 
@@ -289,12 +297,16 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         clip: FloatArray,
         *,
         cull: bool,
+        clip_planes: Sequence[tuple[float, float, float, float]] = (),
     ) -> None:
         """Prepare one primitive for drawing. Its pose is multiplied in float64, for precision far from the origin."""
         primitive = draw.node.mesh.primitives[0]
         camera_from_node = (camera_from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
         GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
         GL.glUniformMatrix4fv(program.location("clip_from_camera"), 1, GL.GL_TRUE, clip)
+        if clip_planes:
+            planes = np.array(clip_planes, np.float32)
+            GL.glUniform4fv(program.location("clip_planes"), len(planes), planes)
         self._bind_material(primitive.material)
         GL.glUniform1i(program.location("double_sided"), draw.batch.double_sided)
         # the picture's rows go down, which turns every triangle's winding around
@@ -335,9 +347,12 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         fill: bool = False,
         rest: bool = False,
         moving: MovingDraws | None = None,
+        clip_planes: int = 0,
     ) -> SourceProgram:
         """Program of the depth pass. For opaque draws it reads no material, so that early depth tests work."""
         defines: dict[str, object] = {"PEEL": 1} if peel else {}
+        if clip_planes:
+            defines["CLIP_PLANES"] = clip_planes
         if reach:
             defines["REACH"] = 1
         if counted:
@@ -353,9 +368,11 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         return self._program("layers/depth.frag", draw, defines)
 
     def _surface_program(
-        self, draw: Draw, least_opacity: float, *, unlit: bool, moving: MovingDraws | None
+        self, draw: Draw, least_opacity: float, *, unlit: bool, moving: MovingDraws | None, clip_planes: int
     ) -> SourceProgram:
         defines: dict[str, object] = {"UNLIT": 1} if unlit else {}
+        if clip_planes:
+            defines["CLIP_PLANES"] = clip_planes
         if moving is not None:
             defines |= moving.defines(draw)
         if draw.may_be_transparent:
@@ -383,8 +400,10 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             self._programs[key] = SourceProgram(fragment, all_defines, maps)
         return self._programs[key]
 
-    def _begin(self, width: int, height: int) -> None:
+    def _begin(self, width: int, height: int, clip_planes: int = 0) -> None:
         self._bound_material = None
+        for i in range(clip_planes):
+            GL.glEnable(GL.GL_CLIP_DISTANCE0 + i)
         set_clip_depth(CLIP_ZERO_TO_ONE)
         GL.glViewport(0, 0, width, height)
         GL.glEnable(GL.GL_DEPTH_TEST)
@@ -399,6 +418,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glColorMask(True, True, True, True)
         GL.glBindVertexArray(0)
         GL.glUseProgram(0)
+        for i in range(MAX_CLIP_PLANES):
+            GL.glDisable(GL.GL_CLIP_DISTANCE0 + i)
         GL.glDisable(GL.GL_CULL_FACE)
         GL.glDisable(GL.GL_DEPTH_TEST)
         GL.glFrontFace(GL.GL_CCW)

@@ -149,10 +149,10 @@ class ClusterSelection:
 
 
 def _seen_from_inside(draws: Sequence[Draw], view: PinholeView) -> Iterator[int]:
-    """Indices of the draws of closed surfaces whose insides a view may show: the near plane may cut into them."""
+    """Indices of the draws of closed surfaces whose insides a view may show: the near plane or a clip plane may cut into them."""
     eye, reach = view.eye_in_world, view.farthest_near_m
     for i, draw in enumerate(draws):
         if draw.insides is not None:
             away = np.maximum(np.maximum(draw.insides[:, 0] - eye, eye - draw.insides[:, 1]), 0.0)
-            if (np.sum(away**2, axis=1) <= reach**2).any():
+            if view.clip_planes or (np.sum(away**2, axis=1) <= reach**2).any():
                 yield i

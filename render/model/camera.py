@@ -36,6 +36,8 @@ class Camera:
         shutter_close: likewise.
         shutter: how it opens, and in which order it bares the picture.
         breathing: whether the physical image distance sets the field of view.
+        clip_planes: ``(a, b, c, d)`` each, at most `render.model.limits.MAX_CLIP_PLANES`: nothing is drawn where
+            ``a·x + b·y + c·z + d < 0`` in camera space, metres.
         path: prim path.
     """
 
@@ -57,4 +59,5 @@ class Camera:
     shutter_close: float = 0.0
     shutter: Shutter = GLOBAL_SHUTTER
     breathing: bool = False
+    clip_planes: tuple[tuple[float, float, float, float], ...] = ()
     path: str = ""

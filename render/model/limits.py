@@ -11,6 +11,8 @@ MAX_RAYS = 4096
 MAX_LAYERS = 8
 """Peeled layers."""
 MAX_WAVELENGTHS = 64
+MAX_CLIP_PLANES = 8
+"""Clip planes of a camera: as many as OpenGL guarantees."""
 
 
 def check_picture_size(width: int, height: int) -> None:

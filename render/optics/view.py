@@ -39,6 +39,7 @@ class PinholeView:
         eye_y_m: likewise, up.
         shear: what slopes ``(X - eye_x, Y - eye_y)/z``, right and up, are multiplied by before they become pixels: ``(xx, xy, yx,
             yy)``; other than the identity for a view that keeps a tilted plane in place.
+        clip_planes: as the camera's, in the space of ``camera_from_world``.
     """
 
     width: int
@@ -53,6 +54,7 @@ class PinholeView:
     eye_x_m: float = 0.0
     eye_y_m: float = 0.0
     shear: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)
+    clip_planes: tuple[tuple[float, float, float, float], ...] = ()
 
     @classmethod
     def from_camera(cls, camera: Camera, width: int, height: int) -> PinholeView:
@@ -80,6 +82,7 @@ class PinholeView:
             near_m=camera.near_m,
             far_m=camera.far_m,
             camera_from_world=np.asarray(np.linalg.inv(camera.world_from_camera), np.float64),
+            clip_planes=camera.clip_planes,
         )
 
     @property

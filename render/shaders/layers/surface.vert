@@ -23,6 +23,12 @@ out vec3 frag_first;
 out vec3 frag_second;
 #endif
 
+#ifdef CLIP_PLANES
+uniform vec4 clip_planes[CLIP_PLANES];  // camera space; nothing is drawn where a plane's value is negative
+out float gl_ClipDistance[CLIP_PLANES];
+invariant gl_ClipDistance;
+#endif
+
 uniform mat4 camera_from_node;
 uniform mat4 clip_from_camera;
 uniform int first_instance;     // first instance of the draw
@@ -78,6 +84,9 @@ void main()
     frag_instance = uint(first_instance + gl_InstanceID);
 #ifdef MOVES
     move(frag_first, frag_second);
+#endif
+#ifdef CLIP_PLANES
+    for (int i = 0; i < CLIP_PLANES; i++) gl_ClipDistance[i] = dot(clip_planes[i], p);
 #endif
     gl_Position = clip_from_camera * p;
 }

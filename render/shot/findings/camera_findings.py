@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Sized
 
-from pxr import Usd
+from pxr import Usd, UsdGeom
 
 from render.errors import PullfocusError
 from render.layers.lights import MAX_LIGHTS, select_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
+from render.model.limits import MAX_CLIP_PLANES
 from render.model.scene import Light
 from render.near_names import hint
 from render.optics.prescription.mounting import PRESCRIBED, nearer_than_marked
@@ -102,3 +103,7 @@ def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     for rule in (two_drivers, counting):
         for fault in rule(camera.prim):
             yield Finding("contradictory_keys", str(fault.path), fault.message)
+    planes = UsdGeom.Camera(camera.prim).GetClippingPlanesAttr().Get(Usd.TimeCode.EarliestTime())
+    if isinstance(planes, Sized) and len(planes) > MAX_CLIP_PLANES:
+        message = f"{path} has {len(planes)} clippingPlanes: only the first {MAX_CLIP_PLANES} clip"
+        yield Finding("unsupported_camera_property", f"{path}.clippingPlanes", message)

@@ -21,7 +21,8 @@ def visible_shares(scene: Scene, camera: Camera, positions_m: DoubleArray, *, ra
 
     A lens sees around what is narrower than its pupil, so that an object passing before a point hides it gradually. Surfaces
     between let light through as they are drawn: cut-outs have holes, glass dims, and the backs of one-sided surfaces and
-    whatever is nearer than the camera's clipping range hide nothing. The frame of the picture is ignored.
+    whatever is nearer than the camera's clipping range or cut off by its clip planes hide nothing. The frame of the picture is
+    ignored.
 
     Args:
         scene: at the time.
@@ -31,19 +32,33 @@ def visible_shares(scene: Scene, camera: Camera, positions_m: DoubleArray, *, ra
 
     Returns:
         ``(k,)`` float64 from 0, hidden, to 1, seen. Points that do not exist, that lie behind the camera or nearer than
-        the clipping range are not seen.
+        the clipping range, or that a clip plane cuts off, are not seen.
     """
     points = np.asarray(positions_m, np.float64).reshape(-1, 3)
     depths_m = (camera.world_from_camera[:3, 3] - points) @ camera.world_from_camera[:3, 2]
     ahead = np.flatnonzero(np.isfinite(points).all(axis=1) & (depths_m > camera.near_m))
+    ahead = ahead[_clipped_at(camera, points[ahead]) > 0]
     ways = _pupil_points(camera, rays) - points[ahead, None]
     # positions on a surface have single precision
     rounding_m = 8 * np.finfo(np.float32).eps * np.abs(points[ahead]).max(axis=1, initial=0.0)
     own = _OWN_SURFACE + rounding_m / np.linalg.norm(ways, axis=-1).min(axis=1, initial=np.inf)
-    lines = Lines(points[ahead], ways, first=own, last=1 - camera.near_m / depths_m[ahead])
+    last = np.minimum(1 - camera.near_m / depths_m[ahead], _clipped_at(camera, points[ahead]))
+    lines = Lines(points[ahead], ways, first=own, last=last)
     shares = np.zeros(len(points))
     shares[ahead] = transmittance(scene, lines).mean(axis=1)
     return shares
+
+
+def _clipped_at(camera: Camera, points: DoubleArray) -> DoubleArray:
+    """``(k,)`` share of the way from points to the middle of the pupil that clip planes leave; 0 for points they cut off."""
+    last = np.ones(len(points))
+    in_camera = (points - camera.world_from_camera[:3, 3]) @ camera.world_from_camera[:3, :3]
+    for *normal, offset in camera.clip_planes:
+        here = in_camera @ normal + offset
+        last = np.where(here < 0, 0.0, last)
+        if offset < 0:
+            last = np.minimum(last, np.maximum(here, 0.0) / (np.maximum(here, 0.0) - offset))
+    return last
 
 
 def _pupil_points(camera: Camera, rays: int) -> DoubleArray:

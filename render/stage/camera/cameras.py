@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils
+from pxr import Sdf, Usd, UsdGeom, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
 from render.model.camera import Camera
@@ -16,12 +16,12 @@ from render.model.shutter import Shutter
 from render.stage.assembly.poses import world_pose
 from render.stage.camera.camera_exposure import camera_number, exposure_scale
 from render.stage.camera.camera_list import list_cameras
+from render.stage.camera.clipping import read_clip_planes, read_clipping_range
 from render.stage.camera.framing import framing_camera
 from render.stage.camera.lenses import make_iris, make_lens
 from render.stage.opening import confinement, read_quietly
 from render.stage.options import DRAWN_PURPOSES
 from render.stage.render_settings import stage_settings
-from render.stage.values import format_value
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
 from usd_schemas import Shutter as ShutterData
@@ -184,7 +184,7 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
     def mm(attribute: Usd.Attribute) -> float:
         return mm_from_tenths(camera_number(attribute, time), stage)
 
-    near, far = _clipping(usd, time)
+    near, far = read_clipping_range(usd, time)
     return Camera(
         world_from_camera=rigid_frame(world_pose(usd.GetPrim(), transforms, world_from_stage(stage))),
         focal_length_mm=mm(usd.GetFocalLengthAttr()),
@@ -194,17 +194,9 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
         vertical_offset_mm=mm(usd.GetVerticalApertureOffsetAttr()),
         near_m=max(metres_from_units(near, stage), _NEAREST_M),
         far_m=metres_from_units(far, stage),
+        clip_planes=read_clip_planes(usd, time),
         path=str(usd.GetPath()),
     )
-
-
-def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
-    """Near and far clipping distance, in stage units."""
-    value = usd.GetClippingRangeAttr().Get(time)
-    if not isinstance(value, Gf.Vec2f | Gf.Vec2d | Gf.Vec2h | Gf.Vec2i):
-        path = str(usd.GetPath())
-        raise CameraError(f"clippingRange of camera {path} must be two numbers, got {format_value(value)}", path=path)
-    return float(value[0]), float(value[1])
 
 
 def _add_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:

@@ -156,11 +156,10 @@ RULES = {
         }
     ),
     "Camera": Rules(
-        "clippingRange exposure exposure:fStop exposure:iso exposure:responsivity exposure:time fStop focalLength "
-        "focusDistance horizontalAperture horizontalApertureOffset projection shutter:close shutter:open "
+        "clippingPlanes clippingRange exposure exposure:fStop exposure:iso exposure:responsivity exposure:time fStop "
+        "focalLength focusDistance horizontalAperture horizontalApertureOffset projection shutter:close shutter:open "
         "verticalAperture verticalApertureOffset",
         ignored={
-            "clippingPlanes": "only its clippingRange clips",
             "stereoRole": "each camera is drawn by itself",
         },
     ),

@@ -78,7 +78,11 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
     "layers/surface.frag": [
         (_SURFACE | maps, ("UNLIT", "CLEARCOAT", "MOTION", "MAY_BE_TRANSPARENT")) for maps in ({}, _MAPS)
     ],
-    "layers/surface.vert": [(_SURFACE, ()), (_SURFACE | {"MOVES": 1}, ("BENDS",))],
+    "layers/surface.vert": [
+        (_SURFACE, ()),
+        (_SURFACE | {"MOVES": 1}, ("BENDS",)),
+        (_SURFACE | {"CLIP_PLANES": 8}, ("MOVES",)),
+    ],
     "trace/trace.comp": [
         ({}, ("BOUND_BY_RAYS", *_TRACED)),
         ({"BOUND_BY_RAYS": 1, "GRID_LENS": 1, "GRID_INSET": 0.9}, _TRACED),

@@ -22,7 +22,7 @@ Choose = Callable[[PinholeView], IndexArray | None]
 
 
 class DrawnRanges(NamedTuple):
-    """What is drawn of a draw.
+    """Part of a draw that is drawn.
 
     Attributes:
         draw: the draw.

@@ -151,7 +151,9 @@ class SceneIndex:
             self.graph.remove_node(before[key][0])
 
     def _may_be_transparent(self, batch: Batch) -> bool:
-        m, colors = batch.material, batch.geometry.colors
+        m, colors, instances = batch.material, batch.geometry.colors, batch.instance_colors
+        if m.uses_display_color and instances is not None and (instances[:, 3] < 1).any():
+            return True
         if m.uses_display_color and colors is not None:
             if id(batch.geometry) not in self._faded:
                 self._faded[id(batch.geometry)] = (batch.geometry, bool((colors[:, 3] < 1).any()))

@@ -17,6 +17,7 @@ from render.layers.clusters import DrawRange
 from render.layers.draw_splitter import DrawSplitter
 from render.layers.hidden import HiddenMeasurer
 from render.layers.index import Draw, SceneIndex
+from render.layers.instance_colors import InstanceColors
 from render.layers.levels.sketch_index import SketchIndex
 from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
@@ -140,10 +141,12 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
         self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)
         self._bound_material: PreviewSurface | None = None
+        self._instance_colors = InstanceColors(ctx)
 
     def upload(self) -> None:
         """Upload new geometry and textures, and drop those that the index no longer has."""
         self._update_context(self._index.graph, 0)
+        self._instance_colors.keep(self._index.draws)
 
     def set_lighting(self, lights: bytes, clip_from_camera: DoubleArray) -> None:
         """Set the contents of ``LightBlock``, and the ``(n, 4, 4)`` matrices of the shadow maps."""
@@ -281,6 +284,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         super().delete()
         self._selection.release()
         self._sketched.release()
+        self._instance_colors.release()
         for program in self._programs.values():
             program.delete()
         self._programs = {}
@@ -304,6 +308,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         camera_from_node = (camera_from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
         GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
         GL.glUniformMatrix4fv(program.location("clip_from_camera"), 1, GL.GL_TRUE, clip)
+        self._instance_colors.bind(draw)
         if clip_planes:
             planes = np.array(clip_planes, np.float32)
             GL.glUniform4fv(program.location("clip_planes"), len(planes), planes)
@@ -389,6 +394,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             primitive.texcoord_0 is None,
             primitive.color_0 is None,
         )
+        if draw.batch.instance_colors is not None:
+            defines["INSTANCE_COLORS"] = 1
         key += tuple(sorted(defines.items()))
         if key not in self._programs:
             attributes = ["NORMAL_LOC"]

@@ -140,6 +140,8 @@ class Batch:
         instance_prim_ids: ``(k,)`` int32 index into ``Scene.prim_paths`` of the prim an instance is picked as, or None
             where the triangle's own prim is. For native instances: one entry for each instance, and each is the instance
             proxy's path of the mesh. For a PointInstancer: the instancer.
+        instance_colors: ``(k, 4)`` float32 colour and opacity that each instance multiplies the geometry's ``colors`` by, or None
+            for white.
         instance_numbers: ``(k,)`` int32 the PointInstancer's id of the instance, its index where it has no ids, or -1.
     """
 
@@ -151,6 +153,7 @@ class Batch:
     instance_numbers: IntArray | None = None
     insides: DoubleArray | None = None
     culls_backs: bool = True
+    instance_colors: FloatArray | None = None
 
     @property
     def has_backs(self) -> bool:

@@ -22,6 +22,9 @@ layout(std430, binding = 1) readonly buffer EndPositions { float end_positions[]
 out vec3 frag_first;
 out vec3 frag_second;
 #endif
+#ifdef INSTANCE_COLORS
+layout(std430, binding = 2) readonly buffer InstanceColors { vec4 instance_colors[]; };
+#endif
 
 #ifdef CLIP_PLANES
 uniform vec4 clip_planes[CLIP_PLANES];  // camera space; nothing is drawn where a plane's value is negative
@@ -80,6 +83,9 @@ void main()
     frag_color = color_0;
 #else
     frag_color = vec4(1.0);
+#endif
+#ifdef INSTANCE_COLORS
+    frag_color *= instance_colors[first_instance + gl_InstanceID];
 #endif
     frag_instance = uint(first_instance + gl_InstanceID);
 #ifdef MOVES

@@ -75,18 +75,18 @@ def transmittance(scene: Scene, lines: Lines) -> DoubleArray:
         ``(n, r)`` from 0 to 1.
     """
     through = np.ones(lines.ways.shape[:2])
-    for batch, to_local, bundle in _candidate_instances(scene, lines):
+    for batch, poses, to_local, bundle in _candidate_instances(scene, lines):
         open_ = through[bundle].any(axis=1)
         local = lines.transform(bundle[open_], to_local[open_])
         hits = _hierarchy_of(batch.geometry).intersect(local, two_sided=batch.has_backs)
-        opacity = opacity_at(batch, batch.geometry.triangles[hits.triangle], hits.u, hits.v)
+        opacity = opacity_at(batch, batch.geometry.triangles[hits.triangle], hits.u, hits.v, poses[open_][hits.bundle])
         clear = np.where(opacity >= _OPAQUE, 0.0, 1 - opacity)
         np.multiply.at(through, (bundle[open_][hits.bundle], hits.line), clear)
     return through
 
 
-def _candidate_instances(scene: Scene, lines: Lines) -> Iterator[tuple[Batch, DoubleArray, IndexArray]]:
-    """For each batch, transforms to the space of instances that may be in the way of bundles, and which bundles."""
+def _candidate_instances(scene: Scene, lines: Lines) -> Iterator[tuple[Batch, IndexArray, DoubleArray, IndexArray]]:
+    """For each batch, instances that may be in the way of bundles, transforms to their space, and which bundles."""
     batches = [batch for batch in scene.batches if len(batch.poses) and len(batch.geometry.triangles)]
     if not batches or not lines.ways.size:
         return
@@ -104,7 +104,8 @@ def _candidate_instances(scene: Scene, lines: Lines) -> Iterator[tuple[Batch, Do
         matrices = poses[pose[part]]
         solid = np.abs(np.linalg.det(matrices[:, :3, :3])) > 0  # an instance scaled to nothing hides nothing
         if solid.any():
-            yield batches[number], np.linalg.inv(matrices[solid]), bundle[part][solid]
+            instances = pose[part][solid] - (counts[:number].sum())
+            yield batches[number], instances, np.linalg.inv(matrices[solid]), bundle[part][solid]
 
 
 def _meets_ball(lines: Lines, centres: DoubleArray, radii: DoubleArray) -> NDArray[np.bool_]:

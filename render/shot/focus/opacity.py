@@ -9,7 +9,9 @@ from render.model.arrays import DoubleArray
 from render.model.scene import Batch, Image, Wrap
 
 
-def opacity_at(batch: Batch, corners: NDArray[np.int32], u: DoubleArray, v: DoubleArray) -> DoubleArray:
+def opacity_at(
+    batch: Batch, corners: NDArray[np.int32], u: DoubleArray, v: DoubleArray, instances: NDArray[np.int64]
+) -> DoubleArray:
     """``(n,)`` opacity from 0 to 1 at points on triangles, given by vertex indices ``(n, 3)``, as they are drawn.
 
     Args:
@@ -17,6 +19,7 @@ def opacity_at(batch: Batch, corners: NDArray[np.int32], u: DoubleArray, v: Doub
         corners: the triangles' vertices.
         u: ``(n,)`` barycentric coordinate of the second one.
         v: ``(n,)`` and of the third.
+        instances: ``(n,)`` index of the triangle's instance.
     """
     material, geometry = batch.material, batch.geometry
     shares = np.stack([1 - u - v, u, v], axis=1)[..., None]
@@ -30,6 +33,8 @@ def opacity_at(batch: Batch, corners: NDArray[np.int32], u: DoubleArray, v: Doub
         opacity = texels * lookup.scale[channel] + lookup.bias[channel]
     if material.uses_display_color and geometry.colors is not None:
         opacity = opacity * np.sum(shares[..., 0] * geometry.colors[corners, 3], axis=1)
+    if material.uses_display_color and batch.instance_colors is not None:
+        opacity = opacity * batch.instance_colors[instances, 3]
     if material.opacity_threshold > 0:
         opacity = (opacity >= material.opacity_threshold).astype(np.float64)
     return np.asarray(np.clip(opacity, 0.0, 1.0), np.float64)

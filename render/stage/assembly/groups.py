@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from render.model.arrays import DoubleArray, IntArray
+from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.scene import Batch, Geometry, Material
+from render.stage.assembly.instance_primvars import NONE_INHERITED, instance_colors
 from render.stage.assembly.joining import join_geometry, place_shape
 from render.stage.assembly.pieces import Piece, ShapeReader
 from render.stage.assembly.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
@@ -54,6 +55,16 @@ class DrawContext:
         return self.transforms.GetTime()
 
 
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """Where a group's geometry stands, as in `render.model.scene.Batch`."""
+
+    poses: DoubleArray
+    prim_ids: IntArray | None = None
+    numbers: IntArray | None = None
+    colors: FloatArray | None = None
+
+
 class Group(ABC):
     """Pieces with one material that are drawn together."""
 
@@ -67,25 +78,32 @@ class Group(ABC):
         """Batches drawn at a time; the same objects as before where nothing has changed."""
 
     def _make_batch(
-        self,
-        geometry: Geometry,
-        material: Material,
-        poses: DoubleArray,
-        prim_ids: IntArray | None,
-        numbers: IntArray | None,
-        insides: DoubleArray | None,
+        self, geometry: Geometry, material: Material, places: _Places, insides: DoubleArray | None
     ) -> tuple[Batch, ...]:
         """The batch of one geometry; poses that mirror it leave its outside outside (`render.model.scene.Geometry`)."""
+        made_of = (geometry, material, *vars(places).values(), insides)
         unchanged = (
-            len(self._made_of) == 6
+            len(self._made_of) == len(made_of)
             and self._made_of[0] is geometry
             and self._made_of[1] is material
-            and all(_same(a, b) for a, b in zip(self._made_of[2:], (poses, prim_ids, numbers, insides), strict=True))
+            and all(_same(a, b) for a, b in zip(self._made_of[2:], made_of[2:], strict=True))
         )
         if not unchanged:
-            self._made_of = (geometry, material, poses, prim_ids, numbers, insides)
+            self._made_of = made_of
             sides = self._pieces[0].sides
-            self._batches = (Batch(geometry, material, poses, sides.double, prim_ids, numbers, insides, sides.culled),)
+            self._batches = (
+                Batch(
+                    geometry,
+                    material,
+                    places.poses,
+                    sides.double,
+                    instance_prim_ids=places.prim_ids,
+                    instance_numbers=places.numbers,
+                    insides=insides,
+                    culls_backs=sides.culled,
+                    instance_colors=places.colors,
+                ),
+            )
         return self._batches
 
 
@@ -114,7 +132,7 @@ class RigidGroup(Group):
         if first.mover is not None:
             pose = world_pose(first.mover, context.transforms, context.world) @ _shrink(context)
         material = context.look(self._pieces[0].material).material
-        return self._make_batch(self._geometry, material, pose[None], None, None, self._insides)
+        return self._make_batch(self._geometry, material, _Places(pose[None]), self._insides)
 
     def _place(self, piece: Piece, context: DrawContext) -> tuple[Geometry, DoubleArray] | None:
         """A piece's geometry, and the corners ``(2, 3)`` of the box around the whole of its surface."""
@@ -140,8 +158,10 @@ class InstancedGroup(Group):
         self._geometry: Geometry | None = None
         self._is_read = False
         self._insides: DoubleArray | None = None
-        self._places: tuple[DoubleArray, IntArray, IntArray | None] | None = None
-        self._moves = any(piece.occurrence.moves or piece.occurrence.hiders for piece in pieces)
+        self._places: _Places | None = None
+        self._moves = any(
+            piece.occurrence.moves or piece.occurrence.hiders or piece.inherited.varies for piece in pieces
+        )
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         geometry = self._geometry_at(context)
@@ -149,11 +169,10 @@ class InstancedGroup(Group):
             return ()
         if self._places is None or self._moves:
             self._places = self._places_at(context)
-        poses, prim_ids, numbers = self._places
-        if not len(poses):
+        if not len(self._places.poses):
             return ()
         material = context.look(self._pieces[0].material).material
-        return self._make_batch(geometry, material, poses, prim_ids, numbers, self._insides)
+        return self._make_batch(geometry, material, self._places, self._insides)
 
     def _geometry_at(self, context: DrawContext) -> Geometry | None:
         if self._is_read and not self._pieces[0].deforms:
@@ -169,9 +188,10 @@ class InstancedGroup(Group):
         self._is_read = True
         return self._geometry
 
-    def _places_at(self, context: DrawContext) -> tuple[DoubleArray, IntArray, IntArray | None]:
-        """``(k, 4, 4)`` poses of all that is visible, and for each the prim it is picked as and its instance number."""
+    def _places_at(self, context: DrawContext) -> _Places:
+        """Places of all that is visible."""
         poses, prim_ids, numbers = [np.zeros((0, 4, 4))], [np.zeros(0, np.int32)], [np.zeros(0, np.int32)]
+        colors = [np.zeros((0, 4), np.float32)]
         for piece in self._pieces:
             occurrence = piece.occurrence
             if is_hidden(occurrence.hiders, context.time):
@@ -181,6 +201,10 @@ class InstancedGroup(Group):
                     occurrence.chain, occurrence.prim, context.transforms, context.world, context.instances
                 )
                 picked_as = str(occurrence.chain[0].instancer.GetPath())
+                if piece.inherited != NONE_INHERITED:
+                    colors.append(
+                        instance_colors(occurrence.chain, piece.inherited, context.instances, context.time, context.log)
+                    )
             else:
                 here = world_pose(occurrence.prim, context.transforms, context.world)[None]
                 number, picked_as = np.array([-1], np.int32), occurrence.path
@@ -188,7 +212,12 @@ class InstancedGroup(Group):
             numbers.append(number)
             prim_ids.append(np.full(len(here), context.prim_id(picked_as), np.int32))
         instanced = bool(self._pieces[0].occurrence.chain)
-        return np.concatenate(poses), np.concatenate(prim_ids), np.concatenate(numbers) if instanced else None
+        return _Places(
+            np.concatenate(poses),
+            np.concatenate(prim_ids),
+            np.concatenate(numbers) if instanced else None,
+            np.concatenate(colors) if self._pieces[0].inherited != NONE_INHERITED else None,
+        )
 
 
 def _box(piece: Piece, context: DrawContext, matrix: DoubleArray) -> DoubleArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from pxr import Sdf, Usd
 
+from render.stage.assembly.instance_primvars import InstancePrimvars
 from render.stage.assembly.inventory import Occurrence
 from render.stage.findings import FindingLog
 from render.stage.geometry.closed import is_closed
@@ -44,6 +45,7 @@ class Piece:
         sides: sides that are drawn.
         deforms: whether the surface's polygons or primvars vary.
         primvars: primvars that the material reads.
+        inherited: primvars that it takes from its point instancers.
         shape_key: the same for pieces whose surfaces have the same triangles and primvars.
     """
 
@@ -54,6 +56,7 @@ class Piece:
     sides: Sides
     deforms: bool
     primvars: PrimvarNames
+    inherited: InstancePrimvars
     shape_key: Hashable
 
 

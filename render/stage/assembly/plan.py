@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pxr import Usd, UsdGeom
 
 from render.stage.assembly.groups import Group, InstancedGroup, RigidGroup
+from render.stage.assembly.instance_primvars import inherited_by, without
 from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.pieces import Piece, ShapeReader, Sides
 from render.stage.findings import FindingLog
@@ -87,10 +88,14 @@ class PieceCutter:
         pieces = []
         for number, part in enumerate(parts):
             material = self.looks.representative(part.material, time)
-            primvars = self.looks.look(material, time).primvars
-            inherited, varies = _inherited_primvars(prim, primvars, time)
-            key = (surface.source, primvars, inherited)
-            pieces.append(Piece(surface, material, number, len(parts), sides, deforms or varies, primvars, key))
+            read = self.looks.look(material, time).primvars
+            from_instancers = inherited_by(surface, read)
+            own = without(read, from_instancers)
+            inherited, varies = _inherited_primvars(prim, own, time)
+            key = (surface.source, own, inherited, from_instancers)
+            pieces.append(
+                Piece(surface, material, number, len(parts), sides, deforms or varies, own, from_instancers, key)
+            )
         return pieces
 
 

@@ -81,7 +81,7 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
     "layers/surface.vert": [
         (_SURFACE, ()),
         (_SURFACE | {"MOVES": 1}, ("BENDS",)),
-        (_SURFACE | {"CLIP_PLANES": 8}, ("MOVES",)),
+        (_SURFACE | {"CLIP_PLANES": 8}, ("MOVES", "INSTANCE_COLORS")),
     ],
     "trace/trace.comp": [
         ({}, ("BOUND_BY_RAYS", *_TRACED)),

@@ -211,11 +211,16 @@ def run(arguments: argparse.Namespace) -> None:
         OutputError: a file cannot be written; those before it are whole.
     """
     options = _read_options(arguments)
+    with usdrecord.applied(arguments):
+        _run(arguments, options)
+
+
+def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
     shot = _open_shot(arguments)
     first = shot.frame_range.start if options.long_exposure is None else options.long_exposure.begin
     frames = options.frames or [first]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
-    _check_files(shot, files)
+    _check_files(shot, [*files, *([arguments.traceToFile] if arguments.traceToFile else [])])
     grade.warn_of_unapplied(arguments)
     with shared.printed_findings(shot, arguments.stage):
         job = _set_up(shot, shared.choose_camera(shot, arguments.camera), options, frames[0])

@@ -68,6 +68,13 @@ def scene_to_display(config: ocio.Config, display: str, view: str, look: str | N
     return way
 
 
+def scene_to_space(space: str) -> TransformChain:
+    """Chain from the working space to a space of OpenColorIO's default configuration, without any view."""
+    way = TransformChain()
+    way.append_all(ocio.Config.GetProcessorToBuiltinColorSpace(working_config(), _WORKING, space))
+    return way
+
+
 def print_to_display(
     config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool, light: str
 ) -> TransformChain:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import PyOpenColorIO
 
-from render.colour import OCIO_ERRORS, config_name, working_config
+from render.colour import DEFAULT_CONFIG, OCIO_ERRORS, config_name, working_config
 from render.errors import SettingsError
 from render.film.cdl import NEUTRAL, Cdl, read_cdl
-from render.film.display_transform import TransformChain, print_to_display, scene_to_display
+from render.film.display_transform import TransformChain, print_to_display, scene_to_display, scene_to_space
 from render.film.grade_choice import GradeChoice
 from render.near_names import hint
 
@@ -34,6 +34,8 @@ class Grade:
             (names separated by commas, ``-name`` for the inverse); None for none.
         cdl: the shot's colour decision, applied before the looks in the configuration's ``color_timing`` space, or in the
             working space where it has none.
+        space: colour space of OpenColorIO's default configuration that light is encoded in, such as ``srgb_texture``, in place of
+            display, view, look and CDL; None for these.
 
     Raises:
         SettingsError: the configuration cannot be read, or has no such display, view or look; the message has the
@@ -46,6 +48,7 @@ class Grade:
     view: str | None = None
     look: str | None = None
     cdl: Cdl = NEUTRAL
+    space: str | None = None
 
     def __post_init__(self) -> None:
         known = list_displays(self.config)
@@ -73,6 +76,8 @@ class Grade:
         from render.film.shot_files import cdl_file, config_file
 
         choice = choice or GradeChoice()
+        if choice.space is not None:
+            return cls(space=choice.space)
         config = choice.config or config_file(data.ocio_config, confined_to)
         if choice.cdl is not None:
             cdl = choice.cdl
@@ -105,6 +110,8 @@ class Grade:
     @property
     def picture_space_id(self) -> str:
         """Colour interop id of the developed picture, such as ``srgb_rec709_display``; empty where it has none."""
+        if self.space is not None:
+            return str(working_config(DEFAULT_CONFIG).getColorSpace(self.space).getInteropID())
         config = working_config(self.config)
         space = config.getColorSpace(config.getResolvedDisplayViewColorSpaceName(self.display_name, self.view_name))
         return str(space.getInteropID()) if space else ""
@@ -136,6 +143,8 @@ class Grade:
         return self.processor(light).getDefaultCPUProcessor()
 
     def _way(self, light: str | None) -> TransformChain:
+        if self.space is not None:
+            return scene_to_space(self.space)
         way = (working_config(self.config), self.display_name, self.view_name, self.look, not self.cdl.is_neutral)
         return scene_to_display(*way) if light is None else print_to_display(*way, light)
 

@@ -23,6 +23,7 @@ class GradeChoice:
         view: view of the display.
         look: as in `render.film.Grade.look`; empty for none.
         cdl: colour decision.
+        space: as in `render.film.Grade.space`: the light as it is, without film and without all of these.
     """
 
     config: str | None = None
@@ -30,6 +31,7 @@ class GradeChoice:
     view: str | None = None
     look: str | None = None
     cdl: Cdl | None = None
+    space: str | None = None
 
     def names_in(self, data: GradeData, config: str | None) -> tuple[str | None, str | None, str | None]:
         """Display, view and look, with the shot's own filled in; None for the configuration's default.

@@ -11,6 +11,7 @@ from render.gl.cancellation import CancellationPoint
 from render.gl.compat import make_context, pyrender_egl, release_context, report_to
 from render.gl.debug import DebugLog, is_debugging
 from render.gl.limits import check_device
+from render.gl.no_gpu import check_software, request_software
 
 REQUIRED_VERSION = 450
 
@@ -29,8 +30,10 @@ class GraphicsContext:
         """Make the context current.
 
         Raises:
-            GraphicsError: no EGL device, or one that lacks OpenGL 4.5 or what that leaves to a device (`render.gl.limits`).
+            GraphicsError: no EGL device, or one that lacks OpenGL 4.5 or what that leaves to a device (`render.gl.limits`), or
+                a GPU where none may be used (`render.gl.no_gpu`).
         """
+        request_software()
         try:
             self._platform = pyrender_egl.EGLPlatform(1, 1)
             debug = is_debugging()
@@ -44,11 +47,13 @@ class GraphicsContext:
                 "install Mesa's software rasteriser (Debian: libegl1 libgl1 libgl1-mesa-dri)"
             ) from error
         self.renderer: str = self.ctx.info["GL_RENDERER"]
+        self.is_software = "llvmpipe" in self.renderer or "softpipe" in self.renderer
         if self.ctx.version_code < REQUIRED_VERSION:
             version = self.ctx.info["GL_VERSION"]
             self.close()
             raise GraphicsError(f"OpenGL 4.5 is needed, {self.renderer} offers {version}")
         try:
+            check_software(self.renderer, self.is_software)
             check_device(self.renderer, self.ctx.info)
         except GraphicsError:
             self.close()
@@ -57,7 +62,6 @@ class GraphicsContext:
         if debug:
             report_to(self._platform, self._log.add)
         self.cancellation = CancellationPoint(self.ctx.finish)
-        self.is_software = "llvmpipe" in self.renderer or "softpipe" in self.renderer
 
     def make_current(self) -> None:
         """Make this context current in the calling thread."""

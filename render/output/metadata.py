@@ -138,6 +138,8 @@ def exact_frame_rate(frames_per_second: float) -> tuple[int, int]:
 
 def _grade_attributes(grade: Grade) -> list[Attribute]:
     """Attributes with the intended grade: an EXR holds ungraded light, and a viewer can apply it."""
+    if grade.space is not None:
+        return [("pullfocus:pictureSpace", "string", grade.space)]
     named: list[Attribute] = [
         ("pullfocus:display", "string", grade.display_name),
         ("pullfocus:view", "string", grade.view_name),

@@ -10,6 +10,8 @@ from render.errors import SettingsError
 from render.film.cdl import Cdl, read_cdl
 from render.film.grade_choice import GradeChoice
 
+_SPACES = {"disabled": "lin_rec709", "sRGB": "srgb_texture", "openColorIO": None}
+"""Spaces of the picture by --colorCorrectionMode; None for the display and view of the grade."""
 _SEPARATORS = re.compile(r"[,\s]+")
 _WITHOUT_SATURATION, _WITH_SATURATION = 9, 10
 
@@ -30,6 +32,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="ASC CDL: a .cdl, .cc or .ccc file, FILE#ID for one of its corrections; or slope, offset and power of red, green"
         " and blue, with or without saturation: 9 or 10 comma-separated numbers",
     )
+    group.add_argument(
+        "--colorCorrectionMode",
+        "-color",
+        choices=tuple(_SPACES),
+        help="openColorIO, the default: film and grade; sRGB: the light without either, encoded; disabled: not even encoded",
+    )
     group.add_argument("--ocio-config", metavar="FILE|ocio://NAME", help="OpenColorIO configuration of these names")
 
 
@@ -40,7 +48,7 @@ def read_grade_choice(arguments: argparse.Namespace) -> GradeChoice | None:
         arguments: as `add_arguments` declares them.
 
     Raises:
-        SettingsError: the CDL is not 9 or 10 numbers, or an option is empty.
+        SettingsError: the CDL is not 9 or 10 numbers, or an option is empty, or has no effect for --colorCorrectionMode.
         InputError: the CDL file is missing or damaged.
     """
     for option, typed in (
@@ -54,7 +62,13 @@ def read_grade_choice(arguments: argparse.Namespace) -> GradeChoice | None:
     if arguments.look and not arguments.look.strip(" ,:|+-"):
         raise SettingsError(f"--look takes names of looks, or '' for none, got {arguments.look!r}")
     cdl = None if arguments.cdl is None else _read_cdl(arguments.cdl)
-    choice = GradeChoice(arguments.ocio_config, arguments.display, arguments.view, arguments.look, cdl)
+    space = _SPACES[arguments.colorCorrectionMode or "openColorIO"]
+    given = _given(arguments)
+    if space is not None and given:
+        raise SettingsError(
+            f"--colorCorrectionMode {arguments.colorCorrectionMode} leaves out film and grade: leave out {', '.join(given)}"
+        )
+    choice = GradeChoice(arguments.ocio_config, arguments.display, arguments.view, arguments.look, cdl, space)
     return None if choice == GradeChoice() else choice
 
 
@@ -64,13 +78,18 @@ def warn_of_unapplied(arguments: argparse.Namespace) -> None:
     Args:
         arguments: as `add_arguments` declares them, ``film`` and ``out``.
     """
-    options = ("film", "display", "view", "look", "cdl", "ocio_config")
-    unapplied = [f"--{name.replace('_', '-')}" for name in options if getattr(arguments, name) is not None]
+    unapplied = _given(arguments) + ["--colorCorrectionMode"] * (arguments.colorCorrectionMode is not None)
     if unapplied and arguments.out.lower().endswith(".exr"):
         print_message(
             f"warning: an EXR file stays scene-linear: {', '.join(unapplied)} {'is' if len(unapplied) == 1 else 'are'} not"
             " applied, its header has them as the intended look"
         )
+
+
+def _given(arguments: argparse.Namespace) -> list[str]:
+    """Options of film and grade that are given."""
+    options = ("film", "display", "view", "look", "cdl", "ocio_config")
+    return [f"--{name.replace('_', '-')}" for name in options if getattr(arguments, name) is not None]
 
 
 def _read_cdl(text: str) -> Cdl:

@@ -44,13 +44,14 @@ def add_camera(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--camera",
         "-cam",
-        metavar="PATH",
-        help="camera prim; without it the one that the stage's render settings name, else main_cam, else the only one",
+        metavar="PATH|NAME",
+        help="camera prim, or its name alone; without it the one that the stage's render settings name, else main_cam, else"
+        " the only one",
     )
 
 
 def choose_camera(shot: Shot, typed: str | None) -> str | None:
-    """Choose the camera; one that the user did not name is printed.
+    """Choose the camera; one that the user did not name by its path is printed.
 
     Args:
         shot: the shot.
@@ -60,10 +61,22 @@ def choose_camera(shot: Shot, typed: str | None) -> str | None:
         Prim path, or None for a camera that frames the whole stage.
     """
     if typed is not None:
-        return typed
+        return _camera_called(shot, typed)
     choice = shot.default_camera()
     print_message(f"camera: {choice.path or 'none of the stage'} ({choice.reason})")
     return choice.path
+
+
+def _camera_called(shot: Shot, typed: str) -> str:
+    """Path of the camera that is typed: by its path, with or without the first slash, or by its name alone, as in usdrecord."""
+    if "/" in typed:
+        return f"/{typed.lstrip('/')}"
+    found = [path for path in shot.cameras() if path.rpartition("/")[2] == typed]
+    if not found:
+        return typed
+    rest = f", the first of {len(found)}" if len(found) > 1 else ""
+    print_message(f"camera: {found[0]} (it is called {typed}{rest})")
+    return found[0]
 
 
 def add_lens(parser: argparse.ArgumentParser) -> None:

@@ -114,6 +114,8 @@ def read_finish(
     data = _film_data(stage, camera, time)
     with _blame_camera(camera, unless=choice is not None):
         shot_grade = Grade.from_film_data(data.grade, confinement(stage), choice) if grade is None else grade
+    if choice is not None and choice.space is not None:
+        return Finish(shot_grade)
     with _blame_camera(camera, unless=stock is not None):
         film = film_settings(data, iso=_authored_iso(stage, camera, time), name=stock)
         if film.process == "none" and film.white_balance_k == 0 and film.tint == 0:

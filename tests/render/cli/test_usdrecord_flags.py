@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,16 @@ import OpenImageIO
 import pytest
 from numpy.typing import NDArray
 
+from render.cli.parser import Parser
+from render.cli.record import add_arguments
+from render.errors import GraphicsError
+from render.gl.no_gpu import NO_GPU, check_software
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, Ended, write_shot
 
-WIDTH, HEIGHT = 24, 16
+WIDTH = 24
+USDRECORD_FLAGS = """--help -h --mask --purposes --sessionLayer --disableGpu --disableDrawMode --disableCameraLight --resolver
+--camera -cam --defaultTime -d --frames -f --complexity -c --colorCorrectionMode -color --renderer -r --imageWidth -w
+--enableDomeLightVisibility --renderPassPrimPath -rp --renderSettingsPrimPath -rs --traceToFile --traceFormat --memstats"""
 DOME = '\n    def DomeLight "Sky"\n    {\n        color3f inputs:color = (0.5, 0.5, 0.5)\n    }\n'
 LAMP = '\n    def DistantLight "Sun"\n    {\n        float inputs:intensity = 2\n    }\n'
 SETTINGS = """
@@ -199,3 +207,113 @@ def test_default_time_is_one_picture(
     ended = pullfocus("record", write_shot(tmp_path / "a.usda", SQUARE, CAMERA), tmp_path / out, "-d", *options)
     assert ended.status == 2
     assert words in ended.err
+
+
+@pytest.mark.parametrize("flag", ["--camera", "-cam"])
+@pytest.mark.parametrize("name", ["/World/other_cam", "World/other_cam", "other_cam"])
+def test_camera(flag: str, name: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA, OTHER_CAMERA.replace("0, 0, 5", "0, 0, 9"))
+    record(pullfocus, shot, flag, name, "--aov", "color,depth")
+    depths = np.asarray(OpenImageIO.ImageBuf(str(tmp_path / "f.exr"), 1, 0).get_pixels())
+    assert middle(depths)[0] == pytest.approx(9, rel=1e-4)
+
+
+@pytest.mark.parametrize("flag", ["--frames", "-f"])
+def test_frames(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    ended = pullfocus("record", shot, tmp_path / "f.##.#.png", "--engine", "pinhole", "-w", WIDTH, flag, "2:1x-0.5")
+    assert ended.status == 0
+    assert sorted(file.name for file in tmp_path.glob("f.*")) == [f"f.{time}.png" for time in ("01.0", "01.5", "02.0")]
+
+
+@pytest.mark.parametrize("flag", ["--imageWidth", "-w"])
+def test_image_width(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    assert record(pullfocus, shot, flag, 40)[1].shape[:2] == (26, 40)
+
+
+@pytest.mark.parametrize("flag", ["--complexity", "-c"])
+def test_complexity(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    for name in ("low", "medium", "high", "veryhigh"):
+        said = record(pullfocus, shot, flag, name)[0].err
+        assert (f"complexity {name} is not honoured" in said) == (name != "low")
+    assert pullfocus("record", shot, tmp_path / "f.png", flag, "1.2").status == 2
+
+
+@pytest.mark.parametrize("flag", ["--colorCorrectionMode", "-color"])
+def test_color_correction_mode(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    """The square's colour as it is, as sRGB encodes it (IEC 61966-2-1), and as the default view of the configuration shows it."""
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    unlit = ("--shading", "unlit")
+    linear = np.array([0.8, 0.2, 0.1])
+    expected = {"disabled": linear, "sRGB": 1.055 * linear ** (1 / 2.4) - 0.055}
+    for mode, color in expected.items():
+        _, picture = record(pullfocus, shot, flag, mode, *unlit, name="f.png")
+        assert middle(picture) == pytest.approx(color, abs=1.1 / 255)
+    _, viewed = record(pullfocus, shot, flag, "openColorIO", *unlit, name="f.png")
+    assert (viewed == record(pullfocus, shot, *unlit, name="f.png")[1]).all()
+    assert middle(viewed) != pytest.approx(expected["sRGB"], abs=0.02)
+
+
+def test_color_correction_leaves_out_film_and_grade(pullfocus: Command, tmp_path: Path) -> None:
+    camera = CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI"])').replace(
+        "{", '{\n        uniform token film:process = "monochrome"', 1
+    )
+    shot = write_shot(tmp_path / "a.usda", SQUARE, camera)
+    red, green, _ = middle(record(pullfocus, shot, "-color", "sRGB", name="f.png")[1])
+    assert red > 1.5 * green
+    refused = pullfocus("record", shot, tmp_path / "g.png", "-color", "sRGB", "--film", "portra_400", "--look", "x")
+    assert refused.status == 2
+    assert "leave out --film, --look" in refused.err
+    ended, _ = record(pullfocus, shot, "-color", "sRGB")
+    assert "an EXR file stays scene-linear: --colorCorrectionMode is not applied" in ended.err
+    header = OpenImageIO.ImageBuf(str(tmp_path / "f.exr")).spec()
+    assert header.getattribute("pullfocus:pictureSpace") == "srgb_texture"
+
+
+@pytest.mark.parametrize("flag", ["--renderer", "-r"])
+def test_renderer(flag: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    assert "renderer: Pullfocus, in place of Storm" in record(pullfocus, shot, flag, "Storm")[0].err
+    assert "renderer:" not in record(pullfocus, shot, flag, "Pullfocus")[0].err
+
+
+def test_disable_gpu(pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LIBGL_ALWAYS_SOFTWARE", "0")
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    record(pullfocus, shot, "--disableGpu")
+    assert os.environ["LIBGL_ALWAYS_SOFTWARE"] == "1"
+    assert NO_GPU not in os.environ
+    with monkeypatch.context() as gpu:
+        gpu.setenv(NO_GPU, "1")
+        with pytest.raises(GraphicsError, match="OpenGL draws with Fast GPU"):
+            check_software("Fast GPU", is_software=False)
+    check_software("Fast GPU", is_software=False)
+
+
+@pytest.mark.parametrize("format", ["chrome", "trace"])
+def test_trace_to_file(format: str, pullfocus: Command, tmp_path: Path) -> None:
+    shot, trace = write_shot(tmp_path / "a.usda", SQUARE, CAMERA), tmp_path / "trace.txt"
+    record(pullfocus, shot, "--traceToFile", trace, "--traceFormat", format)
+    if format == "chrome":
+        assert json.loads(trace.read_text())["traceEvents"]
+    else:
+        assert "UsdStage::Open" in trace.read_text()
+    before = shot.read_text()
+    assert pullfocus("record", shot, tmp_path / "f.png", "--traceToFile", shot).status == 2
+    assert shot.read_text() == before
+
+
+def test_memstats(pullfocus: Command, tmp_path: Path) -> None:
+    said = record(pullfocus, write_shot(tmp_path / "a.usda", SQUARE, CAMERA), "--memstats")[0].err
+    (line,) = [line for line in said.splitlines() if line.startswith("memory: ")]
+    assert float(line.split()[1].replace(",", "")) > 50
+
+
+def test_every_flag_of_usdrecord_is_there() -> None:
+    """The flags of usdrecord's help in OpenUSD 26 (``usdrecord.py`` and ``UsdAppUtils``)."""
+    parser = Parser()
+    add_arguments(parser)
+    known = {word for action in parser._actions for word in action.option_strings}
+    assert set(USDRECORD_FLAGS.split()) <= known

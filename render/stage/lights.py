@@ -16,7 +16,7 @@ from render import colour
 from render.errors import InputError
 from render.model.arrays import DoubleArray
 from render.model.scene import Dome, Image, Light
-from render.stage.assembly.poses import is_hidden, world_pose
+from render.stage.assembly.poses import BadTransformError, is_hidden, world_pose
 from render.stage.findings import FindingLog
 from render.stage.materials.textures import TextureCache, TextureError
 from render.stage.values import UNREADABLE, schema_type, why_unreadable
@@ -71,6 +71,9 @@ class LightReader:
                 else:
                     message = f"dome light {path} is not honoured: {dome.path} is the one that shines"
                     self._log.add("second_dome", path, message)
+            except BadTransformError as problem:
+                message = f"light {path} is off: the transform of {problem.path} is not finite"
+                self._log.add("bad_light", path, message)
             except UNREADABLE as problem:
                 self._log.add("bad_light", path, f"light {path} is off: {why_unreadable(problem)}")
         return tuple(found), dome

@@ -16,9 +16,17 @@ from pxr import Usd, UsdGeom
 from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.scene import Batch, Geometry, Material
 from render.stage.assembly.instance_primvars import NONE_INHERITED, instance_colors
+from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.joining import join_geometry, place_shape
 from render.stage.assembly.pieces import Piece, ShapeReader
-from render.stage.assembly.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
+from render.stage.assembly.poses import (
+    BadTransformError,
+    InstanceReader,
+    instance_poses,
+    is_hidden,
+    relative_pose,
+    world_pose,
+)
 from render.stage.findings import FindingLog
 from render.stage.geometry.distances import is_placeable
 from render.stage.geometry.shape import Shape
@@ -130,7 +138,11 @@ class RigidGroup(Group):
             return ()
         pose = np.eye(4)
         if first.mover is not None:
-            pose = world_pose(first.mover, context.transforms, context.world) @ _shrink(context)
+            try:
+                pose = world_pose(first.mover, context.transforms, context.world) @ _shrink(context)
+            except BadTransformError as problem:
+                _note(problem, context.log)
+                return ()
         material = context.look(self._pieces[0].material).material
         return self._make_batch(self._geometry, material, _Places(pose[None]), self._insides)
 
@@ -140,10 +152,14 @@ class RigidGroup(Group):
         if shape is None:
             return None
         prim, mover = piece.occurrence.prim, piece.occurrence.mover
-        if mover is None:
-            matrix = world_pose(prim, context.transforms, context.world)
-        else:
-            matrix = np.diag([*[context.scale] * 3, 1.0]) @ relative_pose(prim, mover, context.transforms)
+        try:
+            if mover is None:
+                matrix = world_pose(prim, context.transforms, context.world)
+            else:
+                matrix = np.diag([*[context.scale] * 3, 1.0]) @ relative_pose(prim, mover, context.transforms)
+        except BadTransformError as problem:
+            _note(problem, context.log)
+            return None
         if not is_placeable(shape.positions, matrix, piece.occurrence.path, context.log):
             return None
         return place_shape(shape, context.prim_id(piece.occurrence.path), matrix), _box(piece, context, matrix)
@@ -196,18 +212,15 @@ class InstancedGroup(Group):
             occurrence = piece.occurrence
             if is_hidden(occurrence.hiders, context.time):
                 continue
-            if occurrence.chain:
-                here, number = instance_poses(
-                    occurrence.chain, occurrence.prim, context.transforms, context.world, context.instances
+            try:
+                here, number, picked_as = _places_of(occurrence, context)
+            except BadTransformError as problem:
+                _note(problem, context.log)
+                continue
+            if piece.inherited != NONE_INHERITED:
+                colors.append(
+                    instance_colors(occurrence.chain, piece.inherited, context.instances, context.time, context.log)
                 )
-                picked_as = str(occurrence.chain[0].instancer.GetPath())
-                if piece.inherited != NONE_INHERITED:
-                    colors.append(
-                        instance_colors(occurrence.chain, piece.inherited, context.instances, context.time, context.log)
-                    )
-            else:
-                here = world_pose(occurrence.prim, context.transforms, context.world)[None]
-                number, picked_as = np.array([-1], np.int32), occurrence.path
             poses.append(here @ _shrink(context))
             numbers.append(number)
             prim_ids.append(np.full(len(here), context.prim_id(picked_as), np.int32))
@@ -218,6 +231,24 @@ class InstancedGroup(Group):
             np.concatenate(numbers) if instanced else None,
             np.concatenate(colors) if self._pieces[0].inherited != NONE_INHERITED else None,
         )
+
+
+def _places_of(occurrence: Occurrence, context: DrawContext) -> tuple[DoubleArray, IntArray, str]:
+    """``(k, 4, 4)`` poses of a surface, the instance number of each, and the path of the prim that they are picked as.
+
+    Raises:
+        BadTransformError: its transform is not finite.
+    """
+    chain = occurrence.chain
+    if not chain:
+        pose = world_pose(occurrence.prim, context.transforms, context.world)
+        return pose[None], np.array([-1], np.int32), occurrence.path
+    poses, numbers = instance_poses(chain, occurrence.prim, context.transforms, context.world, context.instances)
+    return poses, numbers, str(chain[0].instancer.GetPath())
+
+
+def _note(problem: BadTransformError, log: FindingLog) -> None:
+    log.add("bad_transform", problem.path, f"{problem.path} and all below it is not drawn: its transform is not finite")
 
 
 def _box(piece: Piece, context: DrawContext, matrix: DoubleArray) -> DoubleArray:

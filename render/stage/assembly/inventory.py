@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdProc, UsdShade
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdLux, UsdProc, UsdShade
 
 from render.stage.findings import FindingLog
 from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
-from render.stage.options import DRAWN_PURPOSES, StageOptions
+from render.stage.options import DRAWN_PURPOSES, PURPOSES, StageOptions
 from render.stage.render_pass import RenderPass
 from render.stage.values import schema_type
 
@@ -165,15 +165,29 @@ class _Walk:
         if xformable:
             if xformable.GetResetXformStack():
                 mover, moves = None, bool(state.chain) and moves
-            if xformable.TransformMightBeTimeVarying():
+            if self._might_move(xformable):
                 mover, moves = prim, True
         purpose = imageable.ComputePurposeInfo(state.purpose)
         return replace(state, purpose=purpose, hiders=hiders, mover=mover, moves=moves)
+
+    def _might_move(self, xformable: UsdGeom.Xformable) -> bool:
+        """Whether a transform may vary over time; notes one that USD cannot read."""
+        if not _is_readable(xformable):
+            path = xformable.GetPath()
+            message = f"the transform of {path} cannot be read in whole: operations that USD does not know are left out"
+            self._log.add("bad_transform", path, message)
+        try:
+            return bool(xformable.TransformMightBeTimeVarying())
+        except Tf.ErrorException:
+            return False
 
     def _take(self, prim: Usd.Prim, state: _State) -> None:
         if prim.HasAPI(UsdLux.LightAPI):
             self._light(prim, state)
         if is_drawable(prim):
+            if state.purpose.purpose not in PURPOSES:
+                message = f"{prim.GetPath()} is not drawn: its purpose must be one of {', '.join(PURPOSES)}, got "
+                self._log.add("bad_purpose", prim.GetPath(), f"{message}{state.purpose.purpose}")
             if state.purpose.purpose in self._purposes:
                 self._note_draw_mode(prim)
                 source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
@@ -218,6 +232,21 @@ class _Walk:
                 continue
             chain = (*state.chain, InstancerLink(prim, number, root))
             self._waiting.append((root, replace(state, chain=chain, mover=None, moves=moves, predicate=_PROTOTYPE)))
+
+
+def _is_readable(xformable: UsdGeom.Xformable) -> bool:
+    """Whether all operations of a transform are there and have values of their types."""
+    order = [str(name) for name in xformable.GetXformOpOrderAttr().Get() or ()]
+    if not order:
+        return True
+    last_reset = max(
+        (place for place, name in enumerate(order) if name == UsdGeom.XformOpTypes.resetXformStack), default=-1
+    )
+    try:
+        xformable.GetLocalTransformation(Usd.TimeCode.EarliestTime())
+        return len(xformable.GetOrderedXformOps()) == len(order) - last_reset - 1
+    except Tf.ErrorException:
+        return False
 
 
 def _is_geometry(prim: Usd.Prim) -> bool:

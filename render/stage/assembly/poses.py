@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Usd, UsdGeom, Vt
+from pxr import Gf, Tf, Usd, UsdGeom, Vt
 
 from render.errors import StageError
 from render.model.arrays import DoubleArray, IntArray
@@ -17,17 +18,32 @@ from render.stage.limits import check_places
 from render.stage.values import UNREADABLE, format_value, why_unreadable
 from render.stage.world import column_matrix
 
+Matrix = TypeVar("Matrix")
+
+
+class BadTransformError(StageError):
+    """Transform that is not finite; the path is that of the prim at fault."""
+
 
 def world_pose(prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray) -> DoubleArray:
     """Pose ``(4, 4)`` of a prim: world (metres, Y-up) from its own space in stage units.
 
     Raises:
-        StageError: the transform is not finite; names the prim.
+        BadTransformError: the transform is not finite; names the prim.
     """
-    pose: DoubleArray = world @ column_matrix(transforms.GetLocalToWorldTransform(prim))
-    if not np.isfinite(pose).all():
+    matrix = column_matrix(_computed(lambda: transforms.GetLocalToWorldTransform(prim)))
+    if not np.isfinite(matrix).all():
         raise _not_finite(_culprit(prim, transforms))
-    return pose
+    return np.asarray(world @ matrix)
+
+
+def _computed(compute: Callable[[], Matrix]) -> Matrix:
+    """Transform that USD computes and caches. Transform operations that it cannot read count as none, as in usdrecord; the
+    inventory names them. USD raises an error for each of them once, and then has the result in its cache."""
+    try:
+        return compute()
+    except Tf.ErrorException:
+        return compute()
 
 
 _LISTS = (
@@ -82,19 +98,20 @@ class InstanceReader:
 
         Returns:
             ``(k, 4, 4)`` instancer from prototype root, ``(k,)`` their indices, and how many instances of all prototypes
-            there are.
-
-        Raises:
-            StageError: a transform is not finite.
+            there are; instances whose transforms are not finite are left out, with a finding.
         """
         every = self._of(link.instancer)
         indices = np.flatnonzero((every.visible | (not drawn)) & (every.prototypes == link.prototype)).astype(np.int32)
-        local, _resets = self._transforms.GetLocalTransformation(link.root)
+        local, _resets = _computed(lambda: self._transforms.GetLocalTransformation(link.root))
         with np.errstate(invalid="ignore", over="ignore"):
             matrices = every.matrices[indices] @ column_matrix(local)
-        if not np.isfinite(matrices).all():
-            raise _not_finite(link.instancer)
-        return matrices, indices, len(every.prototypes)
+        finite = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
+        if len(finite) < len(matrices):
+            path = link.instancer.GetPath()
+            count = f"{len(matrices) - len(finite):,} of {len(matrices):,} instances"
+            message = f"{count} of {link.root.GetPath()} by {path} are not drawn: their transforms are not finite"
+            self._log.add("bad_transform", path, message)
+        return matrices[finite], indices[finite], len(every.prototypes)
 
     def names(self, instancer: Usd.Prim) -> IntArray:
         """Ids ``(n,)`` that identify an instancer's instances over time, or their indices where it has none."""
@@ -237,7 +254,8 @@ def instance_poses(
         ``(k, 4, 4)`` world from the prim's own space, and ``(k,)`` instance numbers.
 
     Raises:
-        StageError: a transform is not finite, or the instances multiply beyond all use.
+        BadTransformError: that of the outermost instancer, or of a prim in a prototype, is not finite.
+        StageError: the instances multiply beyond all use.
     """
     poses = world_pose(chain[0].instancer, transforms, world)[None]
     numbers = np.zeros(1, np.int32)
@@ -275,11 +293,11 @@ def relative_pose(prim: Usd.Prim, ancestor: Usd.Prim, transforms: UsdGeom.XformC
     """Transform ``(4, 4)`` from a prim's own space to that of one of its ancestors, or of itself.
 
     Raises:
-        StageError: the transform is not finite.
+        BadTransformError: the transform is not finite.
     """
     if prim == ancestor:
         return np.eye(4)
-    matrix, _resets = transforms.ComputeRelativeTransform(prim, ancestor)
+    matrix, _resets = _computed(lambda: transforms.ComputeRelativeTransform(prim, ancestor))
     relative = column_matrix(matrix)
     if not np.isfinite(relative).all():
         raise _not_finite(_culprit(prim, transforms))
@@ -299,6 +317,8 @@ def _culprit(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Usd.Prim:
     return prim
 
 
-def _not_finite(prim: Usd.Prim) -> StageError:
+def _not_finite(prim: Usd.Prim) -> BadTransformError:
     path = str(prim.GetPath())
-    return StageError(f"the transform of {path} must be finite numbers, and is not", code="bad_transform", path=path)
+    return BadTransformError(
+        f"the transform of {path} must be finite numbers, and is not", code="bad_transform", path=path
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,8 +147,10 @@ class _Builder:
 
     def _normals(self) -> tuple[Values, LongArray]:
         authored = self._polygons.normals
-        if authored is not None and np.isfinite(authored.values).all():
+        if authored is not None:
             try:
+                if not np.isfinite(authored.values).all():
+                    raise BadGeometry("not all of them are finite")
                 return authored, value_index_of_corner(authored, self._polygons, self._fan)
             except BadGeometry as problem:
                 path = self._prim.GetPath()
@@ -178,6 +180,10 @@ class _Builder:
             message = f"primvar {name} of {path} is not used: it does not hold {width} numbers for each element"
             self._log.add(f"bad_primvar_{name}", path, message)
             return None
+        if not np.isfinite(values.values).all():
+            message = f"primvar {name} of {path} has values that are not finite: 0 is used for them"
+            self._log.add(f"bad_primvar_{name}", path, message)
+            values = replace(values, values=np.nan_to_num(values.values, posinf=0.0, neginf=0.0))
         values = _deduplicate(values)
         try:
             return values, value_index_of_corner(values, self._polygons, self._fan)

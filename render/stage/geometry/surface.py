@@ -130,7 +130,16 @@ def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log
         smooth=_is_subdivided(mesh, time),
         holes=_integers(mesh.GetHoleIndicesAttr(), time),
     )
+    _note_holes(prim, polygons, log)
     return skeletons.bend(prim, polygons, time, log)
+
+
+def _note_holes(prim: Usd.Prim, polygons: Polygons, log: FindingLog) -> None:
+    holes, count = polygons.holes, len(polygons.counts)
+    if holes is not None and len(holes) and not 0 <= holes.min() <= holes.max() < count:
+        path = prim.GetPath()
+        message = f"holeIndices of {path} run from {holes.min()} to {holes.max()}, but there are {count} faces"
+        log.add("bad_holes", path, f"{message}: those of faces alone are honoured")
 
 
 def _as_points(value: object) -> FloatArray:

@@ -115,7 +115,7 @@ RULES = {
     "Boundable": Rules("extent"),
     "Scope": Rules(),
     "Xform": Rules(),
-    "Gprim": Rules("primvars:displayColor primvars:displayOpacity"),
+    "Gprim": Rules("doubleSided primvars:displayColor primvars:displayOpacity"),
     "PointBased": Rules(
         "points normals",
         ignored={"velocities accelerations": "points move as they are authored at each time"},

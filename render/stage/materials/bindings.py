@@ -63,9 +63,20 @@ def bound_parts(prim: Usd.Prim, purposes: Sequence[str], time: Usd.TimeCode, log
             log.add("subset_ignored", path, f"geom subset {path} is not made of faces and is not honoured")
             continue
         indices = np.array(subset.GetIndicesAttr().Get(time) or [], np.int32)
+        _note_range(subset, prim, indices, time, log)
         parts.append(BoundPart(bound_material(subset.GetPrim(), purposes), indices))
     parts.append(BoundPart(bound_material(prim, purposes)))
     return parts
+
+
+def _note_range(subset: UsdGeom.Subset, prim: Usd.Prim, indices: IntArray, time: Usd.TimeCode, log: FindingLog) -> None:
+    count = len(UsdGeom.Mesh(prim).GetFaceVertexCountsAttr().Get(time) or [])
+    if len(indices) and not 0 <= indices.min() <= indices.max() < count:
+        path = subset.GetPath()
+        message = (
+            f"indices of geom subset {path} run from {indices.min()} to {indices.max()}, but there are {count} faces"
+        )
+        log.add("bad_subset", path, f"{message}: those of faces alone are honoured")
 
 
 def subsets_vary(prim: Usd.Prim) -> bool:

@@ -10,8 +10,9 @@ from render import colour
 from render.model.scene import Material, TextureLookup
 from render.stage.findings import FindingLog
 from render.stage.geometry.shape import PrimvarNames
-from render.stage.materials.shading import NetworkReader, Source, as_numbers
+from render.stage.materials.shading import NetworkReader, Source, finite_numbers
 from render.stage.materials.texture_nodes import TextureNodes
+from render.stage.values import format_value
 
 WHITE = (1.0, 1.0, 1.0)
 _COLORS = {"base_color": ("diffuseColor", (0.18,) * 3), "emissive": ("emissiveColor", (0.0,) * 3)}
@@ -90,20 +91,29 @@ class _SurfaceReader:
 
     def _color(self, name: str, usd_name: str, default: tuple[float, ...]) -> None:
         source = self._network.source(self._shader, usd_name)
-        value = as_numbers(source.value if source else None, default)
+        value = self._numbers(usd_name, source, default)
         self._constants[name] = colour.rgb_to_working((value[0], value[1], value[2]))
         if source is not None and source.shader is not None:
             self._read_connection(name, usd_name, source, default, "color")
 
     def _scalar(self, name: str, usd_name: str, default: float) -> None:
         source = self._network.source(self._shader, usd_name)
-        self._constants[name] = as_numbers(source.value if source else None, (default,))[0]
+        self._constants[name] = self._numbers(usd_name, source, (default,))[0]
         if source is None or source.shader is None:
             return
         if name in _TEXTURED_SCALARS:
             self._read_connection(name, usd_name, source, (default,), "data")
         else:
             self._ignored(usd_name, f"a connection of {usd_name} is not honoured, {default} is used")
+
+    def _numbers(self, usd_name: str, source: Source | None, default: tuple[float, ...]) -> tuple[float, ...]:
+        """The components of a constant input, or the default; a value that cannot be used is a finding."""
+        value = source.value if source else None
+        found = finite_numbers(value, len(default))
+        if found is None and value is not None:
+            needs = "a finite number" if len(default) == 1 else f"{len(default)} finite numbers"
+            self._ignored(usd_name, f"{usd_name} must be {needs}, got {format_value(value)}: its fallback is used")
+        return found or default
 
     def _normal(self) -> None:
         source = self._network.source(self._shader, "normal")

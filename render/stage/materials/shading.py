@@ -79,8 +79,13 @@ class NetworkReader:
 
 
 def as_numbers(value: object, default: tuple[float, ...]) -> tuple[float, ...]:
-    """The components of a USD number or vector, or the default where the width differs or a component is not finite."""
-    rows = as_rows(value, len(default))
+    """The components of a USD number or vector, or the default where `finite_numbers` has none."""
+    return finite_numbers(value, len(default)) or default
+
+
+def finite_numbers(value: object, width: int) -> tuple[float, ...] | None:
+    """The components of a USD number or vector, or None where the width differs or a component is not finite."""
+    rows = as_rows(value, width)
     if rows is None or len(rows) != 1 or not np.isfinite(rows).all():
-        return default
+        return None
     return tuple(float(v) for v in rows[0])

@@ -126,8 +126,14 @@ class TextureNodes:
         """The primvar that the lookup starts from, and the ``(2, 3)`` transform that UsdTransform2d nodes make of it."""
         transform = np.eye(3)
         source = network.source(shader, "st")
+        passed: set[Sdf.Path] = set()
         while source is not None and source.shader is not None:
             kind = self.kind(source.shader)
+            if source.shader.GetPath() in passed:
+                message = f"in material {material_path}, texture coordinates come from themselves; st is used"
+                self._log.add("material_st", material_path, message)
+                break
+            passed.add(source.shader.GetPath())
             if kind == "UsdTransform2d":
                 transform = transform @ _transform_2d(network, source.shader)
                 source = network.source(source.shader, "in")

@@ -120,6 +120,7 @@ __all__ = [
     "release_context",
     "report_to",
     "set_clip_depth",
+    "software_device",
 ]
 
 Report = Callable[[int, int, str], None]
@@ -208,6 +209,17 @@ def make_context(platform: pyrender_egl.EGLPlatform, *, debug: bool = False) -> 
         included = [name for _, names in VERSION_EXTENSIONS for name in names]  # by OpenGL 4.2
         count = GL.glGetIntegerv(GL.GL_NUM_EXTENSIONS)
         GLQuerier.extensions = [*(GL.glGetStringi(GL.GL_EXTENSIONS, i) for i in range(count)), *included]
+
+
+def software_device() -> pyrender_egl.EGLDevice | None:
+    """Find EGL's device that is a software rasteriser, by ``EGL_MESA_device_software``; None where EGL lists none."""
+    if pyrender_egl._eglQueryDevicesEXT is None:
+        return None
+    for device in pyrender_egl.query_devices():
+        extensions = pyrender_egl._eglQueryDeviceStringEXT(device._display, EGL.EGL_EXTENSIONS) or b""
+        if b"EGL_MESA_device_software" in extensions.split():
+            return device
+    return None
 
 
 def _open_display(platform: pyrender_egl.EGLPlatform) -> None:

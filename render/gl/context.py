@@ -8,10 +8,10 @@ import moderngl
 
 from render.errors import GraphicsError
 from render.gl.cancellation import CancellationPoint
-from render.gl.compat import make_context, pyrender_egl, release_context, report_to
+from render.gl.compat import make_context, pyrender_egl, release_context, report_to, software_device
 from render.gl.debug import DebugLog, is_debugging
 from render.gl.limits import check_device
-from render.gl.no_gpu import check_software, request_software
+from render.gl.no_gpu import check_software, is_gpu_refused
 
 REQUIRED_VERSION = 450
 
@@ -33,9 +33,8 @@ class GraphicsContext:
             GraphicsError: no EGL device, or one that lacks OpenGL 4.5 or what that leaves to a device (`render.gl.limits`), or
                 a GPU where none may be used (`render.gl.no_gpu`).
         """
-        request_software()
         try:
-            self._platform = pyrender_egl.EGLPlatform(1, 1)
+            self._platform = pyrender_egl.EGLPlatform(1, 1, software_device() if is_gpu_refused() else None)
             debug = is_debugging()
             make_context(self._platform, debug=debug)
             # Not create_context: from its second call in a process on, it asks GLX, which knows no EGL context.

@@ -1,4 +1,4 @@
-"""Choice of a processor in place of a GPU, by an environment variable."""
+"""Choice of the processor in place of a GPU, by an environment variable."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ NO_GPU = "PULLFOCUS_NO_GPU"
 """Environment variable: where it is set, OpenGL must be drawn by the processor."""
 
 
-def request_software() -> None:
-    """Ask Mesa for its software rasteriser where `NO_GPU` is set. To be called before a context is made."""
-    if os.environ.get(NO_GPU):
-        os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+def is_gpu_refused() -> bool:
+    """Whether OpenGL must be drawn by the processor."""
+    return bool(os.environ.get(NO_GPU))
 
 
 def check_software(renderer: str, is_software: bool) -> None:
-    """Refuse a GPU where `NO_GPU` is set.
+    """Refuse a GPU where OpenGL must be drawn by the processor.
 
     Args:
         renderer: the driver's name of the device.
@@ -26,8 +25,8 @@ def check_software(renderer: str, is_software: bool) -> None:
     Raises:
         GraphicsError: it is a GPU.
     """
-    if os.environ.get(NO_GPU) and not is_software:
+    if is_gpu_refused() and not is_software:
         raise GraphicsError(
-            f"no GPU was to be used, and OpenGL draws with {renderer}: install Mesa's software rasteriser (Debian: "
-            "libgl1-mesa-dri), and name it in __EGL_VENDOR_LIBRARY_FILENAMES where another driver comes first"
+            f"no GPU was to be used, and OpenGL has none but {renderer}: install Mesa's software rasteriser (Debian: "
+            "libegl1 libgl1 libgl1-mesa-dri)"
         )

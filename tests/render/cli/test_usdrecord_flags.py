@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from render.cli.parser import Parser
 from render.cli.record import add_arguments
-from render.errors import GraphicsError
+from render.gl.compat import software_device
 from render.gl.no_gpu import NO_GPU, check_software
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, Ended, write_shot
 
@@ -280,16 +280,26 @@ def test_renderer(flag: str, pullfocus: Command, tmp_path: Path) -> None:
 
 
 def test_disable_gpu(pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LIBGL_ALWAYS_SOFTWARE", "0")
+    """The software rasteriser draws, and a context with another device, which is made up here, is refused."""
     shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
+    asked = []
+
+    def find_device() -> object:
+        asked.append(software_device())
+        return asked[0]
+
+    monkeypatch.setattr("render.gl.context.software_device", find_device)
+    record(pullfocus, shot)
+    assert asked == []
     record(pullfocus, shot, "--disableGpu")
-    assert os.environ["LIBGL_ALWAYS_SOFTWARE"] == "1"
+    assert len(asked) == 1
+    assert asked[0] is not None
     assert NO_GPU not in os.environ
-    with monkeypatch.context() as gpu:
-        gpu.setenv(NO_GPU, "1")
-        with pytest.raises(GraphicsError, match="OpenGL draws with Fast GPU"):
-            check_software("Fast GPU", is_software=False)
-    check_software("Fast GPU", is_software=False)
+    monkeypatch.setattr("render.gl.context.check_software", lambda *_: check_software("Fast GPU", is_software=False))
+    assert pullfocus("record", shot, tmp_path / "g.png", "-w", WIDTH).status == 0
+    refused = pullfocus("record", shot, tmp_path / "h.png", "--disableGpu", "-w", WIDTH)
+    assert refused.status == 1
+    assert "OpenGL has none but Fast GPU" in refused.err
 
 
 @pytest.mark.parametrize("format", ["chrome", "trace"])

@@ -182,6 +182,8 @@ class _Walk:
             return False
 
     def _take(self, prim: Usd.Prim, state: _State) -> None:
+        if prim.HasAuthoredMetadata("clips"):
+            self._note_missing_clips(prim)
         if prim.HasAPI(UsdLux.LightAPI):
             self._light(prim, state)
         if is_drawable(prim):
@@ -199,6 +201,17 @@ class _Walk:
             self._log.add("unsupported_geometry", path, f"{path} is not drawn: {kind} prims are not honoured")
         elif prim.HasAPI(UsdGeom.ModelAPI):
             self._note_draw_mode(prim)
+
+    def _note_missing_clips(self, prim: Usd.Prim) -> None:
+        path = prim.GetPath()
+        for clips in prim.GetMetadata("clips").values():
+            listed = clips.get("assetPaths") if isinstance(clips, dict) else None
+            for asset in listed if isinstance(listed, Sdf.AssetPathArray) else ():
+                if asset.path and not asset.resolvedPath:
+                    message = (
+                        f"{asset.path} is missing: prim {path} refers to it as a value clip and is read without it"
+                    )
+                    self._log.add("missing_clip", asset.path, message)
 
     def _note_draw_mode(self, prim: Usd.Prim) -> None:
         if not self._notes_draw_modes:

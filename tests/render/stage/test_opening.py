@@ -130,6 +130,16 @@ def test_a_missing_materialx_file_is_a_finding(tmp_path: Path) -> None:
     assert [(finding.code, finding.path) for finding in reader.findings] == [("missing_reference", "gone.mtlx")]
 
 
+def test_missing_value_clips_are_findings(tmp_path: Path) -> None:
+    write(tmp_path / "here.usda", 'def "A" {}')
+    text = OUTSIDE["clip"].format("./gone.usda@, @./here.usda").replace('def "A"', 'def Sphere "A"')
+    reader = StageReader(open_stage(write(tmp_path / "a.usda", text)))
+    assert len(reader.read(0).batches) == 1
+    (finding,) = reader.findings
+    assert (finding.code, finding.path) == ("missing_clip", "./gone.usda")
+    assert "prim /A refers to it as a value clip" in finding.message
+
+
 def test_a_missing_file_in_a_variant_that_is_not_chosen_does_no_harm(tmp_path: Path) -> None:
     text = """def "A" (
     variants = {

@@ -38,6 +38,7 @@ from render.layers.shadows import shadow_region
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
+from render.model.mattes import MATTES, MatteSum, make_matte_sum
 from render.model.moment import Moment, ShutterScenes
 from render.model.scene import Scene
 from render.model.surface_points import SurfacePoints
@@ -55,11 +56,12 @@ class Frame:
         color: ``(height, width, 4)`` float32 scene-linear radiance, not exposed; premultiplied, alpha is coverage.
         aovs: the arrays that the settings name, ``(height, width)`` or, where `render.model.aovs` has several channels,
             ``(height, width, channels)``. They are measured where the ray through the pupil's centre meets a surface, at pixel
-            centres; ``albedo`` alone is as blurred as the picture. Ids are int32 but for ``prim_id``, which is uint32; the rest
-            is float32.
+            centres; ``albedo`` and the mattes (`render.model.mattes`) are as blurred as the picture. Ids are int32 but for
+            ``prim_id``, which is uint32; the rest is float32.
         prim_paths: prim paths that ids of prims index.
         points: what the pixels see, where the settings name primvars (`render.pictures.primvars` reads them).
         time: USD time code of ``points``.
+        matte_names: names in the picture of each matte among the AOVs.
     """
 
     color: FloatArray
@@ -67,6 +69,7 @@ class Frame:
     prim_paths: tuple[str, ...] = ()
     points: SurfacePoints | None = None
     time: float = 0.0
+    matte_names: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 class FrameRenderer:
@@ -107,8 +110,12 @@ class FrameRenderer:
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with self.on_device():
             camera = self.load(scene, camera, settings)
-            request = DrawRequest(view, camera, settings, on_progress=on_progress)
-            return self.measure(self.engine(settings).draw(request), scene, request)
+            mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+            request = DrawRequest(view, camera, settings, on_progress=on_progress, mattes=mattes)
+            frame = self.measure(self.engine(settings).draw(request), scene, request)
+        if mattes is not None:
+            mattes.end_moment(1.0)
+        return add_mattes(frame, mattes, settings)
 
     def render_moving(
         self,
@@ -142,18 +149,21 @@ class FrameRenderer:
         settings = replace(settings, rays=max(settings.rays, ray_parts))
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         frame = Frame(total)
+        mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
         for i in range(count):
             moment = moment_at(i)
             view = PinholeView.from_camera(moment.camera, settings.width, settings.height)
             with self.on_device():
                 camera = self.load(moment.scene, moment.camera, settings)
-                request = DrawRequest(view, camera, settings, part=(i % ray_parts, ray_parts))
+                request = DrawRequest(view, camera, settings, part=(i % ray_parts, ray_parts), mattes=mattes)
                 total += moment.share * self.engine(settings).draw(request)
+                if mattes is not None:
+                    mattes.end_moment(moment.share)
                 if i == count // 2:
                     frame = self.measure(total, moment.scene, request)
             if on_progress is not None:
                 on_progress((i + 1) / count)
-        return frame
+        return add_mattes(frame, mattes, settings)
 
     def render_swept(
         self,
@@ -191,11 +201,15 @@ class FrameRenderer:
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         with self.on_device():
             camera = self.load(scenes.middle, middle_camera, settings)
-            request = DrawRequest(view, camera, settings, on_progress=on_progress)
+            mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+            request = DrawRequest(view, camera, settings, on_progress=on_progress, mattes=mattes)
             with closing(self.engine(settings).draw_swept(request, samples, movements)) as pictures:
                 for moment, picture in zip(moments, pictures, strict=True):
                     total += moment.share * picture
-            return self.measure(total, scenes.middle, request)
+                    if mattes is not None:
+                        mattes.end_moment(moment.share)
+            frame = self.measure(total, scenes.middle, request)
+        return add_mattes(frame, mattes, settings)
 
     def load(self, scene: Scene, camera: Camera, settings: FrameSettings, *, is_preview: bool = False) -> Camera:
         """Put the scene on the device.
@@ -309,6 +323,15 @@ class FrameRenderer:
             if isinstance(error, (OpenGLError, moderngl.Error, RuntimeError)):
                 raise GraphicsError(f"{self.graphics.renderer} could not draw the frame: {error}") from error
             raise
+
+
+def add_mattes(frame: Frame, mattes: MatteSum | None, settings: FrameSettings) -> Frame:
+    """Return a frame with the mattes that settings name; ``mattes`` has their sum, whose moments have ended."""
+    if mattes is None:
+        return frame
+    ranked = {name: mattes.rank(name) for name in MATTES if name in settings.aovs}
+    aovs = frame.aovs | {name: pixels for name, (pixels, _) in ranked.items()}
+    return replace(frame, aovs=aovs, matte_names={name: names for name, (_, names) in ranked.items()})
 
 
 def _close_iris(camera: Camera, settings: FrameSettings) -> Camera:

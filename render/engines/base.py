@@ -44,6 +44,7 @@ class Engine:
         draws_axis_aberrations: True where the blur itself has the lens's errors on the axis, so that
             `render.pictures.image_space` leaves them out.
         takes_velocities: True where `draw_swept` draws the moments of a moving scene from one peeling.
+        draws_mattes: True where it adds what its rays meet to `DrawRequest.mattes`.
         draws_in_steps: True where `draw_in_steps` lets a picture be shown before it is finished.
         preview: kind of the small picture that is shown before the engine's own.
     """
@@ -57,6 +58,7 @@ class Engine:
     uses_image_space: ClassVar[bool] = False
     draws_axis_aberrations: ClassVar[bool] = False
     takes_velocities: ClassVar[bool] = False
+    draws_mattes: ClassVar[bool] = False
     draws_in_steps: ClassVar[bool] = False
     preview: ClassVar[Preview] = "rays"
 

@@ -66,6 +66,7 @@ class LensEngine(Engine):
     has_rays = True
     traces_lens = True
     takes_velocities = True
+    draws_mattes = True
     draws_in_steps = True
 
     def draw(self, request: DrawRequest) -> FloatArray:

@@ -42,6 +42,7 @@ class PinholeEngine(Engine):
     is_sharp = True
     uses_image_space = True
     takes_velocities = True
+    draws_mattes = True
 
     def draw(self, request: DrawRequest) -> FloatArray:
         """Trace the request's part of the rays."""

@@ -13,6 +13,7 @@ from typing import TypeGuard
 from render.engines.base import Engine
 from render.errors import SettingsError
 from render.model.frame_settings import FrameSettings
+from render.model.mattes import MATTES
 
 _NOT_ENGINES = ("base", "registry")
 _engines: dict[str, type[Engine]] = {}
@@ -63,11 +64,15 @@ def check_settings(settings: FrameSettings) -> None:
     """Check that an engine exists that can draw these settings. Loads no OpenGL: call it before anything slow.
 
     Raises:
-        SettingsError: no engine has that name, or it does not draw motion from velocities.
+        SettingsError: no engine has that name, it does not draw motion from velocities, or it has no mattes.
     """
     engine = engine_class(settings)
     if settings.motion > 1 and settings.motion_by == "velocities" and not engine.takes_velocities:
         raise SettingsError(f"the {engine.name} engine draws every moment by itself: ask for motion by moments")
+    mattes = [name for name in settings.aovs if name in MATTES]
+    if mattes and not engine.draws_mattes:
+        able = ", ".join(other.name for other in all_engines() if other.draws_mattes)
+        raise SettingsError(f"the {engine.name} engine has no {' and '.join(mattes)}: take one of {able}")
 
 
 def sharp_engine() -> str:

@@ -17,6 +17,7 @@ from render.gl.shaders import ProgramCache
 from render.layers.index import Draw, SceneIndex
 from render.layers.levels.sketch_index import SketchIndex
 from render.layers.lighting import Lighting
+from render.layers.matte_numbers import MatteNumbers, number_surfaces
 from render.layers.movement import Movement
 from render.layers.moving_draws import MovingDraws
 from render.layers.nearest import nearest_depth_m, nearest_drawn_depth_m
@@ -31,6 +32,7 @@ from render.layers.texture_budget import TextureBudget
 from render.layers.umbra import HIDES_ALL, layers_needed, umbra_reach
 from render.model.arrays import DoubleArray
 from render.model.limits import MAX_LAYERS
+from render.model.mattes import MatteSum
 from render.model.scene import Scene
 from render.optics.view import PinholeView
 
@@ -109,6 +111,7 @@ class PeelKey:
     reachable: OpenSides | None
     sheets: int
     is_sketch: bool = False
+    ids: bool = False
 
     def matches(self, other: PeelKey) -> bool:
         """Whether a peeling with the other key gives the same layers."""
@@ -182,6 +185,12 @@ class Peeler:
         """Whether a scene is loaded with shadow maps of this very region, so that `load` would do nothing."""
         return self.has_scene(scene) and region == self._shadow_region
 
+    def number_surfaces(self, mattes: MatteSum) -> MatteNumbers:
+        """Number the surfaces of the loaded scene for mattes."""
+        if self._scene is None:
+            raise GraphicsError("no scene is loaded: call load() first")
+        return number_surfaces(self.index.draws, self._scene, mattes)
+
     @property
     def is_opaque(self) -> bool:
         """Whether no surface of the loaded scene is partly transparent; cut-outs are not."""
@@ -207,6 +216,7 @@ class Peeler:
         reachable: OpenSides | None = None,
         sheets: int = 0,
         is_sketch: bool = False,
+        ids: bool = False,
         cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
@@ -229,9 +239,10 @@ class Peeler:
             sheets: at most this many surfaces in a pixel, up to `MAX_LAYERS`, where some may be partly transparent: those do not
                 count against ``layers``. No effect where it is less than ``layers``.
             is_sketch: draw simpler levels of meshes that are far away, where they are ready (`render.layers.levels`).
+            ids: hold ids of the surfaces too.
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, is_sketch)
+        key = PeelKey(view, layers, umbra, unlit, sampling, reachable, sheets, is_sketch, ids)
         return self.peel_by(key, moves=moves, cache_slot=cache_slot)
 
     def peel_by(
@@ -274,7 +285,7 @@ class Peeler:
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view) if nearest_w is None else nearest_w))
         sheets = max(layers, min(key.sheets, MAX_LAYERS)) if faded else layers
         with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
-            targets = self._allocate_targets(view, sheets, cache_slot, motion=moving.any, lit=not unlit)
+            targets = self._allocate_targets(view, sheets, cache_slot, motion=moving.any, lit=not unlit, ids=key.ids)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
             layer = LayerPass(view, draws, slots[0], umbra, None, sheets == 1, unlit, sampling, is_sketch=key.is_sketch)
@@ -404,17 +415,24 @@ class Peeler:
         return passed != 0
 
     def _allocate_targets(
-        self, view: PinholeView, layers: int, cache_slot: str, *, motion: bool = False, lit: bool
+        self,
+        view: PinholeView,
+        layers: int,
+        cache_slot: str,
+        *,
+        motion: bool = False,
+        lit: bool,
+        ids: bool = False,
     ) -> LayerTargets:
         """Targets of the view's size for this many layers, or for more where more were needed before."""
         targets = self._targets.get(cache_slot)
-        if targets is None or not targets.fits(view.width, view.height, layers, motion=motion, lit=lit):
+        if targets is None or not targets.fits(view.width, view.height, layers, motion=motion, lit=lit, ids=ids):
             check_layer_size(self._ctx, view.width, view.height)
             if targets is not None:
                 targets.release()
                 del self._targets[cache_slot]
             targets = self._targets[cache_slot] = LayerTargets.allocate(
-                self._ctx, view.width, view.height, layers, motion=motion, lit=lit
+                self._ctx, view.width, view.height, layers, motion=motion, lit=lit, ids=ids
             )
         return targets
 

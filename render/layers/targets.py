@@ -162,6 +162,7 @@ class LayerTargets:
         background: RGBA16F, radiance of rays that meet no surface.
         motion: a slice of RGBA32UI for each layer, motion of its surfaces while the shutter is open (``layers/carried.glsl``),
             undefined where w is 0; None without motion.
+        ids: a slice of RG32UI for each layer, object number + 1 and triangle, undefined where w is 0; None without ids.
         reflectors: surfaces of the layer that was drawn last, which all layers share; None where they can be drawn unlit alone.
         slots: target of each layer.
         depth: OpenGL name of the depth renderbuffer that they share.
@@ -174,15 +175,25 @@ class LayerTargets:
     packed_slopes: tuple[moderngl.Texture, ...]
     background: moderngl.Texture
     motion: moderngl.TextureArray | None
+    ids: moderngl.TextureArray | None
     reflectors: Reflectors | None
     slots: tuple[Slot, ...]
     depth: int
 
     @classmethod
     def allocate(
-        cls, ctx: moderngl.Context, width: int, height: int, layers: int, *, motion: bool = False, lit: bool = False
+        cls,
+        ctx: moderngl.Context,
+        width: int,
+        height: int,
+        layers: int,
+        *,
+        motion: bool = False,
+        lit: bool = False,
+        ids: bool = False,
     ) -> LayerTargets:
-        """Allocate ``layers`` layers of ``width`` by ``height``, with or without motion, to be drawn unlit alone or lit too.
+        """Allocate ``layers`` layers of ``width`` by ``height``, with or without motion and ids, to be drawn unlit alone or lit
+        too.
 
         Raises:
             GraphicsError: the device refuses the size.
@@ -195,12 +206,14 @@ class LayerTargets:
                 slopes = tuple(making.keep(ctx.texture(size, 4, dtype="u2")) for _ in packs)
                 background = making.keep(ctx.texture(size, 4, dtype="f2"))
                 moves = making.keep(ctx.texture_array((*size, layers), 4, dtype="u4")) if motion else None
+                numbers = making.keep(ctx.texture_array((*size, layers), 2, dtype="u4")) if ids else None
                 reflectors = Reflectors.allocate(making, ctx, size) if lit else None
             except moderngl.Error as error:
                 raise GraphicsError(f"the device cannot hold {layers} layers of {width}x{height}: {error}") from error
             radiance.filter = _NEAREST
-            if moves is not None:
-                moves.filter = _NEAREST
+            for array in (moves, numbers):
+                if array is not None:
+                    array.filter = _NEAREST
             for texture in (*packed_w, *slopes, background):
                 texture.filter = _NEAREST
             depth = _depth_buffer(making, width, height)
@@ -214,19 +227,24 @@ class LayerTargets:
                     depth,
                     (radiance, layer),
                     packed_w[pack],
-                    None,
+                    None if numbers is None else (numbers, layer),
                     slopes[pack],
                     moved,
                     *(() if reflectors is None else reflectors.textures),
                 )
                 own = None if reflectors is None else LitSlot(radiance, layer, reflectors)
                 slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel, own))
-        return cls(width, height, radiance, packed_w, slopes, background, moves, reflectors, tuple(slots), depth)
+        return cls(
+            width, height, radiance, packed_w, slopes, background, moves, numbers, reflectors, tuple(slots), depth
+        )
 
-    def fits(self, width: int, height: int, layers: int, *, motion: bool = False, lit: bool = False) -> bool:
-        """Whether this many layers of this size can be drawn here, with motion and lit where requested."""
+    def fits(
+        self, width: int, height: int, layers: int, *, motion: bool = False, lit: bool = False, ids: bool = False
+    ) -> bool:
+        """Whether this many layers of this size can be drawn here, with motion and lit where requested, with ids only there."""
         fits = (self.width, self.height) == (width, height) and len(self.slots) >= layers
-        return fits and (self.motion is not None or not motion) and (self.reflectors is not None or not lit)
+        held = (self.motion is not None or not motion) and (self.reflectors is not None or not lit)
+        return fits and held and (self.ids is not None) == ids
 
     @property
     def bytes(self) -> int:
@@ -235,7 +253,7 @@ class LayerTargets:
 
     @property
     def _textures(self) -> list[moderngl.Texture | moderngl.TextureArray]:
-        arrays = [self.radiance] if self.motion is None else [self.radiance, self.motion]
+        arrays = [array for array in (self.radiance, self.motion, self.ids) if array is not None]
         lit = () if self.reflectors is None else self.reflectors.textures
         return [*arrays, self.background, *self.packed_w, *self.packed_slopes, *lit]
 
@@ -312,10 +330,10 @@ def check_layer_size(ctx: moderngl.Context, width: int, height: int) -> None:
         )
 
 
-def layer_bytes_per_px(layers: int, *, motion: bool = False, lit: bool = False) -> int:
+def layer_bytes_per_px(layers: int, *, motion: bool = False, lit: bool = False, ids: bool = False) -> int:
     """Memory of so many layers, with their background and depth buffer, bytes per pixel: that of `LayerTargets.bytes`."""
     packs = -(-layers // LAYERS_PER_PACK)
-    return layers * (8 + 16 * motion) + packs * (16 + 8) + 8 + 4 + REFLECTOR_BYTES_PER_PX * lit
+    return layers * (8 + 16 * motion + 8 * ids) + packs * (16 + 8) + 8 + 4 + REFLECTOR_BYTES_PER_PX * lit
 
 
 def texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:

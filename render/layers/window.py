@@ -53,6 +53,8 @@ class LayerWindow:
         strip: int,
         layers: int,
         peel: PeelStrip,
+        *,
+        ids: bool = False,
     ) -> Layers:
         """Move the window, and fill what is new. Strips that it holds already are kept.
 
@@ -64,12 +66,13 @@ class LayerWindow:
             strip: length of the strips.
             layers: at most this many layers.
             peel: peels a strip.
+            ids: whether the strips hold ids.
 
         Returns:
             Layers of the window, valid until the next call.
         """
         size = (length, whole.height) if axis == 0 else (whole.width, length)
-        targets = self._allocate(*size, layers)
+        targets = self._allocate(*size, layers, ids=ids)
         begin, end = self._held
         kept = max(0, end - first) if begin <= first else 0
         if kept and first > begin:
@@ -97,12 +100,12 @@ class LayerWindow:
         copy_lines(peeled.targets, targets, axis, source, target, length, packs, peeled.count)
         _clear(targets, range(packs, len(targets.packed_w)), axis, target, length)
 
-    def _allocate(self, width: int, height: int, layers: int) -> LayerTargets:
+    def _allocate(self, width: int, height: int, layers: int, *, ids: bool) -> LayerTargets:
         targets = self._targets
-        if targets is None or not targets.fits(width, height, layers):
+        if targets is None or not targets.fits(width, height, layers, ids=ids):
             check_layer_size(self._ctx, width, height)
             self.release()
-            targets = self._targets = LayerTargets.allocate(self._ctx, width, height, layers)
+            targets = self._targets = LayerTargets.allocate(self._ctx, width, height, layers, ids=ids)
         return targets
 
     def release(self) -> None:
@@ -133,6 +136,8 @@ def copy_lines(
         copy(GL.GL_TEXTURE_2D, one.glo, other.glo, 1)
     if layers:
         copy(GL.GL_TEXTURE_2D_ARRAY, source.radiance.glo, target.radiance.glo, layers)
+    if layers and source.ids is not None and target.ids is not None:
+        copy(GL.GL_TEXTURE_2D_ARRAY, source.ids.glo, target.ids.glo, layers)
 
 
 def _shift(targets: LayerTargets, axis: int, by: int, length: int) -> None:

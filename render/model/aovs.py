@@ -12,8 +12,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from render.errors import SettingsError
+from render.model.mattes import MATERIAL, OBJECT, RANKS
 
 Kind = Literal["float", "half", "uint"]
+_MATTE_LAYERS = RANKS // 2
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,12 @@ class Aov:
     channels: tuple[str, ...]
     kind: Kind
     help: str
+
+
+def _matte(name: str, of: str) -> Aov:
+    """Matte: two ranks to a layer of four channels, id and coverage of each."""
+    channels = tuple(f"{name}{layer:02}.{channel}" for layer in range(_MATTE_LAYERS) for channel in "RGBA")
+    return Aov(name, channels, "float", f"Cryptomatte of {of}, through the lens")
 
 
 _XYZ = ("X", "Y", "Z")
@@ -52,6 +60,8 @@ AOVS = (
     Aov("primId", ("id",), "uint", "index of the prim; -1 where nothing is"),
     Aov("instanceId", ("id",), "uint", "id of a PointInstancer's instance, its index without ids; -1 elsewhere"),
     Aov("elementId", ("id",), "uint", "index of the authored face; -1 where nothing is"),
+    _matte(OBJECT, "prims"),
+    _matte(MATERIAL, "bound materials"),
 )
 AOV_NAMES = ("color", *(aov.name for aov in AOVS), f"{PRIMVAR_PREFIX}NAME")
 """Names for help texts, ``color`` first."""

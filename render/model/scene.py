@@ -110,6 +110,8 @@ class Geometry:
         fan_ids: ``(m,)`` int32: triangle i of the face's fan is its corners ``(0, i + 1, i + 2)``, in authored order.
         swapped: ``(m,)`` bool: triangles whose last two corners stand in the other order here, since the face or its
             transform is left-handed; or None for none. Barycentric coordinates of a hit swap likewise.
+        material_ids: ``(m,)`` int32 index into ``Scene.material_paths`` of the material that each triangle's prim is bound to,
+            of which the drawn one may be a copy; -1 for none; or None for none at all.
     """
 
     positions: FloatArray
@@ -121,6 +123,7 @@ class Geometry:
     uvs: FloatArray | None = None
     colors: FloatArray | None = None
     swapped: NDArray[np.bool_] | None = None
+    material_ids: IntArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +146,7 @@ class Batch:
         instance_colors: ``(k, 4)`` float32 colour and opacity that each instance multiplies the geometry's ``colors`` by, or None
             for white.
         instance_numbers: ``(k,)`` int32 the PointInstancer's id of the instance, its index where it has no ids, or -1.
+        instance_material_ids: ``(k,)`` int32 as `Geometry.material_ids`, or None where the triangles' own count.
     """
 
     geometry: Geometry
@@ -154,6 +158,7 @@ class Batch:
     insides: DoubleArray | None = None
     culls_backs: bool = True
     instance_colors: FloatArray | None = None
+    instance_material_ids: IntArray | None = None
 
     @property
     def has_backs(self) -> bool:
@@ -232,6 +237,7 @@ class Scene:
         time: USD time code.
         stage_from_world: ``(4, 4)`` float64, to the stage's own units and up axis.
         camera_light: a light at the camera is added where there is no other.
+        material_paths: the paths that material ids index.
     """
 
     batches: tuple[Batch, ...] = ()
@@ -241,6 +247,7 @@ class Scene:
     time: float = 0.0
     stage_from_world: DoubleArray = field(default_factory=lambda: np.eye(4))
     camera_light: bool = True
+    material_paths: tuple[str, ...] = ()
 
     @property
     def triangle_count(self) -> int:

@@ -4,13 +4,15 @@ The first part, ``rgba``, has R, G, B and A as half floats: exposed radiance in 
 Each AOV is a part of its own name, in the order of `render.model.aovs`, which has their channels and types; a file with the
 colour alone has a single part. The attribute ``pullfocus:primPaths`` of an AOV with ids of prims is a JSON object from the ids
 in the picture to paths. A negative id, which means that nothing is there, is 4294967295. All parts carry the camera
-(`FrameMetadata.exr_attributes`).
+(`FrameMetadata.exr_attributes`). Mattes are those of Cryptomatte 1.2; their attributes are in the first part too, where some
+readers look for them.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from render.errors import SettingsError
 from render.film.develop import expose
 from render.model.aovs import file_order, find_aov
 from render.model.arrays import FloatArray
+from render.model.mattes import MATTES, id_bits
 from render.output.image_file import Part, describe, file_bytes
 from render.output.metadata import Attribute, FrameMetadata
 
@@ -45,11 +48,12 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
     _check_arrays(color, aovs)
     height, width = color.shape[:2]
     camera = metadata.exr_attributes(width, height)
-    parts = [_colour_part(color, camera, metadata)]
+    mattes = {name: _cryptomatte(name, metadata.matte_names.get(name, ())) for name in MATTES if name in aovs}
+    parts = [_colour_part(color, [*camera, *chain.from_iterable(mattes.values())], metadata)]
     for name in file_order(list(aovs)):
         pixels = aovs[name].reshape(height, width, -1)
         aov = find_aov(name, pixels.shape[2])
-        own: list[Attribute] = [("colorInteropID", "string", "data")]
+        own: list[Attribute] = [("colorInteropID", "string", "data"), *mattes.get(name, ())]
         if name in _PRIM_IDS:
             paths = _manifest(aovs[name] - _PRIM_IDS[name], metadata.prim_paths, _PRIM_IDS[name])
             own.append(("pullfocus:primPaths", "string", paths))
@@ -96,6 +100,14 @@ def _manifest(indices: NDArray[Any], prim_paths: tuple[str, ...], first_id: int)
     """JSON object from id to prim path, for the prims that are in the picture; the first prim has ``first_id``."""
     present = [int(i) for i in np.unique(indices) if 0 <= i < len(prim_paths)]
     return json.dumps({str(i + first_id): prim_paths[i] for i in present}, ensure_ascii=False)
+
+
+def _cryptomatte(matte: str, names: tuple[str, ...]) -> list[Attribute]:
+    """Attributes of a matte, with the names whose ids it has (Cryptomatte Specification 1.2.0, "Metadata")."""
+    key = f"cryptomatte/{id_bits(matte):08x}"[: len("cryptomatte/") + 7]
+    manifest = json.dumps({name: f"{id_bits(name):08x}" for name in names}, ensure_ascii=False)
+    values = {"name": matte, "hash": "MurmurHash3_32", "conversion": "uint32_to_float32", "manifest": manifest}
+    return [(f"{key}/{name}", "string", value) for name, value in values.items()]
 
 
 def _check_arrays(color: FloatArray, aovs: Mapping[str, NDArray[Any]]) -> None:

@@ -37,6 +37,7 @@ class FrameMetadata:
         prim_paths: paths that the ids of the ``prim_id`` AOV index: ``Scene.prim_paths``.
         exposure_time_s: UsdGeomCamera's ``exposure:time`` where it is authored.
         iso: UsdGeomCamera's ``exposure:iso`` where it is authored.
+        matte_names: names in the picture of each matte among its AOVs.
     """
 
     camera: Camera
@@ -49,6 +50,7 @@ class FrameMetadata:
     prim_paths: tuple[str, ...] = ()
     exposure_time_s: float | None = None
     iso: float | None = None
+    matte_names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def description(self) -> str:

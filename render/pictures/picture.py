@@ -7,7 +7,7 @@ develop the film and grade
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -210,7 +210,7 @@ def develop_picture(
         finish_picture = finish.apply if live is None else partial(live.finish, finish)
         graded = finish_picture(frame.color, camera, time=time, seed=settings.seed)
     metadata = describe_picture(shot, camera, time, settings, finish, frame.prim_paths)
-    return Picture(frame, graded, camera, metadata)
+    return Picture(frame, graded, camera, replace(metadata, matte_names=frame.matte_names))
 
 
 def describe_picture(

@@ -64,6 +64,7 @@ class StageReader:
         composition_findings(stage, self._log)
         self._textures = TextureCache(max_texture, confined_to=confinement(stage))
         self._prim_ids: dict[str, int] = {}
+        self._material_ids: dict[str, int] = {}
         self._plan: _Plan | None = None
         self._scene: Scene | None = None
         self._changes = 0
@@ -106,6 +107,7 @@ class StageReader:
             shapes=ShapeReader(plan.skeletons, plan.binding_purposes, time, self._log),
             instances=InstanceReader(time, self._log),
             prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
+            material_id=lambda path: self._material_ids.setdefault(path, len(self._material_ids)) if path else -1,
             log=self._log,
         )
         batches = tuple(batch for group in plan.groups for batch in group.batches(context))
@@ -120,6 +122,7 @@ class StageReader:
             time.GetValue(),
             stage_from_world=np.asarray(np.linalg.inv(context.world), np.float64),
             camera_light=self._options.camera_light,
+            material_paths=tuple(self._material_ids),
         )
 
     def _make_plan(self, time: Usd.TimeCode) -> _Plan:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -38,7 +38,7 @@ class Measurements:
         points: what the pixels see, for AOVs that need the stage; None where none was named.
     """
 
-    values: dict[str, NDArray[Any]]
+    values: dict[str, NDArray[Any]] = field(default_factory=dict)
     points: SurfacePoints | None = None
 
 

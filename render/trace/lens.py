@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
+from render.layers.matte_numbers import MatteNumbers
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler, PeelKey
 from render.layers.surface_hits import SurfaceDescription
@@ -22,6 +23,7 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.model.limits import MAX_LAYERS, MAX_PICTURE_SIDE_PX
+from render.model.mattes import MatteSum
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
 from render.trace.aovs import Measurements, Measurer, chief_hits
@@ -72,6 +74,7 @@ class _LayerPlan:
         umbra: as for `Peeler.peel`.
         unlit: likewise.
         sampling: of surfaces, from the corner of ``wide``.
+        ids: hold ids of surfaces.
         tiles: parts that are peeled one after another; None for one peeling.
     """
 
@@ -84,6 +87,7 @@ class _LayerPlan:
     umbra: float
     unlit: bool
     sampling: SurfaceSampling
+    ids: bool
     tiles: TilePlan | None
 
     def key_of(self, part: PinholeView) -> PeelKey:
@@ -92,7 +96,7 @@ class _LayerPlan:
         sampling = self.sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
         left, top = round(wide.cx - part.cx), round(wide.cy - part.cy)
         beyond = left > 0, top > 0, left + part.width < wide.width, top + part.height < wide.height
-        return PeelKey(part, self.layers, self.umbra, self.unlit, sampling, beyond, self.sheets)
+        return PeelKey(part, self.layers, self.umbra, self.unlit, sampling, beyond, self.sheets, ids=self.ids)
 
 
 class LensTracer:
@@ -130,6 +134,7 @@ class LensTracer:
         unlit: bool = False,
         connections: bool = True,
         bound_by_rays: bool = False,
+        mattes: MatteSum | None = None,
         on_progress: Callable[[float], None] | None = None,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> TracedPicture:
@@ -146,6 +151,7 @@ class LensTracer:
             unlit=unlit,
             connections=connections,
             bound_by_rays=bound_by_rays,
+            mattes=mattes,
             on_stage=on_stage,
         )
         return _run(work, on_progress)
@@ -164,6 +170,7 @@ class LensTracer:
         unlit: bool = False,
         connections: bool = True,
         bound_by_rays: bool = False,
+        mattes: MatteSum | None = None,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> Generator[float, None, TracedPicture]:
         """Peel the loaded scene for this view and trace the camera's lens through it, piece by piece.
@@ -180,6 +187,7 @@ class LensTracer:
             unlit: take the base colour as radiance.
             connections: carry highlights to the pixels of their blurred images (`render.trace.highlights.carrier`).
             bound_by_rays: see `Tracer.passes`.
+            mattes: sum to add what the rays meet to.
             on_stage: called when all commands of a stage are issued; the device may still be working on them.
 
         Yields:
@@ -191,21 +199,34 @@ class LensTracer:
         bundle = self._bundles.make_bundle(camera, view, pattern, wavelengths)
         on_stage("rays")
         plan = self._plan(
-            peeler, camera, view, bundle, pattern.whole, layers, supersample, texel_offset, unlit, connections
+            peeler,
+            camera,
+            view,
+            bundle,
+            pattern.whole,
+            layers,
+            supersample,
+            texel_offset,
+            unlit,
+            connections,
+            ids=mattes is not None,
         )
         bundle, focus, nearest_w = plan.bundle, plan.focus, plan.nearest_w
+        noted = None if mattes is None else (mattes, peeler.number_surfaces(mattes))
 
         def peel(part: PinholeView) -> Layers:
             return peeler.peel_by(plan.key_of(part))
 
         if plan.tiles is not None:
-            work = TileWork(plan.tiles, peel, plan.sheets, bundle, focus, view, nearest_w, connections, bound_by_rays)
+            work = TileWork(
+                plan.tiles, peel, plan.sheets, bundle, focus, view, nearest_w, connections, bound_by_rays, noted
+            )
             return TracedPicture(*(yield from self._tiles.trace(work, on_stage)))
         peeled = peel(plan.wide)
         on_stage("peel")
         return (
             yield from self._trace_layers(
-                peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, on_stage=on_stage
+                peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, mattes=noted, on_stage=on_stage
             )
         )
 
@@ -221,11 +242,12 @@ class LensTracer:
         supersample: float,
         unlit: bool = False,
         connections: bool = True,
+        ids: bool = False,
     ) -> bool:
-        """Whether `trace_steps` would start with layers that the peeler keeps. Arguments as there."""
+        """Whether `trace_steps` would start with layers that the peeler keeps. Arguments as there; ``ids`` with mattes."""
         bundle = self._bundles.make_bundle(camera, view, pattern, wavelengths)
         plan = self._plan(
-            peeler, camera, view, bundle, pattern.whole, layers, supersample, (0.0, 0.0), unlit, connections
+            peeler, camera, view, bundle, pattern.whole, layers, supersample, (0.0, 0.0), unlit, connections, ids=ids
         )
         return plan.tiles is None and peeler.keeps(plan.key_of(plan.wide))
 
@@ -241,6 +263,8 @@ class LensTracer:
         texel_offset: tuple[float, float],
         unlit: bool,
         connections: bool,
+        *,
+        ids: bool,
     ) -> _LayerPlan:
         focus = picture_focus(camera, view)
         w_f, pupil = focus.over_picture()
@@ -262,9 +286,9 @@ class LensTracer:
         if connections and bundle.table is not None:
             reach_px += SPLAT_REACH_PX * scale
         most_side_px = int(self._ctx.info["GL_MAX_TEXTURE_SIZE"])
-        tiles = plan_tiles(view, wide, reach_px, sheets, self.budget, most_side_px, lit=not unlit)
+        tiles = plan_tiles(view, wide, reach_px, sheets, self.budget, most_side_px, lit=not unlit, ids=ids)
         umbra = umbra_reach(pupil_px)
-        return _LayerPlan(bundle, focus, wide, nearest_w, layers, sheets, umbra, unlit, sampling, tiles)
+        return _LayerPlan(bundle, focus, wide, nearest_w, layers, sheets, umbra, unlit, sampling, ids, tiles)
 
     def trace_layers(
         self,
@@ -323,6 +347,7 @@ class LensTracer:
         connections: bool = True,
         bound_by_rays: bool = False,
         candidates: NDArray[np.uint32] | None = None,
+        mattes: tuple[MatteSum, MatteNumbers] | None = None,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> Generator[float, None, TracedPicture]:
         nbuffers = self._nbuffers.build(peeled, nearest_w)
@@ -332,10 +357,13 @@ class LensTracer:
             found = self._highlights.find(peeled, bundle, focus, view, candidates=candidates)
             carried = self._carried = self._highlights.carry(found, peeled, nbuffers, bundle, focus, view)
         on_stage("highlights")
-        passes = self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays)
+        sums, numbers = mattes or (None, None)
+        passes = self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays, mattes=numbers)
         for done in carried.without(passes):
             yield done.share
         color = carried.add_to(self._tracer.picture())
+        if sums is not None:
+            sums.put((0, 0, *view.size), *self._tracer.read_mattes())
         on_stage("trace")
         return TracedPicture(color, peeled, nbuffers)
 

@@ -28,6 +28,7 @@ from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.limits import MAX_LAYERS
+from render.model.mattes import MatteSum
 from render.optics.view import PinholeView
 from render.trace.bundles import BundleMaker, merge_wavelengths
 from render.trace.highlights.carrier import HighlightCarrier, SeenMoment
@@ -91,6 +92,7 @@ class MotionTracer:
         supersample: float,
         unlit: bool = False,
         connections: bool = True,
+        mattes: MatteSum | None = None,
         on_progress: Callable[[float], None] | None = None,
     ) -> Generator[FloatArray, None, None]:
         """Trace the picture of each moment by its part of the rays. Close the generator if it is not exhausted.
@@ -105,10 +107,12 @@ class MotionTracer:
             supersample: layer pixels per picture pixel along each axis.
             unlit: take the base colour as radiance.
             connections: carry highlights to the pixels of their blurred images (`render.trace.highlights.carrier`).
+            mattes: sum to add what the rays of each moment meet to.
             on_progress: called with the share that is done.
         """
         sweep = _ShutterSweep(self._bundles, middle, samples, wavelengths)
-        peeled, nearest_w = sweep.peel(peeler, moves, layers, supersample, unlit)
+        peeled, nearest_w = sweep.peel(peeler, moves, layers, supersample, unlit, ids=mattes is not None)
+        numbers = None if mattes is None else peeler.number_surfaces(mattes)
         with ExitStack() as stack:
             movers = stack.enter_context(Movers(self._ctx, self._programs, peeled)) if peeled.may_move else None
             nearest = max(nearest_w, nearest_moving_w(moves.values(), peeled.view))
@@ -142,9 +146,13 @@ class MotionTracer:
                         found, peeled, nbuffers, bundle, focus, sample.view, area, **moment
                     )
                 for _ in carried.without(
-                    self._tracer.passes(peeled, nbuffers, bundle, focus, sample.view, area=area, **moment)
+                    self._tracer.passes(
+                        peeled, nbuffers, bundle, focus, sample.view, area=area, mattes=numbers, **moment
+                    )
                 ):
                     pass
+                if mattes is not None:
+                    mattes.put(area, *self._tracer.read_mattes())
                 yield _pad_lines(carried.add_to(self._tracer.picture()), first, sample.view.height)
                 if on_progress is not None:
                     on_progress((i + 1) / len(samples))
@@ -162,7 +170,7 @@ class _ShutterSweep:
         return self._bundles.make_bundle(sample.camera, sample.view, sample.pattern, self._wavelengths)
 
     def peel(
-        self, peeler: Peeler, moves: Mapping[int, Movement], layers: int, supersample: float, unlit: bool
+        self, peeler: Peeler, moves: Mapping[int, Movement], layers: int, supersample: float, unlit: bool, *, ids: bool
     ) -> tuple[Layers, float]:
         """Peel the layers of the middle for all moments; return them and the largest inverse depth of any surface, 1/m."""
         middle = self._middle
@@ -195,6 +203,7 @@ class _ShutterSweep:
             moves=moves,
             reachable=CLOSED,
             sheets=sheets,
+            ids=ids,
         )
         return peeled, nearest_w
 

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.matte_numbers import MatteNumbers
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers, bind_layers
 from render.layers.peel import Layers
@@ -19,6 +21,7 @@ from render.model.arrays import FloatArray, IntArray
 from render.optics.view import PinholeView
 from render.trace.adaptive import TILE, RayBudget, Values, allocate, over_pixels, tile_errors, tile_pixels
 from render.trace.focal_map import FocalMaps
+from render.trace.matte_tables import SLOTS, MatteTables
 from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
@@ -35,6 +38,8 @@ _FIRST_UNIT = 0
 """First texture unit of the tracer."""
 _LAYER_UNITS = 11
 """Number of texture units for layers, N-buffers, focal map, and movers, which have the last two; the ray buffers come after."""
+_RAY_UNITS = 2
+"""Number of texture units for ray buffers; the ids for mattes come after."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +65,7 @@ class Tracer:
         self._programs = programs
         self._cancellation, self._piece = cancellation, PieceSize(1 << 16, least=TILE * TILE)
         self._buffers = RayBuffers(ctx)
+        self._mattes = MatteTables(ctx)
         self._maps = FocalMaps(ctx, programs)
         self._sum: moderngl.Texture | None = None
         self._tiles = _TileRays((0, 0, 0, 0), 0)
@@ -79,6 +85,7 @@ class Tracer:
         moment_view: MomentView | None = None,
         movers: Movers | None = None,
         area: Area | None = None,
+        mattes: MatteNumbers | None = None,
     ) -> Iterator[TracePass]:
         """Trace a picture pass by pass, and each pass piece by piece. `picture` has the mean over all rays after the last piece;
         `partial_picture` has the mean over the rays traced so far after any piece. Where the bundle has a budget, its rays are
@@ -95,6 +102,7 @@ class Tracer:
             moment_view: the camera at a moment, where it may have moved from the position that the layers were peeled from.
             movers: moving surfaces of the layers, set to that moment.
             area: part of the picture to trace; None for all of it.
+            mattes: numbers of the surfaces, to note what the rays meet (`read_mattes`); the layers hold ids then.
 
         Yields:
             Progress after each piece.
@@ -110,7 +118,10 @@ class Tracer:
             bound_by_rays=bound_by_rays or moment_view is not None,
             by_map=focal_map is not None,
             moment={"CARRIED_CAMERA": moment_view is not None, "MOVERS": movers is not None},
+            mattes=mattes is not None,
         )
+        if mattes is not None:
+            self._mattes.begin(mattes, (width, height))
 
         def bind() -> None:
             self._bind(program, layers, nbuffers, focal_map)
@@ -118,6 +129,11 @@ class Tracer:
             self._allocate_sum((width, height))
             if movers is not None:
                 movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 2)
+
+        def bind_mattes() -> None:
+            """Bind what others bind between two pieces."""
+            if mattes is not None:
+                self._mattes.bind(program, layers, _FIRST_UNIT + _LAYER_UNITS + _RAY_UNITS)
 
         self._is_bound = False
         set_uniforms(program, **layer_uniforms(layers, view))
@@ -128,7 +144,7 @@ class Tracer:
 
         def trace_to(rays: IntArray, done: float, share: float) -> Iterator[TracePass]:
             """Trace the first rays of each tile, which are this share of the work after that which is done."""
-            for part in self._trace_tiles(bind, program, bundle, tiles, rays, rays_per_pass):
+            for part in self._trace_tiles(bind, bind_mattes, program, bundle, tiles, rays, rays_per_pass):
                 yield TracePass(int(tiles.traced.min()), done + share * part)
 
         if budget is None:
@@ -164,6 +180,7 @@ class Tracer:
     def _trace_tiles(
         self,
         bind: Callable[[], None],
+        bind_mattes: Callable[[], None],
         program: moderngl.ComputeShader,
         bundle: RayBundle,
         tiles: _TileRays,
@@ -182,6 +199,7 @@ class Tracer:
                     bind()
                     self._is_bound = True
                 self._bind_tiles()
+                bind_mattes()
                 set_uniforms(program, first_tile=begin)
                 for wavelength in range(len(bundle.rgb)):
                     set_uniforms(program, light=tuple(light[wavelength]))
@@ -226,6 +244,16 @@ class Tracer:
         color = self._read_sum()
         return np.divide(color, np.maximum(self._tiles.over_pixels(self._tiles.traced), 1), out=color)
 
+    def read_mattes(self) -> tuple[NDArray[np.uint32], FloatArray]:
+        """Read what the rays met, as the mean over all rays. Call it after the last pass of a picture with mattes.
+
+        Returns:
+            Numbers of surfaces and their coverage, ``(slots, height, width)`` each; 0 in slots that are not used.
+        """
+        numbers, weights = self._mattes.read()
+        rays = np.maximum(self._tiles.over_pixels(self._tiles.traced), 1)[..., 0]
+        return numbers, weights / rays.astype(np.float32)
+
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Return the mean over the rays traced so far, and ``(height, width, 1)`` their share of all rays of each pixel.
 
@@ -251,10 +279,18 @@ class Tracer:
         if self._tile_buffer is not None:
             self._tile_buffer.release()
         self._buffers.release()
+        self._mattes.release()
         self._maps.release()
 
     def _program(
-        self, layers: Layers, bundle: RayBundle, *, bound_by_rays: bool, by_map: bool, moment: dict[str, bool]
+        self,
+        layers: Layers,
+        bundle: RayBundle,
+        *,
+        bound_by_rays: bool,
+        by_map: bool,
+        moment: dict[str, bool],
+        mattes: bool,
     ) -> moderngl.ComputeShader:
         defines: dict[str, int | float | str] = {name: 1 for name, is_set in moment.items() if is_set}
         if layers.count > 4:
@@ -265,6 +301,8 @@ class Tracer:
             defines["BOUND_BY_RAYS"] = 1
         if by_map:
             defines["FOCAL_MAP"] = 1
+        if mattes:
+            defines |= {"MATTES": 1, "SLOTS": SLOTS}
         return self._programs.compute("trace/trace.comp", defines | self._buffers.defines(bundle))
 
     def _bind(

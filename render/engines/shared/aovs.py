@@ -23,15 +23,17 @@ def measure_aovs(
         stage_from_world: `Scene.stage_from_world`.
 
     Returns:
-        Arrays by name, as `render.frame.Frame.aovs` has them, but for primvars.
+        Arrays by name, as `render.frame.Frame.aovs` has them, but for primvars and mattes.
     """
     settings = request.settings
-    measured = Measurements({})
+    measured = Measurements()
     if any(map(is_measured, settings.aovs)):
         measured = device.tracer.measure_aovs(
             device.peeler, request.camera, request.view, stage_from_world, settings.aovs
         )
     if "albedo" in settings.aovs:
-        unlit = replace(request, settings=replace(settings, shading="unlit"), part=ALL_RAYS, on_progress=None)
+        unlit = replace(
+            request, settings=replace(settings, shading="unlit"), part=ALL_RAYS, on_progress=None, mattes=None
+        )
         measured.values["albedo"] = draw(unlit)[..., :3]
     return measured

@@ -70,6 +70,7 @@ class Device:
             texel_offset=texel_offset(settings, request.part),
             unlit=request.is_unlit,
             connections=settings.connections,
+            mattes=request.mattes,
             on_progress=request.on_progress,
         )
         self.tracer.release_window()
@@ -78,7 +79,7 @@ class Device:
     def trace_in_steps(self, request: DrawRequest) -> Generator[float, None, FloatArray]:
         """Trace the camera's rays piece by piece; as `Engine.draw_in_steps`."""
         traced = yield from self.tracer.trace_steps(
-            self.peeler, request.camera, request.view, _pattern(request), **_sampling(request)
+            self.peeler, request.camera, request.view, _pattern(request), mattes=request.mattes, **_sampling(request)
         )
         self.tracer.release_window()
         return traced.color
@@ -86,7 +87,12 @@ class Device:
     def keeps_layers(self, request: DrawRequest) -> bool:
         """Whether `trace_in_steps` would start with kept layers."""
         return self.tracer.keeps_layers(
-            self.peeler, request.camera, request.view, _pattern(request), **_sampling(request)
+            self.peeler,
+            request.camera,
+            request.view,
+            _pattern(request),
+            ids=request.mattes is not None,
+            **_sampling(request),
         )
 
     def trace_swept(
@@ -104,6 +110,7 @@ class Device:
             supersample=blurred_scale(settings),
             unlit=request.is_unlit,
             connections=settings.connections,
+            mattes=request.mattes,
             on_progress=request.on_progress,
         )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
+from render.model.mattes import MatteSum
 from render.optics.view import PinholeView
 
 Part = tuple[int, int]
@@ -25,6 +26,7 @@ class DrawRequest:
         settings: resolution of rays and layers, shading and seed.
         part: rays to draw, for an engine that has rays. An engine without rays draws the whole picture each time.
         on_progress: called with the share that is done, from 0 to 1.
+        mattes: sum that an engine which `Engine.draws_mattes` adds to; None where the settings name none.
     """
 
     view: PinholeView
@@ -32,6 +34,7 @@ class DrawRequest:
     settings: FrameSettings
     part: Part = ALL_RAYS
     on_progress: Progress | None = None
+    mattes: MatteSum | None = None
 
     @property
     def is_unlit(self) -> bool:

@@ -7,11 +7,12 @@ from collections.abc import Callable, Generator
 import numpy as np
 
 from render.engines import DrawRequest, engine_class
-from render.frame import Frame, FrameRenderer
+from render.frame import Frame, FrameRenderer, add_mattes
 from render.layers.peel import Layers
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
+from render.model.mattes import make_matte_sum
 from render.model.scene import Scene
 from render.optics.view import PinholeView
 from render.pictures.progressive.clock import Clock
@@ -136,9 +137,13 @@ class LiveFrames:
         renderer = self._renderer
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with renderer.on_device():
-            request = DrawRequest(view, renderer.load(scene, camera, settings), settings)
+            mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+            request = DrawRequest(view, renderer.load(scene, camera, settings), settings, mattes=mattes)
             color = yield from renderer.engine(settings).draw_in_steps(request)
-            return renderer.measure(color, scene, request)
+            frame = renderer.measure(color, scene, request)
+        if mattes is not None:
+            mattes.end_moment(1.0)
+        return add_mattes(frame, mattes, settings)
 
     def keeps_layers(self, scene: Scene, camera: Camera, settings: FrameSettings) -> bool:
         """Tell whether `draw_in_steps` would draw no layers, since they are kept. Arguments as there."""
@@ -147,7 +152,8 @@ class LiveFrames:
             return False
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with renderer.on_device():
-            request = DrawRequest(view, renderer.load(scene, camera, settings), settings)
+            mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+            request = DrawRequest(view, renderer.load(scene, camera, settings), settings, mattes=mattes)
             return renderer.engine(settings).keeps_layers(request)
 
     def partial_picture(self, settings: FrameSettings, under: FloatArray) -> FloatArray:

@@ -147,14 +147,19 @@ bool walk_on(inout Walk walk, ivec2 last, out Segment at)
     }
 }
 
-// Radiance and opacity of a hit, read from the pixel where the ray meets it: the walk found it in the pixel under the segment's
-// middle.
-vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
+// Texel of a hit: in the pixel where the ray meets it, or where the walk found it, in the pixel under the segment's middle.
+ivec3 texel_of(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
 {
     ivec2 there = texel_at(a + b * hit.w, last);
     float w = stored_w(there, hit.layer);
     bool same = abs(abs(w) - hit.w) <= hit.reach + UNLIKE * hit.w && (w > 0.0) == hit.opaque;
-    return texelFetch(radiance, ivec3(same ? there : found, hit.layer), 0);
+    return ivec3(same ? there : found, hit.layer);
+}
+
+// Radiance and opacity of a hit.
+vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
+{
+    return texelFetch(radiance, texel_of(a, b, last, found, hit), 0);
 }
 
 // March a ray through the layers: premultiplied radiance and coverage, composited front to back.
@@ -170,14 +175,26 @@ vec4 march(vec2 a, vec2 b)
         hit = nearest_in(a, b, at, limit);
 #ifdef MAY_BE_TRANSLUCENT
         while (hit.layer >= 0 && !hit.opaque) {
-            vec4 surface = radiance_at(a, b, last, at.pixel, hit);
+            ivec3 texel = texel_of(a, b, last, at.pixel, hit);
+            vec4 surface = texelFetch(radiance, texel, 0);
+#ifdef MATTES
+            note_surface(texel, (1.0 - seen.a) * surface.a);
+#endif
             seen += (1.0 - seen.a) * surface.a * vec4(surface.rgb, 1.0);
             limit = hit.w;
             hit = nearest_in(a, b, at, limit);
         }
 #endif
     }
-    vec4 solid = hit.opaque ? vec4(radiance_at(a, b, last, at.pixel, hit).rgb, 1.0)
-                            : vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
+    vec4 solid;
+    if (hit.opaque) {
+        ivec3 texel = texel_of(a, b, last, at.pixel, hit);
+        solid = vec4(texelFetch(radiance, texel, 0).rgb, 1.0);
+#ifdef MATTES
+        note_surface(texel, 1.0 - seen.a);
+#endif
+    } else {
+        solid = vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
+    }
     return seen + (1.0 - seen.a) * solid;
 }

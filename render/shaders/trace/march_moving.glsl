@@ -115,7 +115,11 @@ vec4 march_moving(vec2 a, vec2 b)
         Met met = nearest_met(a, b, at, limit, before, last);
         on = met.hit.layer < 0;
         if (on) continue;
-        vec4 surface = radiance_at(a, met.b, last, met.pixel, met.hit);
+        ivec3 texel = texel_of(a, met.b, last, met.pixel, met.hit);
+        vec4 surface = texelFetch(radiance, texel, 0);
+#ifdef MATTES
+        note_surface(texel, (1.0 - seen.a) * (met.hit.opaque ? 1.0 : surface.a));
+#endif
         if (met.hit.opaque) {
             behind = vec4(surface.rgb, 1.0);
             break;

@@ -1,12 +1,15 @@
 #version 450 core
 // Trace lens rays through peeled layers and add up the radiance of the surfaces they meet.
 // in:  layers, their N-buffers and background (march.glsl); patterns, iris and lens (lens_rays.glsl)
-// out: weighted radiance and coverage, added to `sum` (premultiplied)
+// out: weighted radiance and coverage, added to `sum` (premultiplied); where MATTES is defined, the table of mattes.glsl
 // Lee, Eisemann & Seidel 2010, section 3.1. Pixels are the layers', guard band included, unless stated otherwise.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D sum;
 
+#ifdef MATTES
+#include "trace/mattes.glsl"
+#endif
 #include "trace/march.glsl"
 #ifdef MOVERS
 #include "trace/march_moving.glsl"
@@ -155,13 +158,20 @@ void main()
         LensRay ray = lens_ray(rays, first_ray + i);
         if (ray.weight <= 0.0) continue;
         weights += ray.weight;
+#ifdef MATTES
+        ray_share = ray.weight;
+#endif
 #ifdef MOVERS
         total += ray.weight * march_moving(ray.a, ray.b);
 #else
         total += ray.weight * march(ray.a, ray.b);
 #endif
     }
-    total *= light_correction(weights, float(ray_count));
+    float correction = light_correction(weights, float(ray_count));
+    total *= correction;
     pixel -= area_first;
+#ifdef MATTES
+    store_slots(pixel, light.a * correction);
+#endif
     imageStore(sum, pixel, imageLoad(sum, pixel) + light * total);
 }

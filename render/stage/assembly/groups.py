@@ -45,6 +45,7 @@ class DrawContext:
         shapes: reads the triangles of pieces at that time.
         instances: reads point instancers at that time.
         prim_id: the number of a prim path in ``Scene.prim_paths``.
+        material_id: the number of a material path in ``Scene.material_paths``, -1 for an empty path.
         log: notes surfaces too far away to be placed well.
     """
 
@@ -55,6 +56,7 @@ class DrawContext:
     shapes: ShapeReader
     instances: InstanceReader
     prim_id: Callable[[str], int]
+    material_id: Callable[[str], int]
     log: FindingLog
 
     @property
@@ -71,6 +73,7 @@ class _Places:
     prim_ids: IntArray | None = None
     numbers: IntArray | None = None
     colors: FloatArray | None = None
+    material_ids: IntArray | None = None
 
 
 class Group(ABC):
@@ -110,6 +113,7 @@ class Group(ABC):
                     insides=insides,
                     culls_backs=sides.culled,
                     instance_colors=places.colors,
+                    instance_material_ids=places.material_ids,
                 ),
             )
         return self._batches
@@ -162,7 +166,9 @@ class RigidGroup(Group):
             return None
         if not is_placeable(shape.positions, matrix, piece.occurrence.path, context.log):
             return None
-        return place_shape(shape, context.prim_id(piece.occurrence.path), matrix), _box(piece, context, matrix)
+        material_id = context.material_id(piece.bound_material)
+        geometry = place_shape(shape, context.prim_id(piece.occurrence.path), material_id, matrix)
+        return geometry, _box(piece, context, matrix)
 
 
 class InstancedGroup(Group):
@@ -197,7 +203,7 @@ class InstancedGroup(Group):
         if not self._is_read or not _same_shape(shape, self._shape):
             first_id = context.prim_id(self._pieces[0].occurrence.path)
             to_metres = np.diag([*[context.scale] * 3, 1.0])
-            self._geometry = place_shape(shape, first_id, to_metres) if shape is not None else None
+            self._geometry = place_shape(shape, first_id, -1, to_metres) if shape is not None else None
             if shape is not None and self._pieces[0].sides.closed:
                 self._insides = _box(self._pieces[0], context, to_metres)[None]
             self._shape = shape if self._pieces[0].deforms else None
@@ -206,7 +212,8 @@ class InstancedGroup(Group):
 
     def _places_at(self, context: DrawContext) -> _Places:
         """Places of all that is visible."""
-        poses, prim_ids, numbers = [np.zeros((0, 4, 4))], [np.zeros(0, np.int32)], [np.zeros(0, np.int32)]
+        poses = [np.zeros((0, 4, 4))]
+        prim_ids, numbers, material_ids = ([np.zeros(0, np.int32)] for _ in range(3))
         colors = [np.zeros((0, 4), np.float32)]
         for piece in self._pieces:
             occurrence = piece.occurrence
@@ -224,12 +231,14 @@ class InstancedGroup(Group):
             poses.append(here @ _shrink(context))
             numbers.append(number)
             prim_ids.append(np.full(len(here), context.prim_id(picked_as), np.int32))
+            material_ids.append(np.full(len(here), context.material_id(piece.bound_material), np.int32))
         instanced = bool(self._pieces[0].occurrence.chain)
         return _Places(
             np.concatenate(poses),
             np.concatenate(prim_ids),
             np.concatenate(numbers) if instanced else None,
             np.concatenate(colors) if self._pieces[0].inherited != NONE_INHERITED else None,
+            np.concatenate(material_ids),
         )
 
 

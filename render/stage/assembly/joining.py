@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.arrays import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.scene import Geometry
 from render.stage.geometry.polygons import unit
 from render.stage.geometry.shape import Shape
 
 
-def place_shape(shape: Shape, prim_id: int, matrix: DoubleArray) -> Geometry:
+def place_shape(shape: Shape, prim_id: int, material_id: int, matrix: DoubleArray) -> Geometry:
     """A shape as geometry, carried by a ``(4, 4)`` matrix; a mirroring matrix turns the triangles about."""
     positions = shape.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     geometry = Geometry(
@@ -26,6 +26,7 @@ def place_shape(shape: Shape, prim_id: int, matrix: DoubleArray) -> Geometry:
         uvs=shape.uvs,
         colors=shape.colors,
         swapped=shape.swapped if shape.swapped.any() else None,
+        material_ids=np.full(len(shape.triangles), material_id, np.int32) if material_id >= 0 else None,
     )
     return mirror_geometry(geometry) if np.linalg.det(matrix[:3, :3]) < 0 else geometry
 
@@ -53,6 +54,7 @@ def join_geometry(parts: Sequence[Geometry]) -> Geometry:
         uvs=_join_or_none([part.uvs for part in parts], parts, 0.0, 2),
         colors=_join_or_none([part.colors for part in parts], parts, 1.0, 4),
         swapped=_join_swaps(parts),
+        material_ids=_join_materials(parts),
     )
 
 
@@ -74,6 +76,15 @@ def _join_swaps(parts: Sequence[Geometry]) -> np.ndarray[tuple[int, ...], np.dty
         return None
     return np.concatenate(
         [np.zeros(len(part.triangles), bool) if part.swapped is None else part.swapped for part in parts]
+    )
+
+
+def _join_materials(parts: Sequence[Geometry]) -> IntArray | None:
+    if all(part.material_ids is None for part in parts):
+        return None
+    none = [np.full(len(part.triangles), -1, np.int32) for part in parts]
+    return np.concatenate(
+        [other if part.material_ids is None else part.material_ids for part, other in zip(parts, none, strict=True)]
     )
 
 

@@ -39,7 +39,8 @@ class Piece:
 
     Attributes:
         occurrence: the surface and its place.
-        material: path of the material prim, or empty.
+        material: path of the material prim that it is drawn with, or empty.
+        bound_material: path of the material prim that it is bound to, which may look the same, or empty.
         part: which of the surface's parts by material this is.
         part_count: number of such parts.
         sides: sides that are drawn.
@@ -51,6 +52,7 @@ class Piece:
 
     occurrence: Occurrence
     material: str
+    bound_material: str
     part: int
     part_count: int
     sides: Sides

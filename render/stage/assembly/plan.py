@@ -94,7 +94,18 @@ class PieceCutter:
             inherited, varies = _inherited_primvars(prim, own, time)
             key = (surface.source, own, inherited, from_instancers)
             pieces.append(
-                Piece(surface, material, number, len(parts), sides, deforms or varies, own, from_instancers, key)
+                Piece(
+                    surface,
+                    material,
+                    part.material,
+                    number,
+                    len(parts),
+                    sides,
+                    deforms or varies,
+                    own,
+                    from_instancers,
+                    key,
+                )
             )
         return pieces
 

@@ -90,6 +90,7 @@ def plan_tiles(
     most_side_px: int,
     *,
     lit: bool = False,
+    ids: bool = False,
 ) -> TilePlan | None:
     """Plan the tiles of a picture; None where its layers fit the budget.
 
@@ -101,12 +102,13 @@ def plan_tiles(
         budget: memory.
         most_side_px: limit of the device on the sides of textures.
         lit: whether surfaces are lit, for which strips hold `render.layers.targets.Reflectors` too.
+        ids: whether layers hold ids.
     """
-    if layers_bytes(*whole.size, layers, lit=lit) <= budget.bytes and max(whole.size) <= most_side_px:
+    if layers_bytes(*whole.size, layers, lit=lit, ids=ids) <= budget.bytes and max(whole.size) <= most_side_px:
         return None
     axis = 0 if whole.width >= whole.height else 1
     length, across = whole.size[axis], whole.size[1 - axis]
-    per_line = layers_bytes(1 << 14, across, layers) >> 14
+    per_line = layers_bytes(1 << 14, across, layers, ids=ids) >> 14
     strip_line = per_line + across * REFLECTOR_BYTES_PER_PX * lit
     strip = min(length, max(BLOCK_PX, min(budget.strip_bytes // strip_line, most_side_px) // BLOCK_PX * BLOCK_PX))
     unit = strip if strip < length else BLOCK_PX
@@ -127,9 +129,9 @@ def plan_tiles(
     return TilePlan(whole, axis, strip, window, tuple(tiles))
 
 
-def layers_bytes(width: int, height: int, layers: int, *, lit: bool = False) -> int:
-    """Memory of layers of this size, lit or not, and of their N-buffers, bytes."""
-    return width * height * layer_bytes_per_px(layers, lit=lit) + nbuffer_bytes(width, height)
+def layers_bytes(width: int, height: int, layers: int, *, lit: bool = False, ids: bool = False) -> int:
+    """Memory of layers of this size, lit or not, with ids or not, and of their N-buffers, bytes."""
+    return width * height * layer_bytes_per_px(layers, lit=lit, ids=ids) + nbuffer_bytes(width, height)
 
 
 def ray_reach_px(bundle: RayBundle, focus: PictureFocus, whole: PinholeView, scale: float, nearest_w: float) -> float:

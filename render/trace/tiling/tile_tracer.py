@@ -8,11 +8,13 @@ from typing import Literal
 
 import moderngl
 
+from render.layers.matte_numbers import MatteNumbers
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers
 from render.layers.window import LayerWindow, PeelStrip
 from render.model.area import Area
 from render.model.arrays import FloatArray
+from render.model.mattes import MatteSum
 from render.optics.view import PinholeView
 from render.trace.highlights.carrier import CarriedHighlights, HighlightCarrier
 from render.trace.highlights.chosen import Highlights, join_highlights
@@ -39,6 +41,7 @@ class TileWork:
         nearest_w: largest inverse depth of any surface in view, 1/m.
         connections: carry highlights.
         bound_by_rays: see `Tracer.passes`.
+        mattes: sum to add what the rays meet to, and numbers of the surfaces; None for no mattes.
     """
 
     plan: TilePlan
@@ -50,6 +53,7 @@ class TileWork:
     nearest_w: float
     connections: bool
     bound_by_rays: bool
+    mattes: tuple[MatteSum, MatteNumbers] | None
 
 
 class TileTracer:
@@ -87,6 +91,7 @@ class TileTracer:
             The picture, ``(height, width, 4)`` float32, premultiplied, and the layers and N-buffers of its last window.
         """
         plan, view = work.plan, work.view
+        sums, numbers = work.mattes or (None, None)
         picture, done, found = TiledPicture(*view.size), 0.0, _StripHighlights(work, self._carrier)
         self._window.clear()
         try:
@@ -94,7 +99,14 @@ class TileTracer:
                 area = plan.area(tile, view)
                 self._at_work = picture, area, self._carrier.nothing
                 layers = self._window.move(
-                    plan.whole, plan.axis, tile.window, plan.window, plan.strip, work.layers, found.peel
+                    plan.whole,
+                    plan.axis,
+                    tile.window,
+                    plan.window,
+                    plan.strip,
+                    work.layers,
+                    found.peel,
+                    ids=sums is not None,
                 )
                 on_stage("peel")
                 nbuffers = self._nbuffers.build(layers, work.nearest_w)
@@ -104,12 +116,21 @@ class TileTracer:
                 self._at_work = picture, area, carried
                 share = area[2] * area[3] / (view.width * view.height)
                 passes = self._tracer.passes(
-                    layers, nbuffers, work.bundle, work.focus, view, bound_by_rays=work.bound_by_rays, area=area
+                    layers,
+                    nbuffers,
+                    work.bundle,
+                    work.focus,
+                    view,
+                    bound_by_rays=work.bound_by_rays,
+                    area=area,
+                    mattes=numbers,
                 )
                 for step in carried.without(passes):
                     if step.share < 1 or tile.stop < view.size[plan.axis]:
                         yield done + share * step.share
                 picture.put(area, carried.add_to(self._tracer.picture()))
+                if sums is not None:
+                    sums.put(area, *self._tracer.read_mattes())
                 on_stage("trace")
                 done += share
             yield 1.0

@@ -1,0 +1,58 @@
+"""A reader of Cryptomatte files, written from the specification alone."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO
+
+from render.model.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class Cryptomatte:
+    """One matte of a file.
+
+    Attributes:
+        ids: ``(height, width, ranks)`` uint32 bits.
+        coverage: ``(height, width, ranks)`` float32.
+        manifest: id bits by name.
+    """
+
+    ids: np.ndarray
+    coverage: FloatArray
+    manifest: dict[str, int]
+
+    def of(self, name: str) -> FloatArray:
+        """``(height, width)`` coverage of a name."""
+        return np.where(self.ids == self.manifest[name], self.coverage, 0).sum(axis=-1)
+
+
+def read_cryptomattes(file: Path) -> dict[str, Cryptomatte]:
+    """Read all mattes of an EXR by name: header of the first part, channels of all parts."""
+    channels, headers = {}, {}
+    for i in range(OpenImageIO.ImageBuf(str(file)).nsubimages):
+        image = OpenImageIO.ImageBuf(str(file), i, 0)
+        spec = image.spec()
+        pixels = image.get_pixels(OpenImageIO.FLOAT)
+        assert all(str(spec.channelformat(c)) == "float" for c, n in enumerate(spec.channelnames) if n[-4:-2].isdigit())
+        channels |= {name: pixels[..., c] for c, name in enumerate(spec.channelnames)}
+        if i == 0:
+            headers = {a.name: a.value for a in spec.extra_attribs if a.name.startswith("cryptomatte/")}
+    mattes = {}
+    for key in {name.split("/")[1] for name in headers}:
+        own = {what: headers[f"cryptomatte/{key}/{what}"] for what in ("name", "hash", "conversion", "manifest")}
+        assert (own["hash"], own["conversion"]) == ("MurmurHash3_32", "uint32_to_float32")
+        ids, coverage = [], []
+        layer = 0
+        while f"{own['name']}{layer:02}.R" in channels:
+            ids += [channels[f"{own['name']}{layer:02}.{c}"] for c in "RB"]
+            coverage += [channels[f"{own['name']}{layer:02}.{c}"] for c in "GA"]
+            layer += 1
+        bits = np.ascontiguousarray(np.stack(ids, axis=-1)).view(np.uint32)
+        manifest = {name: int(value, 16) for name, value in json.loads(own["manifest"]).items()}
+        mattes[own["name"]] = Cryptomatte(bits, np.stack(coverage, axis=-1), manifest)
+    return mattes

@@ -63,14 +63,12 @@ class MatteTables:
         program["surface_ids"] = unit
 
     def read(self) -> tuple[NDArray[np.uint32], FloatArray]:
-        """Read numbers and weights, ``(SLOTS, height, width)`` each; a number of 0 ends a pixel's."""
+        """Read numbers and weights, ``(SLOTS, height, width)`` each, 0 where not used."""
         if self._table is None:
             raise ValueError("no mattes were begun")
         width, height, _ = self._table.size
         table = np.frombuffer(self._table.read(), np.uint32).reshape(SLOTS, height, width, 2)
-        numbers = table[..., 0].copy()
-        numbers[1:][np.logical_or.accumulate(numbers == 0, axis=0)[:-1]] = 0
-        return numbers, table[..., 1].view(np.float32)
+        return table[..., 0], np.ascontiguousarray(table[..., 1]).view(np.float32)
 
     def release(self) -> None:
         """Release the memory."""

@@ -1,8 +1,9 @@
 // Table of what the rays of a pixel meet: numbers of surfaces and the weight of the rays that meet them.
 // Exact while a pixel meets no more than SLOTS surfaces. A further one takes over the slot of the least weight, with that weight
-// (Space-Saving; Metwally, Agrawal & El Abbadi 2005): the sum stays right, and a surface of more than 1/SLOTS of it is never lost.
+// (Space-Saving; Metwally, Agrawal & El Abbadi 2005): the sum stays right, a surface of more than 1/SLOTS of it is never lost, and
+// none gets more than 1/SLOTS of it too much.
 
-layout(rg32ui, binding = 1) uniform uimage2DArray matte_table;  // number and bits of the weight; SLOTS slices, ended by a 0
+layout(rg32ui, binding = 1) uniform uimage2DArray matte_table;  // number and bits of the weight; SLOTS slices, 0 where not used
 layout(std430, binding = 0) readonly buffer MatteObjects { uvec2 matte_objects[]; };    // of each object: where its numbers begin,
                                                                                         // 1 where each triangle has its own
 layout(std430, binding = 2) readonly buffer MatteNumbers { uint matte_numbers[]; };
@@ -11,7 +12,7 @@ uniform usampler2DArray surface_ids;    // object + 1 and triangle of the layers
 uint slot_number[SLOTS];
 float slot_weight[SLOTS];
 int slots_used = 0;
-float ray_share;        // weight of the ray that is marched
+float ray_share;        // of the ray that is marched in the pixel's sum
 
 void add_to_slots(uint number, float weight)
 {
@@ -38,19 +39,22 @@ void note_surface(ivec3 texel, float opacity)
     add_to_slots(matte_numbers[object.x + object.y * surface.y], ray_share * opacity);
 }
 
-// Add the slots, times `scale`, to the table of a pixel.
-void store_slots(ivec2 pixel, float scale)
+// Continue the table of a pixel.
+void load_slots(ivec2 pixel)
 {
-    for (int i = 0; i < slots_used; ++i) slot_weight[i] *= scale;
     for (int i = 0; i < SLOTS; ++i) {
         uvec2 stored = imageLoad(matte_table, ivec3(pixel, i)).xy;
         if (stored.x == 0u) break;
-        add_to_slots(stored.x, uintBitsToFloat(stored.y));
+        slot_number[i] = stored.x;
+        slot_weight[i] = uintBitsToFloat(stored.y);
+        slots_used = i + 1;
     }
-    for (int i = 0; i < SLOTS; ++i) {
-        bool used = i < slots_used;
-        uvec2 slot = used ? uvec2(slot_number[i], floatBitsToUint(slot_weight[i])) : uvec2(0u);
+}
+
+void store_slots(ivec2 pixel)
+{
+    for (int i = 0; i < slots_used; ++i) {
+        uvec2 slot = uvec2(slot_number[i], floatBitsToUint(slot_weight[i]));
         imageStore(matte_table, ivec3(pixel, i), uvec4(slot, 0u, 0u));
-        if (!used) break;
     }
 }

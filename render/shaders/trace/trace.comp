@@ -152,6 +152,12 @@ void main()
     vec2 range = bound_footprint(rays, reach);
     interval_count = 0;
     if (range.y > 0.0) find_intervals(reachable_bins(rays, range, reach), range);
+#ifdef MATTES
+    float passing = 0.0;
+    for (int i = 0; i < ray_count; ++i) passing += max(lens_ray(rays, first_ray + i).weight, 0.0);
+    float share = light.a * light_correction(passing, float(ray_count));
+    load_slots(pixel - area_first);
+#endif
     vec4 total = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < ray_count; ++i) {
@@ -159,7 +165,7 @@ void main()
         if (ray.weight <= 0.0) continue;
         weights += ray.weight;
 #ifdef MATTES
-        ray_share = ray.weight;
+        ray_share = share * ray.weight;
 #endif
 #ifdef MOVERS
         total += ray.weight * march_moving(ray.a, ray.b);
@@ -167,11 +173,10 @@ void main()
         total += ray.weight * march(ray.a, ray.b);
 #endif
     }
-    float correction = light_correction(weights, float(ray_count));
-    total *= correction;
+    total *= light_correction(weights, float(ray_count));
     pixel -= area_first;
 #ifdef MATTES
-    store_slots(pixel, light.a * correction);
+    store_slots(pixel);
 #endif
     imageStore(sum, pixel, imageLoad(sum, pixel) + light * total);
 }

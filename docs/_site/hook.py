@@ -14,7 +14,7 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
-from docs._site import command_line, engine_pages, keys, openapi, overview, python_api, schema
+from docs._site import command_line, engine_pages, keys, openapi, overview, properties, python_api, schema
 
 ROOT = Path(__file__).parents[2]
 PYTHON_INDEX = "reference/python/index.md"
@@ -31,6 +31,7 @@ def generated_pages() -> dict[str, str]:
         "reference/rest.md": openapi.routes_page(ROOT),
         "reference/models.md": openapi.models_page(ROOT),
         "reference/engines.md": engine_pages.page(),
+        "reference/properties.md": properties.page(),
         **python_api.pages(ROOT, PYTHON_INDEX),
     }
 

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -33,13 +34,19 @@ def print_message(message: str) -> None:
 
 
 def print_findings(findings: Sequence[Finding], stage: str) -> None:
-    """Print warnings for the first findings: `pullfocus inspect` has the whole list.
+    """Print warnings for some findings, the first one of each code before the second ones; `pullfocus inspect` lists all.
 
     Args:
         findings: settings that are not honoured or cannot be used.
         stage: the stage as the user typed it.
     """
-    for finding in findings[:MAX_WARNINGS]:
+    numbers: Counter[str] = Counter()
+
+    def number_of_its_code(finding: Finding) -> int:
+        numbers[finding.code] += 1
+        return numbers[finding.code]
+
+    for finding in sorted(findings, key=number_of_its_code)[:MAX_WARNINGS]:
         print_message(f"warning: {finding.message}")
     if len(findings) > MAX_WARNINGS:
         print_message(f"warning: and {len(findings) - MAX_WARNINGS} more, see: pullfocus inspect {stage}")

@@ -16,12 +16,15 @@ from render.optics.photometry.exposure import ExposureSettings
 from render.shot import Readout, Shot
 from render.shot.inspection import Inspection, inspect_shot
 
+_HEADER = {"format": "pullfocus.inspection", "version": 1}
+"""First keys of the JSON document. A key that goes or changes its meaning raises the version; a new key does not."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.set_defaults(run=run)
     shared.add_stage(parser)
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--json", action="store_true", help="print JSON (in the reference: Inspection)")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -35,7 +38,7 @@ def run(arguments: argparse.Namespace) -> None:
     """
     inspection = inspect_shot(Shot.open(arguments.stage, edits=arguments.edits))
     if arguments.json:
-        print_json({"stage": arguments.stage, **inspection_json(inspection)})
+        print_json({**_HEADER, "stage": arguments.stage, **inspection_json(inspection)})
     else:
         print("\n".join(map(one_line, _lines(arguments.stage, inspection))))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from render.errors import one_line
@@ -26,6 +27,27 @@ class Finding:
     def __post_init__(self) -> None:
         """The message is one line, whatever the names in it."""
         object.__setattr__(self, "message", one_line(self.message))
+
+
+def condense(findings: Iterable[Finding], most: int) -> list[Finding]:
+    """Shorten a list of findings: of each code the first ones stay, and one finding stands for all others of it.
+
+    Args:
+        findings: any number.
+        most: how many of one code stay; one more does, too.
+    """
+    by_code: dict[str, list[Finding]] = {}
+    for finding in findings:
+        by_code.setdefault(finding.code, []).append(finding)
+    return [finding for alike in by_code.values() for finding in _condense_alike(alike, most)]
+
+
+def _condense_alike(findings: list[Finding], most: int) -> list[Finding]:
+    rest = findings[most:]
+    if len(rest) < 2:
+        return findings
+    message = f"{len(rest):,} more findings like these: {rest[0].message}"
+    return [*findings[:most], Finding(rest[0].code, rest[0].path, message, sum(finding.count for finding in rest))]
 
 
 class FindingLog:

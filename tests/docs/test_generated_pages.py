@@ -7,7 +7,8 @@ from pathlib import Path
 
 from pxr import Sdf
 
-from docs._site import command_line, keys, openapi, overview, python_api, schema
+from docs._site import command_line, keys, openapi, overview, properties, python_api, schema
+from render.stage.honoured.rules import RULES
 
 COMMANDS = ("record", "inspect", "focus-curve", "meter", "lenses show", "films show", "demo", "serve", "bench lens")
 ROOT = Path(__file__).parents[2]
@@ -34,6 +35,14 @@ def test_the_schema_page_has_every_property() -> None:
     names = [prop.name for prim in layer.rootPrims for prop in prim.properties]
     assert len(names) > 100
     assert [name for name in names if f"#### `{name}` {{" not in page] == []
+
+
+def test_the_properties_page_has_every_rule() -> None:
+    page = properties.page()
+    for schema_name, rules in RULES.items():
+        (row,) = [line for line in page.splitlines() if line.startswith(f"| `{schema_name}` |")]
+        for names in (rules.honoured, *rules.neutral, *rules.ignored, *rules.named):
+            assert all(f"`{name}`" in row for name in names.split() if name != "*")
 
 
 def test_the_python_pages_name_every_package() -> None:

@@ -18,6 +18,10 @@ from render.shot.findings.camera_findings import (
 )
 from render.shot.focus.focused_camera import FocusedCamera
 from render.stage import Finding, StageReader, find_not_honoured
+from render.stage.findings import condense
+
+MAX_ALIKE = 50
+"""Findings of one code that are listed one by one."""
 
 
 class ShotFindings:
@@ -39,11 +43,12 @@ class ShotFindings:
         self._focus: dict[Finding, int] = {}  # with the revision of the edits that each belongs to
 
     def all(self) -> list[Finding]:
-        """Every finding so far that still holds."""
+        """Every finding so far that still holds; those of one code beyond `MAX_ALIKE` are one finding together."""
         cameras = camera_findings(self._stage, self._cameras.paths())
         focus = [finding for finding, revision in self._focus.items() if revision == self._edits.revision]
         ignored = find_not_honoured(self._stage)
-        return [*self._reader.findings, *cameras, *light_findings(self._lights), *focus, *ignored]
+        found = [*self._reader.findings, *cameras, *light_findings(self._lights), *focus, *ignored]
+        return condense(found, MAX_ALIKE)
 
     def note_lights(self, lights: tuple[Light, ...]) -> None:
         """Keep the lights of the scene that was read last."""

@@ -5,11 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from pathlib import Path
 
 import pytest
 from pxr import Sdf, Usd
 
+from render.cli.console import print_findings
+from render.stage import Finding
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, write_shot
 
 HAIR = '\n    def BasisCurves "Hair" {}\n'
@@ -51,6 +54,31 @@ def test_json_has_all_that_was_found(pullfocus: Command, shot: Path) -> None:
     assert {note["path"] for note in inspection["notes"]} == {"/World/Hair", "/World/broken"}
 
 
+def _keys(value: object, path: str = "") -> set[str]:
+    """Paths of all keys, as the reference writes them."""
+    if isinstance(value, list):
+        return {path} | set().union(*(_keys(each, f"{path}[]") for each in value)) if path else set()
+    if not isinstance(value, dict):
+        return {path}
+    return set().union(*(_keys(each, f"{path}.{name}".lstrip(".")) for name, each in value.items()))
+
+
+def test_every_key_is_in_the_reference(pullfocus: Command, tmp_path: Path) -> None:
+    odd = CAMERA.replace("main_cam", "odd").replace(
+        '"odd"\n    {',
+        '"odd" (\n        prepend apiSchemas = ["ApertureAPI"]\n    )\n    {\n        int aperture:blades = 2',
+    )
+    shot = write_shot(tmp_path / "shot.usda", SQUARE, HAIR, odd, CAMERA)
+    inspection = json.loads(pullfocus("inspect", shot, "--json").out)
+    assert (inspection["format"], inspection["version"]) == ("pullfocus.inspection", 1)
+    written = {key for key in _keys(inspection) if not key.endswith("]")}
+    page = (Path(__file__).parents[3] / "docs/reference/inspection.md").read_text(encoding="utf-8")
+    documented = set(re.findall(r"^\| `([^`]+)` \|", page, re.MULTILINE))
+    lists = {key for key in written if any(other.startswith(f"{key}[]") for other in written)}
+    assert written - lists == documented - lists
+    assert lists <= documented | {"exposures[].equivalents"}
+
+
 def test_people_read_the_same(pullfocus: Command, shot: Path) -> None:
     ended = pullfocus("inspect", shot)
     assert ended.status == 0
@@ -72,6 +100,15 @@ def test_what_the_validators_find_is_listed(pullfocus: Command, tmp_path: Path) 
     [problem] = inspection["validation"]
     assert problem["path"].startswith("/World/main_cam")
     assert "blades" in problem["message"]
+
+
+def test_warnings_are_few_and_of_every_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    many = [Finding("curves", f"/c{number}", f"/c{number} is not drawn") for number in range(30)]
+    print_findings([*many, Finding("texture", "/t", "texture t is missing")], "shot.usda")
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[:2] == ["warning: /c0 is not drawn", "warning: texture t is missing"]
+    assert len(lines) == 9
+    assert lines[-1] == "warning: and 23 more, see: pullfocus inspect shot.usda"
 
 
 def test_a_curve_has_every_frame_of_the_shot(pullfocus: Command, shot: Path) -> None:

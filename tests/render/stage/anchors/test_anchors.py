@@ -232,7 +232,7 @@ def test_a_click_finds_the_place_that_the_anchor_finds_again(
     camera = default_camera(stage, aspect=1.0).framing
     assert isinstance(camera, Camera)
     hits = 0
-    for x, y in np.random.default_rng(5).uniform((40, 80), (160, 120), (24, 2)):
+    for x, y in np.random.default_rng(5).uniform((40, 80), (160, 120), (72, 2)):
         pick = renderer.pick(scene, camera, 200, 200, float(x), float(y))
         if pick is None:
             continue

@@ -16,8 +16,9 @@ from render import colour
 from render.errors import InputError
 from render.model.arrays import DoubleArray
 from render.model.scene import Dome, Image, Light
-from render.stage.assembly.poses import BadTransformError, is_hidden, world_pose
+from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.findings import FindingLog
+from render.stage.limits import PlaceError
 from render.stage.materials.textures import TextureCache, TextureError
 from render.stage.values import UNREADABLE, schema_type, why_unreadable
 from render.stage.world import is_y_up, rigid_frame, world_from_stage
@@ -71,7 +72,7 @@ class LightReader:
                 else:
                     message = f"dome light {path} is not honoured: {dome.path} is the one that shines"
                     self._log.add("second_dome", path, message)
-            except BadTransformError as problem:
+            except PlaceError as problem:
                 message = f"light {path} is off: the transform of {problem.path} is not finite"
                 self._log.add("bad_light", path, message)
             except UNREADABLE as problem:

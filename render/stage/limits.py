@@ -10,6 +10,10 @@ MAX_INSTANCED_PRIMS = 200_000
 MAX_PLACES = 2_000_000
 
 
+class PlaceError(StageError):
+    """Surface or light that has no place that can be used, or too many of them; the path is that of the prim at fault."""
+
+
 class PrimCount:
     """Counts the prims of a walk that lie below instances."""
 
@@ -33,9 +37,9 @@ class PrimCount:
 
 
 def check_places(count: int, instancer: object) -> None:
-    """Raise StageError, code ``too_many_instances``, where an instancer multiplies a surface beyond `MAX_PLACES`."""
+    """Raise `PlaceError`, code ``too_many_instances``, where an instancer multiplies a surface beyond `MAX_PLACES`."""
     if count > MAX_PLACES:
-        raise StageError(
+        raise PlaceError(
             f"instancer {instancer} has {count:,} instances with those it is nested in: expected up to {MAX_PLACES:,}",
             code="too_many_instances",
             path=str(instancer),

@@ -20,7 +20,6 @@ from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.joining import join_geometry, place_shape
 from render.stage.assembly.pieces import Piece, ShapeReader
 from render.stage.assembly.poses import (
-    BadTransformError,
     InstanceReader,
     instance_poses,
     is_hidden,
@@ -30,6 +29,7 @@ from render.stage.assembly.poses import (
 from render.stage.findings import FindingLog
 from render.stage.geometry.distances import is_placeable
 from render.stage.geometry.shape import Shape
+from render.stage.limits import PlaceError
 from render.stage.materials.material import BoundMaterial
 
 
@@ -144,7 +144,7 @@ class RigidGroup(Group):
         if first.mover is not None:
             try:
                 pose = world_pose(first.mover, context.transforms, context.world) @ _shrink(context)
-            except BadTransformError as problem:
+            except PlaceError as problem:
                 _note(problem, context.log)
                 return ()
         material = context.look(self._pieces[0].material).material
@@ -161,7 +161,7 @@ class RigidGroup(Group):
                 matrix = world_pose(prim, context.transforms, context.world)
             else:
                 matrix = np.diag([*[context.scale] * 3, 1.0]) @ relative_pose(prim, mover, context.transforms)
-        except BadTransformError as problem:
+        except PlaceError as problem:
             _note(problem, context.log)
             return None
         if not is_placeable(shape.positions, matrix, piece.occurrence.path, context.log):
@@ -221,7 +221,7 @@ class InstancedGroup(Group):
                 continue
             try:
                 here, number, picked_as = _places_of(occurrence, context)
-            except BadTransformError as problem:
+            except PlaceError as problem:
                 _note(problem, context.log)
                 continue
             if piece.inherited != NONE_INHERITED:
@@ -246,7 +246,7 @@ def _places_of(occurrence: Occurrence, context: DrawContext) -> tuple[DoubleArra
     """``(k, 4, 4)`` poses of a surface, the instance number of each, and the path of the prim that they are picked as.
 
     Raises:
-        BadTransformError: its transform is not finite.
+        PlaceError: its transform is not finite, or there are too many instances.
     """
     chain = occurrence.chain
     if not chain:
@@ -256,8 +256,8 @@ def _places_of(occurrence: Occurrence, context: DrawContext) -> tuple[DoubleArra
     return poses, numbers, str(chain[0].instancer.GetPath())
 
 
-def _note(problem: BadTransformError, log: FindingLog) -> None:
-    log.add("bad_transform", problem.path, f"{problem.path} and all below it is not drawn: its transform is not finite")
+def _note(problem: PlaceError, log: FindingLog) -> None:
+    log.add(problem.code, problem.path, f"{problem.detail}: what depends on it is not drawn")
 
 
 def _box(piece: Piece, context: DrawContext, matrix: DoubleArray) -> DoubleArray:

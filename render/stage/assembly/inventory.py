@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdLux, UsdProc, UsdShade
 
+from render.errors import StageError
 from render.stage.findings import FindingLog
 from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
@@ -97,10 +98,7 @@ def take_inventory(
         stage: the stage.
         options: purposes, mask and draw modes.
         render_pass: chooses what is drawn; None for everything.
-        log: notes prims of kinds that are not honoured.
-
-    Raises:
-        StageError: instances within instances multiply to more prims than can be walked; code ``too_many_prims``.
+        log: notes prims of kinds that are not honoured, and instances within instances that are too many to be walked.
     """
     walk = _Walk(options, render_pass, log)
     walk.below(stage.GetPseudoRoot(), _State(UsdGeom.Imageable.PurposeInfo()))
@@ -129,7 +127,11 @@ class _Walk:
         if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdGeom.Subset):
             return
         if state.chain or prim.IsInstanceProxy():
-            self._instanced.add(prim.GetPath())
+            try:
+                self._instanced.add(prim.GetPath())
+            except StageError as problem:
+                self._log.add(problem.code, "/", f"{problem.detail}; the others are not drawn")
+                return
         if not state.chain and self._is_left_out(prim.GetPath()):
             return
         below = self._inherit(prim, state)

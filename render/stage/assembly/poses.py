@@ -10,26 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Tf, Usd, UsdGeom, Vt
 
-from render.errors import StageError
 from render.model.arrays import DoubleArray, IntArray
 from render.stage.assembly.inventory import InstancerLink
 from render.stage.findings import FindingLog
-from render.stage.limits import check_places
+from render.stage.limits import PlaceError, check_places
 from render.stage.values import UNREADABLE, format_value, why_unreadable
 from render.stage.world import column_matrix
 
 Matrix = TypeVar("Matrix")
 
 
-class BadTransformError(StageError):
-    """Transform that is not finite; the path is that of the prim at fault."""
-
-
 def world_pose(prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray) -> DoubleArray:
     """Pose ``(4, 4)`` of a prim: world (metres, Y-up) from its own space in stage units.
 
     Raises:
-        BadTransformError: the transform is not finite; names the prim.
+        PlaceError: the transform is not finite; names the prim.
     """
     matrix = column_matrix(_computed(lambda: transforms.GetLocalToWorldTransform(prim)))
     if not np.isfinite(matrix).all():
@@ -254,8 +249,8 @@ def instance_poses(
         ``(k, 4, 4)`` world from the prim's own space, and ``(k,)`` instance numbers.
 
     Raises:
-        BadTransformError: that of the outermost instancer, or of a prim in a prototype, is not finite.
-        StageError: the instances multiply beyond all use.
+        PlaceError: the transform of the outermost instancer, or of a prim in a prototype, is not finite, or the instances
+            multiply beyond all use.
     """
     poses = world_pose(chain[0].instancer, transforms, world)[None]
     numbers = np.zeros(1, np.int32)
@@ -293,7 +288,7 @@ def relative_pose(prim: Usd.Prim, ancestor: Usd.Prim, transforms: UsdGeom.XformC
     """Transform ``(4, 4)`` from a prim's own space to that of one of its ancestors, or of itself.
 
     Raises:
-        BadTransformError: the transform is not finite.
+        PlaceError: the transform is not finite.
     """
     if prim == ancestor:
         return np.eye(4)
@@ -317,8 +312,6 @@ def _culprit(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Usd.Prim:
     return prim
 
 
-def _not_finite(prim: Usd.Prim) -> BadTransformError:
+def _not_finite(prim: Usd.Prim) -> PlaceError:
     path = str(prim.GetPath())
-    return BadTransformError(
-        f"the transform of {path} must be finite numbers, and is not", code="bad_transform", path=path
-    )
+    return PlaceError(f"the transform of {path} must be finite numbers, and is not", code="bad_transform", path=path)

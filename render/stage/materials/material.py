@@ -81,6 +81,8 @@ class _SurfaceReader:
         if self._network.constant(self._shader, "useSpecularWorkflow", 0) == 1:
             self._color("specular", "specularColor", (0.0,) * 3)
         self._normal()
+        if self._network.constant(self._shader, "occlusion", 1.0) != 1.0:
+            self._ignored("occlusion", "an occlusion without a texture is not honoured")
         material = Material(
             name=self._path,
             uses_display_color=self._primvars.color is not None or self._primvars.opacity is not None,

@@ -11,6 +11,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, Vt
 
 from render.stage import StageReader, find_not_honoured
+from render.stage.camera.framing import framing_camera
 from tests.render.kits.stages import T, add_material, add_mesh, add_textured_material, bind, instancer, new_stage, read
 
 NAN, INF = math.nan, math.inf
@@ -124,6 +125,7 @@ DRAWN: dict[str, tuple[str, Author]] = {
         "material_diffuseColor",
         lambda s: _shaded(s, "diffuseColor", T.Color3f, (NAN, 0, 0)),
     ),
+    "an occlusion without a texture": ("material_occlusion", lambda s: _shaded(s, "occlusion", T.Float, 0.5)),
     "texture coordinates of their own": ("material_st", _texture_coordinates_of_their_own),
     "a texture that is not there": (
         "texture_unreadable",
@@ -184,3 +186,12 @@ def test_the_other_instances_keep_their_numbers() -> None:
     (batch,) = read(stage).batches
     assert batch.instance_numbers is not None
     assert batch.instance_numbers.tolist() == [1]
+
+
+@pytest.mark.parametrize("place", [NAN, INF])
+def test_a_stage_with_a_fault_is_framed_by_the_rest(place: float) -> None:
+    stage = new_stage()
+    add_mesh(stage, "/good")
+    add_mesh(stage, "/bad").AddTranslateOp().Set((place, 0, 0))
+    camera = framing_camera(stage, 0.0)
+    assert camera.world_from_camera[:2, 3] == pytest.approx([0.5, 0.5])

@@ -12,6 +12,7 @@ from pxr import Usd
 
 from render.errors import PullfocusError, SettingsError
 from render.model.camera import Camera
+from render.model.framing import WHOLE, Framing
 from render.model.scene import Scene
 from render.model.shutter import moments
 from render.shot.camera.lookup import CameraLookup
@@ -85,6 +86,7 @@ class Shot:
         self.focus = ShotFocus(stage, edits, cameras, anchors, self._solver)
         self.exposure = ShotExposure(stage, edits, cameras, self._solver, reader)
         self.film = ShotFilm(stage, edits, cameras)
+        self._framing = WHOLE
 
     @classmethod
     def open(
@@ -156,7 +158,7 @@ class Shot:
 
         Where ``focus:mode`` is ``points``, the focus distance is the weighted best one for the focus points. A camera
         without an authored mode is focused by hand, even where it has points: ``manual`` is the fallback of the schema, and
-        what other tools show. Without a camera path or a default camera, a camera that frames the whole stage is made.
+        what other tools show. Its gate is framed as `framed` says. Without a camera path or a default camera, a camera that frames the whole stage is made.
 
         Args:
             camera_path: prim path of a camera.
@@ -169,8 +171,22 @@ class Shot:
         """
         if width < 1 or height < 1:
             raise SettingsError(f"a picture must be at least 1 × 1 pixels, but {width} × {height} was requested")
-        focused = self._solver.solve(camera_path, time)
-        return with_exposure(self.stage, self._solver.fit_to_picture(focused, time, width / height), time)
+        focused, framing = self._solver.solve(camera_path, time), self._framing
+        fitted = self._solver.fit_to_picture(focused, time, framing.aspect(width, height), framing.conform)
+        return framing.apply(with_exposure(self.stage, fitted, time), width, height)
+
+    @contextmanager
+    def framed(self, framing: Framing) -> Iterator[None]:
+        """Frame the pictures of the block, all that `camera_at` is asked for.
+
+        Args:
+            framing: in place of whole pictures with square pixels.
+        """
+        before, self._framing = self._framing, framing
+        try:
+            yield
+        finally:
+            self._framing = before
 
     def check_not_own(self, path: Path) -> None:
         """Refuse to overwrite a file that the shot itself uses: a layer, a texture, or the saved edits.

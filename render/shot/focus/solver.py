@@ -82,19 +82,22 @@ class FocusSolver:
             self._observer.note_points(focused)
         return over
 
-    def fit_to_picture(self, focused: FocusedCamera, time: float, aspect: float | None) -> Camera:
+    def fit_to_picture(
+        self, focused: FocusedCamera, time: float, aspect: float | None, conform: str | None = None
+    ) -> Camera:
         """Return a solved camera with its film gate conform_camera to a picture.
 
         Args:
             focused: the solved camera.
             time: USD time code at which it was solved.
             aspect: width over height of the picture; None keeps the camera's own film gate.
+            conform: how the gate becomes the picture's shape, as in `read_camera`; None for the stage's own policy.
         """
         if aspect is None:
             return focused.camera
         if not focused.camera.path:
-            return conform_camera(focused.camera, aspect)
-        picture = read_camera(self._stage, focused.camera.path, time, aspect=aspect)
+            return conform_camera(focused.camera, aspect, conform or "expandAperture")
+        picture = read_camera(self._stage, focused.camera.path, time, aspect=aspect, conform=conform)
         own = focused.camera
         return replace(
             picture, focus_distance_m=own.focus_distance_m, f_stop=own.f_stop, focal_surface=own.focal_surface

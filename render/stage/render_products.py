@@ -1,0 +1,237 @@
+"""Products of a RenderSettings prim (UsdRender): the pictures and files that a stage asks for.
+
+A product takes from the settings what it does not author itself, as UsdRenderProduct says. `UsdRender.ComputeSpec`, which does
+the same, is not there in Python.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pxr import Gf, Usd, UsdRender
+
+from render.errors import SettingsError
+from render.model.aovs import AOV_NAMES, PRIMVAR_PREFIX, check_aov
+from render.model.framing import Framing, Window
+from render.model.limits import check_picture_size
+from render.stage.findings import FindingLog
+from render.stage.own_settings import read_own_settings
+from render.stage.render_settings import RenderSettings
+from render.stage.values import format_value
+
+Kind = str
+_KINDS = {"half": "half", "float": "float", "double": "float", "int": "uint"}
+_COLORS = ("color", "Ci", "C.*", "rgba")
+"""Names that renderers give to the colour of the picture."""
+
+
+@dataclass(frozen=True)
+class Var:
+    """One of a product's ordered vars.
+
+    Attributes:
+        name: of the file's part: that of the RenderVar prim.
+        aov: what it holds, a name that ``--aov`` takes.
+        kind: type of samples that it asks for: ``half``, ``float`` or ``uint``; None for that of the AOV.
+        channels: number of channels that its type has.
+    """
+
+    name: str
+    aov: str
+    kind: Kind | None
+    channels: int
+
+
+@dataclass(frozen=True)
+class Product:
+    """A picture that a stage asks for.
+
+    Attributes:
+        path: prim path.
+        file: name of the file as it is authored, with the ending ``.exr`` where it has none.
+        camera_path: prim path; None where neither product nor settings name one.
+        width: pixels that are rendered.
+        height: likewise.
+        framing: how the camera's gate becomes these pixels.
+        has_motion: whether moving things may be blurred.
+        vars: parts of the file, in order; empty where no var is named, which stands for the colour.
+        own: values of fields of `FrameSettings` that settings and product author.
+    """
+
+    path: str
+    file: str
+    camera_path: str | None
+    width: int
+    height: int
+    framing: Framing
+    has_motion: bool
+    vars: tuple[Var, ...]
+    own: dict[str, Any]
+
+
+def read_products(settings: RenderSettings, log: FindingLog) -> list[Product]:
+    """Products of a settings prim, in order.
+
+    Args:
+        settings: the settings.
+        log: notes products that are not rendered, vars that are left out, and our own settings that are not known.
+
+    Raises:
+        SettingsError: there is no product that can be rendered, or one asks for a picture that is not possible.
+    """
+    stage = settings.prim.GetPrim().GetStage()
+    shared = read_own_settings(settings.prim.GetPrim(), log)
+    products = []
+    for target in settings.prim.GetProductsRel().GetForwardedTargets():
+        prim = stage.GetPrimAtPath(target)
+        if not prim or not prim.IsA(UsdRender.Product):
+            log.add("no_product", target, f"{settings.path} names the product {target}, which is no RenderProduct")
+            continue
+        kind = str(UsdRender.Product(prim).GetProductTypeAttr().Get())
+        if kind != "raster":
+            log.add("product_type", target, f"product {target} is not rendered: its productType is {kind}, not raster")
+            continue
+        products.append(_Reader(UsdRender.Product(prim), settings, log).read(shared))
+    if not products:
+        raise SettingsError(f"{settings.path} has no products to render: its products relationship names RenderProduct prims")
+    return products
+
+
+class _Reader:
+    """Reads one product; attributes that it does not author are those of the settings."""
+
+    def __init__(self, product: UsdRender.Product, settings: RenderSettings, log: FindingLog) -> None:
+        self._product, self._settings, self._log = product, settings, log
+        self._path = str(product.GetPath())
+
+    def read(self, shared: dict[str, Any]) -> Product:
+        width, height = self._pair("resolution")
+        check_picture_size(width, height)
+        box = self._window(width, height)
+        pixel_aspect = self._number("pixelAspectRatio")
+        if not (math.isfinite(pixel_aspect) and pixel_aspect > 0):
+            raise self._fault("pixelAspectRatio", "a positive number", pixel_aspect)
+        window = None if box == (0, 0, width, height) else Window(box[0], box[1], width, height)
+        still = self._flag("disableMotionBlur") or self._flag("instantaneousShutter")
+        return Product(
+            path=self._path,
+            file=self._file(),
+            camera_path=self._camera(),
+            width=box[2],
+            height=box[3],
+            framing=Framing(
+                conform=str(self._get("aspectRatioConformPolicy")),
+                pixel_aspect=pixel_aspect,
+                window=window,
+                is_sharp=self._flag("disableDepthOfField"),
+            ),
+            has_motion=not still,
+            vars=self._vars(),
+            own={**shared, **read_own_settings(self._product.GetPrim(), self._log)},
+        )
+
+    def _get(self, name: str) -> object:
+        own = self._product.GetPrim().GetAttribute(name)
+        given = own if own.HasAuthoredValue() else self._settings.prim.GetPrim().GetAttribute(name)
+        return given.Get()
+
+    def _fault(self, name: str, expected: str, got: object) -> SettingsError:
+        return SettingsError(f"{name} of product {self._path} must be {expected}, got {format_value(got)}")
+
+    def _number(self, name: str) -> float:
+        value = self._get(name)
+        if not isinstance(value, int | float):
+            raise self._fault(name, "a number", value)
+        return float(value)
+
+    def _flag(self, name: str) -> bool:
+        value = self._get(name)
+        if not isinstance(value, bool):
+            raise self._fault(name, "true or false", value)
+        return value
+
+    def _pair(self, name: str) -> tuple[int, int]:
+        value = self._get(name)
+        if not isinstance(value, Gf.Vec2i):
+            raise self._fault(name, "two whole numbers", value)
+        return value[0], value[1]
+
+    def _window(self, width: int, height: int) -> tuple[int, int, int, int]:
+        """Column and row of the first pixel, and width and height, of the pixels whose centres ``dataWindowNDC`` holds."""
+        value = self._get("dataWindowNDC")
+        if not isinstance(value, Gf.Vec4f) or not all(map(math.isfinite, value)) or max(map(abs, value)) > 1e4:
+            raise self._fault("dataWindowNDC", "four finite numbers", value)
+        left, bottom, right, top = value
+        columns = _centres(left, right, width)
+        rows = _centres(1 - top, 1 - bottom, height)
+        if columns[1] <= columns[0] or rows[1] <= rows[0]:
+            raise self._fault("dataWindowNDC", "a window that holds the centre of a pixel", value)
+        size = columns[1] - columns[0], rows[1] - rows[0]
+        check_picture_size(*size)
+        return columns[0], rows[0], *size
+
+    def _file(self) -> str:
+        name = str(self._product.GetProductNameAttr().Get() or self._product.GetPrim().GetName())
+        return name if name.rpartition("/")[2].count(".") else f"{name}.exr"
+
+    def _camera(self) -> str | None:
+        targets = self._product.GetCameraRel().GetForwardedTargets()
+        return str(targets[0]) if targets else self._settings.camera_path
+
+    def _vars(self) -> tuple[Var, ...]:
+        stage, found = self._product.GetPrim().GetStage(), []
+        for target in self._product.GetOrderedVarsRel().GetForwardedTargets():
+            prim = stage.GetPrimAtPath(target)
+            if not prim or not prim.IsA(UsdRender.Var):
+                self._log.add("no_var", target, f"product {self._path} names the var {target}, which is no RenderVar")
+                continue
+            var = self._var(UsdRender.Var(prim))
+            if var is not None:
+                found.append(var)
+        return _named_apart(found)
+
+    def _var(self, var: UsdRender.Var) -> Var | None:
+        path, name = str(var.GetPath()), var.GetPrim().GetName()
+        source, kind = str(var.GetSourceNameAttr().Get() or name), str(var.GetSourceTypeAttr().Get())
+        if kind == "lpe":
+            self._log.add("light_path", path, f"var {path} is left out: light path expressions are not honoured")
+            return None
+        aov = f"{PRIMVAR_PREFIX}{source.removeprefix(PRIMVAR_PREFIX)}" if kind == "primvar" else source
+        aov = "color" if aov in _COLORS else aov
+        try:
+            check_aov(aov)
+        except SettingsError:
+            known = ", ".join(AOV_NAMES)
+            self._log.add("unknown_var", path, f"var {path} is left out: its sourceName {source} is none of {known}")
+            return None
+        samples, channels = _data_type(str(var.GetDataTypeAttr().Get()))
+        return Var(name, aov, samples, channels)
+
+
+def _centres(first: float, last: float, size: int) -> tuple[int, int]:
+    """First pixel, and the one after the last, whose centres lie from ``first`` to ``last``, shares of ``size`` pixels."""
+    slack = 1e-6  # single precision of the shares
+    return math.ceil(first * size - 0.5 - slack * size), math.floor(last * size - 0.5 + slack * size) + 1
+
+
+def _data_type(name: str) -> tuple[Kind | None, int]:
+    """Type of samples, and number of channels, of a value type such as ``color3f``."""
+    base = name.removesuffix("[]")
+    for word, kind in _KINDS.items():
+        if base.rstrip("234") == word:
+            return kind, int(base.removeprefix(word) or 1)
+    letters = {"h": "half", "f": "float", "d": "float", "i": "uint"}
+    if base[-1:] in letters and base[-2:-1] in ("2", "3", "4"):
+        return letters[base[-1]], int(base[-2])
+    return None, 3
+
+
+def _named_apart(found: Sequence[Var]) -> tuple[Var, ...]:
+    """Vars without those whose name an earlier one has."""
+    named: dict[str, Var] = {}
+    for var in found:
+        named.setdefault(var.name, var)
+    return tuple(named.values())

@@ -13,7 +13,7 @@ from pxr import Sdf
 
 from render.cli.console import camel_case_keys, finite, print_json
 from render.cli.options import camera as camera_options
-from render.cli.options import contact_sheet, flare, grade, long_exposure, progressive, shared, usdrecord
+from render.cli.options import contact_sheet, flare, grade, long_exposure, picture, progressive, shared, usdrecord
 from render.cli.recording.frames import record_frames
 from render.cli.recording.job import RecordJob
 from render.engines import all_engines, check_settings
@@ -34,9 +34,6 @@ from render.shot.times import DEFAULT_TIME
 from render.stage.options import COMPLEXITIES, PURPOSES, StageOptions
 
 CULLS = ("nothing", "backfaces")
-DEFAULT_WIDTH_PX = 960
-DEFAULT_MOMENTS = 16
-"""Shutter samples where --motion-by is given without --motion."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +93,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     _add_scene_options(parser)
     usdrecord.add_arguments(parser)
-    _add_picture_options(parser)
+    picture.add_arguments(parser)
     for module in (camera_options, grade, flare, long_exposure, contact_sheet, progressive):
         module.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print a list of the written files on standard output")
@@ -122,80 +119,6 @@ def _add_scene_options(parser: argparse.ArgumentParser) -> None:
         choices=CULLS,
         help="backfaces: draw only the outsides of what is not doubleSided; both sides are drawn without it",
     )
-
-
-def _add_picture_options(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("rendering")
-    group.add_argument(
-        "--imageWidth",
-        "-w",
-        type=int,
-        metavar="PX",
-        help=f"width; the film gate's shape gives the height; without it {DEFAULT_WIDTH_PX}, or the resolution that"
-        " --renderSettingsPrimPath gives",
-    )
-    group.add_argument(
-        "--engine",
-        default=FrameSettings.engine,
-        metavar="NAME",
-        help="; ".join(f"{engine.name} {engine.summary}" for engine in all_engines()),
-    )
-    with_rays = ", ".join(engine.name for engine in all_engines() if engine.has_rays)
-    group.add_argument(
-        "--rays", type=int, default=100, metavar="N", help=f"lens rays for each pixel, of the engines {with_rays}"
-    )
-    group.add_argument(
-        "--noise",
-        type=float,
-        default=0.0,
-        metavar="E",
-        help="in place of --rays, of the engine lens: rays until the standard error of each 8x8 pixels is below this, from"
-        f" {LEAST_NOISE} to {MOST_NOISE} in values of the encoded picture from 0 to 1, or at {MAX_RAYS} rays",
-    )
-    group.add_argument(
-        "--no-adaptive", action="store_true", help="the same number of rays for every pixel, for exact comparisons"
-    )
-    group.add_argument("--layers", type=int, default=4, metavar="N", help="depth layers at most")
-    group.add_argument(
-        "--supersample",
-        type=float,
-        default=FrameSettings.supersample,
-        metavar="N",
-        help="layer pixels for each pixel, along each axis; 0, the default, for as many as suit the engine and its rays",
-    )
-    group.add_argument(
-        "--no-connections",
-        action="store_true",
-        help="leave small bright lights to the lens rays, for exact comparisons: their blurred images are noisy then",
-    )
-    group.add_argument(
-        "--wavelengths",
-        type=int,
-        default=3,
-        metavar="N",
-        help=f"of light, from 1 to {MAX_WAVELENGTHS}, for lenses with colour errors: 3 is one for each channel,"
-        " more a smoother spectrum, 1 leaves colour errors out",
-    )
-    group.add_argument("--shading", default="lit", metavar="NAME", help="lit, or unlit for the base colour as radiance")
-    group.add_argument(
-        "--aov",
-        default="color",
-        metavar="LIST",
-        help=f"parts of an EXR: {', '.join(AOV_NAMES)}",
-    )
-    group.add_argument(
-        "--motion",
-        type=int,
-        metavar="N",
-        help=f"shutter samples, from 1 to {MAX_MOTION}, over which the rays are spread; 1, the default, stops motion;"
-        f" with --motion-by the default is {DEFAULT_MOMENTS}",
-    )
-    group.add_argument(
-        "--motion-by",
-        choices=MOTIONS,
-        help="moments: render the scene at each sample, which is exact; velocities: render it once and move it, much faster",
-    )
-    group.add_argument("--seed", type=int, default=0, metavar="N", help="of the sampling pattern")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -371,35 +294,3 @@ def _read_mask(typed: str | None) -> tuple[str, ...] | None:
 def _is_prim_path(text: str) -> bool:
     path = Sdf.Path(text) if Sdf.Path.IsValidPathString(text) else Sdf.Path()
     return bool(path.IsAbsolutePath() and path.IsAbsoluteRootOrPrimPath())
-
-
-def _read_settings(arguments: argparse.Namespace) -> FrameSettings:
-    """Read the settings of a picture, except its height, which follows from the camera's film gate."""
-    settings = FrameSettings(
-        width=DEFAULT_WIDTH_PX if arguments.imageWidth is None else arguments.imageWidth,
-        height=1,
-        engine=arguments.engine,
-        rays=arguments.rays,
-        adaptive=not arguments.no_adaptive,
-        noise=arguments.noise,
-        layers=arguments.layers,
-        supersample=arguments.supersample,
-        connections=not arguments.no_connections,
-        wavelengths=arguments.wavelengths,
-        shading=arguments.shading,
-        motion=_read_moments(arguments),
-        motion_by=arguments.motion_by or MOTIONS[0],
-        seed=arguments.seed,
-        aovs=shared.split_words(arguments.aov),
-    )
-    check_settings(settings)
-    return settings
-
-
-def _read_moments(arguments: argparse.Namespace) -> int:
-    """Read the number of shutter samples; a long exposure without --motion chooses its own."""
-    if arguments.motion is None:
-        return 1 if arguments.motion_by is None or arguments.long_exposure is not None else DEFAULT_MOMENTS
-    if arguments.motion == 1 and arguments.motion_by is not None and arguments.long_exposure is None:
-        raise SettingsError("--motion-by has no effect with --motion 1, which stops motion: leave out one of them")
-    return int(arguments.motion)

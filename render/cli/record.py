@@ -16,15 +16,11 @@ from render.cli.options import camera as camera_options
 from render.cli.options import contact_sheet, flare, grade, long_exposure, picture, progressive, shared, usdrecord
 from render.cli.recording.frames import record_frames
 from render.cli.recording.job import RecordJob
-from render.engines import all_engines, check_settings
-from render.errors import SettingsError
+from render.errors import OutputError, SettingsError
 from render.files import check_replaceable, check_writable
 from render.film import GradeChoice
 from render.film.stock import library_stock
-from render.model.aovs import AOV_NAMES
-from render.model.frame_settings import LEAST_NOISE, MAX_MOTION, MOST_NOISE, MOTIONS, FrameSettings
 from render.model.frame_spec import frame_file_names, parse_frames
-from render.model.limits import MAX_RAYS, MAX_WAVELENGTHS
 from render.output import format_of
 from render.pictures.contact_axes import Axis
 from render.pictures.picture_height import picture_height
@@ -42,7 +38,8 @@ class RecordOptions:
 
     Attributes:
         frames: USD time codes, or `DEFAULT_TIME` alone; None takes the first frame.
-        settings: of each picture; the height is set from the camera.
+        given: settings of each picture that the command line gives, which win over those of the stage's settings prim.
+        width: of each picture; None for that of the settings prim where ``takes_resolution``, else the default.
         takes_resolution: the chosen settings prim gives width and height.
         stock: film of the library; None keeps the shot's.
         lens: to mount; None keeps the camera's.
@@ -55,7 +52,8 @@ class RecordOptions:
     """
 
     frames: list[float] | None
-    settings: FrameSettings
+    given: dict[str, Any]
+    width: int | None
     takes_resolution: bool
     stock: str | None
     lens: LensChoice | None
@@ -74,7 +72,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "out",
         metavar="OUT",
-        help="file to write: .exr (scene-linear), .png or .jpg (graded); a run of # in it is the frame number",
+        help="file to write: .exr (scene-linear), .png or .jpg (graded); a run of # in it is the frame number; "
+        " with --products a folder",
     )
     shared.add_camera(parser)
     shared.add_lens(parser)
@@ -140,6 +139,9 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
     shot = _open_shot(arguments)
+    if arguments.products:
+        _run_products(arguments, options, shot)
+        return
     first = shot.frame_range.start if options.long_exposure is None else options.long_exposure.begin
     frames = options.frames or [first]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
@@ -160,19 +162,72 @@ def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
         )
 
 
+def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: Shot) -> None:
+    """Record each product of the stage's render settings into the folder OUT."""
+    from render.cli.recording.products import ProductRun, product_files, record_products
+
+    frames, folder = options.frames or [shot.frame_range.start], Path(arguments.out)
+    grade.warn_of_unapplied(arguments)
+    with shared.printed_findings(shot, arguments.stage):
+        runs, set_up = [], set()
+        for product in shot.products():
+            files = product_files(product, folder, frames)
+            camera = shared.choose_camera(shot, product.camera_path)
+            if camera not in set_up:
+                _set_camera(shot, camera, options)
+                set_up.add(camera)
+            aovs = tuple(dict.fromkeys(("color", *(var.aov for var in product.vars))))
+            given = {**product.own, **options.given, "aovs": aovs}
+            settings = picture.make_settings(given, width=product.width, height=product.height)
+            if not product.has_motion or math.isnan(frames[0]):
+                settings = replace(settings, motion=1)
+            with shot.framed(product.framing):
+                shot.camera_at(
+                    camera, frames[0], product.width, product.height
+                )  # errors come before anything is rendered
+            job = RecordJob(shot, camera, settings, options.stock, options.grade, options.camera.draw_guides)
+            runs.append(ProductRun(product, job, files))
+        all_files = [file for run in runs for file in run.files]
+        _make_folders(all_files)
+        _check_files(shot, all_files)
+        written = record_products(runs, frames)
+    if arguments.json:
+        findings = [asdict(finding) for finding in shot.findings()]
+        print_json({"stage": arguments.stage, "frames": [finite(entry) for entry in written], "findings": findings})
+
+
+def _make_folders(files: Sequence[Path]) -> None:
+    """Make the folders of files.
+
+    Raises:
+        SettingsError: two of the files are the same.
+        OutputError: a folder cannot be made.
+    """
+    twice = [str(file) for file in files if files.count(file) > 1]
+    if twice:
+        raise SettingsError(f"several products are written to {twice[0]}: give each its own productName")
+    for folder in dict.fromkeys(file.parent for file in files):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"the folder {folder} cannot be made: {error.strerror}", path=str(folder)) from error
+
+
 def _read_options(arguments: argparse.Namespace) -> RecordOptions:
     progressive.check_progressive(arguments)
     usdrecord.check_arguments(arguments)
     axes = contact_sheet.read_axes(arguments)
-    if axes is None and format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
+    if arguments.products:
+        _check_products(arguments)
+    elif axes is None and format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
         raise SettingsError(f"--aov {arguments.aov} needs an EXR file to hold it, got {arguments.out}")
     frames = _read_frames(arguments)
-    settings = _read_settings(arguments)
     if arguments.film is not None:
         library_stock(arguments.film)
     return RecordOptions(
         frames=frames,
-        settings=settings,
+        given=picture.read_given(arguments),
+        width=arguments.imageWidth,
         takes_resolution=arguments.imageWidth is None
         and (arguments.renderSettingsPrimPath or arguments.renderPassPrimPath) is not None,
         stock=arguments.film,
@@ -186,10 +241,21 @@ def _read_options(arguments: argparse.Namespace) -> RecordOptions:
     )
 
 
+def _check_products(arguments: argparse.Namespace) -> None:
+    """Refuse options that each product has of its own, and other ways of recording."""
+    own = {"--camera": arguments.camera, "--imageWidth": arguments.imageWidth, "--crop": arguments.crop}
+    ways = {"--contact-sheet": arguments.contact_sheet, "--long-exposure": arguments.long_exposure}
+    refused = {**own, **ways, "--progressive": arguments.progressive or None}
+    refused["--aov"] = None if arguments.aov == "color" else arguments.aov
+    given = [name for name, value in refused.items() if value is not None]
+    if given:
+        raise SettingsError(f"--products takes cameras, sizes and vars from the stage: leave out {', '.join(given)}")
+
+
 def _read_frames(arguments: argparse.Namespace) -> list[float] | None:
     if not arguments.defaultTime:
         return None if arguments.frames is None else parse_frames(arguments.frames)
-    if "#" in arguments.out:
+    if "#" in arguments.out and not arguments.products:
         raise SettingsError(f"--defaultTime has no frame number for the # in {arguments.out!r}")
     if arguments.long_exposure is not None or arguments.contact_sheet is not None:
         raise SettingsError("--defaultTime takes single pictures: leave out --long-exposure and --contact-sheet")
@@ -197,20 +263,27 @@ def _read_frames(arguments: argparse.Namespace) -> list[float] | None:
 
 
 def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: float) -> RecordJob:
-    """Set the shot's camera as the options say, for this run alone."""
-    shared.mount_lens(shot, camera_path, options.lens)
-    options.camera.set_on(shot, camera_path)
-    options.flare.set_on(shot, camera_path)
+    """Set the shot's camera as the options say, and collect what recording takes."""
+    _set_camera(shot, camera_path, options)
     width, height = _picture_size(shot, camera_path, options, time)
-    motion = 1 if math.isnan(time) else options.settings.motion  # nothing moves at the default time
+    settings = picture.make_settings({**shot.own_settings(), **options.given}, width=width, height=height)
+    if math.isnan(time):
+        settings = replace(settings, motion=1)  # nothing moves at the default time
     return RecordJob(
         shot=shot,
         camera_path=camera_path,
-        settings=replace(options.settings, width=width, height=height, motion=motion),
+        settings=settings,
         stock=options.stock,
         grade=options.grade,
         overlay=options.camera.draw_guides,
     )
+
+
+def _set_camera(shot: Shot, camera_path: str | None, options: RecordOptions) -> None:
+    """Set a camera of the shot as the options say, for this run alone."""
+    shared.mount_lens(shot, camera_path, options.lens)
+    options.camera.set_on(shot, camera_path)
+    options.flare.set_on(shot, camera_path)
 
 
 def _picture_size(shot: Shot, camera_path: str | None, options: RecordOptions, time: float) -> tuple[int, int]:
@@ -218,7 +291,7 @@ def _picture_size(shot: Shot, camera_path: str | None, options: RecordOptions, t
     settings = shot.render_settings if options.takes_resolution else None
     if settings is not None and settings.resolution is not None:
         return settings.resolution
-    width = options.settings.width
+    width = picture.DEFAULT_WIDTH_PX if options.width is None else options.width
     return width, picture_height(shot, camera_path, time, width)
 
 

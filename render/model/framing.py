@@ -29,8 +29,8 @@ class Framing:
     """Framing of a picture.
 
     Attributes:
-        conform: how the gate becomes the picture's shape: a token of UsdRenderSettings' ``aspectRatioConformPolicy``; None for the
-            stage's own.
+        conform: how the gate becomes the picture's shape: a token of UsdRenderSettings' ``aspectRatioConformPolicy``; None for
+            the stage's own.
         pixel_aspect: width of a pixel over its height.
         window: place of the picture in a larger one; None where it is the whole.
         is_sharp: whether all is in focus: the camera is a pinhole.

@@ -14,6 +14,7 @@ from render.model.arrays import FloatArray
 from render.output.exr import encode_exr
 from render.output.formats import check_format
 from render.output.image_file import describe, file_bytes
+from render.output.layout import PLAIN_LAYOUT, FileLayout
 from render.output.metadata import SOFTWARE, FrameMetadata
 
 JPEG_QUALITY = 92
@@ -31,7 +32,13 @@ class FrameArrays(Protocol):
         """Measurements by name, each ``(height, width)``."""
 
 
-def encode(file_format: str, frame: FrameArrays, graded: FloatArray, metadata: FrameMetadata) -> bytes:
+def encode(
+    file_format: str,
+    frame: FrameArrays,
+    graded: FloatArray,
+    metadata: FrameMetadata,
+    layout: FileLayout = PLAIN_LAYOUT,
+) -> bytes:
     """A frame as the bytes of a file.
 
     Args:
@@ -39,6 +46,7 @@ def encode(file_format: str, frame: FrameArrays, graded: FloatArray, metadata: F
         frame: the rendered frame.
         graded: ``(height, width, 3)`` display-referred, 0 to 1.
         metadata: metadata of the file.
+        layout: parts of an EXR file, and its place in a larger picture.
 
     Raises:
         SettingsError: no such format, or an AOV that has no place in a file.
@@ -46,7 +54,7 @@ def encode(file_format: str, frame: FrameArrays, graded: FloatArray, metadata: F
     """
     match check_format(file_format):
         case "exr":
-            return encode_exr(frame.color, frame.aovs, metadata)
+            return encode_exr(frame.color, frame.aovs, metadata, layout)
         case "png":
             return encode_png(graded, metadata)
         case "jpeg":

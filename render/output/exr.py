@@ -21,10 +21,12 @@ from numpy.typing import NDArray
 
 from render.errors import SettingsError
 from render.film.develop import expose
-from render.model.aovs import file_order, find_aov
+from render.model.aovs import Kind, find_aov
 from render.model.arrays import FloatArray
+from render.model.framing import Framing
 from render.model.mattes import MATTES, id_bits
 from render.output.image_file import Part, describe, file_bytes
+from render.output.layout import PLAIN_LAYOUT, FileLayout
 from render.output.metadata import Attribute, FrameMetadata
 
 NO_ID = 0xFFFFFFFF
@@ -32,7 +34,9 @@ _PRIM_IDS = {"prim_id": 1, "primId": 0}
 """AOVs with ids of prims, and the id of the first prim."""
 
 
-def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: FrameMetadata) -> bytes:
+def encode_exr(
+    color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: FrameMetadata, layout: FileLayout = PLAIN_LAYOUT
+) -> bytes:
     """Encode a frame as an EXR file (see the head of this module). Compression is lossless (zip).
 
     Args:
@@ -40,6 +44,7 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
             becomes 0, and values beyond half-float range become the largest half float.
         aovs: measurements by name, each ``(height, width)`` or ``(height, width, channels)``; ``color``, if there, is left out.
         metadata: metadata of the file.
+        layout: parts of the file, and its place in a larger picture: OpenEXR's data window in its display window.
 
     Raises:
         SettingsError: an AOV has no place in a file, or not the picture's size.
@@ -49,26 +54,45 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
     height, width = color.shape[:2]
     camera = metadata.exr_attributes(width, height)
     mattes = {name: _cryptomatte(name, metadata.matte_names.get(name, ())) for name in MATTES if name in aovs}
-    parts = [_colour_part(color, [*camera, *chain.from_iterable(mattes.values())], metadata)]
-    for name in file_order(list(aovs)):
-        pixels = aovs[name].reshape(height, width, -1)
-        aov = find_aov(name, pixels.shape[2])
-        own: list[Attribute] = [("colorInteropID", "string", "data"), *mattes.get(name, ())]
-        if name in _PRIM_IDS:
-            paths = _manifest(aovs[name] - _PRIM_IDS[name], metadata.prim_paths, _PRIM_IDS[name])
-            own.append(("pullfocus:primPaths", "string", paths))
-        pixels = _ids(pixels) if aov.kind == "uint" else pixels.astype(np.float32)
-        parts.append((describe(_spec(name, (width, height), list(aov.channels), aov.kind), [*camera, *own]), pixels))
+    parts: list[Part] = []
+    for part in layout.parts_for(list(aovs)):
+        if part.aov == "color":
+            own, pixels = _colour(color, metadata)
+            channels, kind = tuple("RGBA"), part.kind or "half"
+        else:
+            own, pixels, channels, kind = _measured(part.aov, aovs[part.aov], metadata)
+            kind = _kind_of(kind, part.kind)
+        theirs = mattes.get(part.aov, []) if parts else list(chain.from_iterable(mattes.values()))
+        channels = channels[: part.channels]
+        spec = _spec(part.name, (width, height), list(channels), kind, layout.framing)
+        parts.append((describe(spec, [*camera, *theirs, *own]), np.ascontiguousarray(pixels[..., : len(channels)])))
     return file_bytes(".exr", parts)
 
 
-def _colour_part(color: FloatArray, camera: list[Attribute], metadata: FrameMetadata) -> Part:
+def _colour(color: FloatArray, metadata: FrameMetadata) -> tuple[list[Attribute], FloatArray]:
+    """Attributes of the colour, and its samples, exposed."""
     pixels = np.empty_like(color, np.float32)
     pixels[..., :3] = expose(color[..., :3], metadata.camera.exposure_scale)
     pixels[..., 3] = np.clip(np.nan_to_num(color[..., 3]), 0, 1)
-    height, width = color.shape[:2]
-    own = _colour_space_attributes(metadata)
-    return describe(_spec("rgba", (width, height), list("RGBA"), "half"), [*camera, *own]), pixels
+    return _colour_space_attributes(metadata), pixels
+
+
+def _measured(
+    name: str, measured: NDArray[Any], metadata: FrameMetadata
+) -> tuple[list[Attribute], NDArray[Any], tuple[str, ...], Kind]:
+    """Attributes of an AOV, its samples, their channels and their type."""
+    pixels = measured.reshape(*measured.shape[:2], -1)
+    aov = find_aov(name, pixels.shape[2])
+    own: list[Attribute] = [("colorInteropID", "string", "data")]
+    if name in _PRIM_IDS:
+        paths = _manifest(measured - _PRIM_IDS[name], metadata.prim_paths, _PRIM_IDS[name])
+        own.append(("pullfocus:primPaths", "string", paths))
+    return own, _ids(pixels) if aov.kind == "uint" else pixels.astype(np.float32), aov.channels, aov.kind
+
+
+def _kind_of(kind: Kind, wanted: Kind | None) -> Kind:
+    """Type of samples: as wanted, but for ids, which no floating-point number holds exactly, and for what is no id."""
+    return kind if wanted is None or "uint" in (kind, wanted) else wanted
 
 
 def _colour_space_attributes(metadata: FrameMetadata) -> list[Attribute]:
@@ -81,13 +105,17 @@ def _colour_space_attributes(metadata: FrameMetadata) -> list[Attribute]:
     return own
 
 
-def _spec(name: str, size: tuple[int, int], channels: list[str], kind: str) -> OpenImageIO.ImageSpec:
+def _spec(name: str, size: tuple[int, int], channels: list[str], kind: str, framing: Framing) -> OpenImageIO.ImageSpec:
     spec = OpenImageIO.ImageSpec(*size, len(channels), kind)
     spec.channelnames = tuple(channels)
     spec.attribute("oiio:subimagename", name)
     spec.attribute("compression", "zip")
     # OpenImageIO fills in the time of day unless a date is given; the same frame must give the same bytes.
     spec.attribute("DateTime", "")
+    spec.attribute("PixelAspectRatio", float(framing.pixel_aspect))
+    if framing.window is not None:
+        spec.x, spec.y = framing.window.left, framing.window.top
+        spec.full_width, spec.full_height = framing.window.whole_width, framing.window.whole_height
     return spec
 
 

@@ -8,10 +8,17 @@ from render.files import write_atomic
 from render.model.arrays import FloatArray
 from render.output.encode import FrameArrays, encode
 from render.output.formats import format_of
+from render.output.layout import PLAIN_LAYOUT, FileLayout
 from render.output.metadata import FrameMetadata
 
 
-def write_frame(path: str | os.PathLike[str], frame: FrameArrays, graded: FloatArray, metadata: FrameMetadata) -> None:
+def write_frame(
+    path: str | os.PathLike[str],
+    frame: FrameArrays,
+    graded: FloatArray,
+    metadata: FrameMetadata,
+    layout: FileLayout = PLAIN_LAYOUT,
+) -> None:
     """Write a frame in the format of the file's name.
 
     Args:
@@ -19,9 +26,10 @@ def write_frame(path: str | os.PathLike[str], frame: FrameArrays, graded: FloatA
         frame: the rendered frame, for EXR.
         graded: ``(height, width, 3)`` display-referred, 0 to 1, for PNG and JPEG.
         metadata: metadata of the file.
+        layout: parts of an EXR file, and its place in a larger picture.
 
     Raises:
         SettingsError: the name's ending is not known.
         OutputError: the file cannot be written; an existing file is unchanged.
     """
-    write_atomic(path, encode(format_of(path), frame, graded, metadata))
+    write_atomic(path, encode(format_of(path), frame, graded, metadata, layout))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from pxr import Usd
 
@@ -41,7 +41,10 @@ from render.stage import (
     open_stage,
     stage_settings,
 )
+from render.stage.findings import FindingLog
 from render.stage.options import DEFAULT_OPTIONS, DRAWN_PURPOSES
+from render.stage.own_settings import read_own_settings
+from render.stage.render_products import Product, read_products
 
 _TRIAL_PX = (16, 9)
 """Size of the picture that `Shot.keep_usable` sets a camera up for; it is not rendered."""
@@ -130,6 +133,27 @@ class Shot:
         """The RenderSettings prim that the options of `open` chose, else the stage's own; None where there is none."""
         return stage_settings(self.stage)
 
+    def own_settings(self) -> dict[str, Any]:
+        """Fields of `FrameSettings` that the stage's RenderSettings prim authors (`render.stage.own_settings`)."""
+        settings, log = self.render_settings, FindingLog()
+        found = read_own_settings(settings.prim.GetPrim(), log) if settings else {}
+        self._findings.note_asked(log.as_list())
+        return found
+
+    def products(self) -> list[Product]:
+        """Products of the stage's RenderSettings prim.
+
+        Raises:
+            SettingsError: there is no such prim, or it has no product that can be rendered.
+        """
+        settings, log = self.render_settings, FindingLog()
+        if settings is None:
+            raise SettingsError(f"{self.path} has no RenderSettings prim to name products", code="no_render_settings")
+        try:
+            return read_products(settings, log)
+        finally:
+            self._findings.note_asked(log.as_list())
+
     @property
     def frame_range(self) -> FrameRange:
         """First and last frame as time codes, and the frames per second."""
@@ -158,7 +182,9 @@ class Shot:
 
         Where ``focus:mode`` is ``points``, the focus distance is the weighted best one for the focus points. A camera
         without an authored mode is focused by hand, even where it has points: ``manual`` is the fallback of the schema, and
-        what other tools show. Its gate is framed as `framed` says. Without a camera path or a default camera, a camera that frames the whole stage is made.
+        what other tools show.
+        Without a camera path or a default camera, a camera that frames the whole stage is made. The gate is framed as `framed`
+        says.
 
         Args:
             camera_path: prim path of a camera.

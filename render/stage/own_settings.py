@@ -6,7 +6,7 @@ are those at the default time. What is no such name, or has another type, is a f
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import Field, fields
 from typing import Any
 
 from pxr import Usd
@@ -21,10 +21,9 @@ _FROM_ELSEWHERE = ("width", "height", "aovs")
 """Fields that resolution and orderedVars of UsdRender give."""
 
 
-def own_names() -> dict[str, str]:
+def own_fields() -> dict[str, Field[Any]]:
     """Fields of `FrameSettings` by the names of their attributes, without the namespace."""
-    names = [field.name for field in fields(FrameSettings) if field.name not in _FROM_ELSEWHERE]
-    return {_camel_case(name): name for name in names}
+    return {_camel_case(field.name): field for field in fields(FrameSettings) if field.name not in _FROM_ELSEWHERE}
 
 
 def read_own_settings(prim: Usd.Prim, log: FindingLog) -> dict[str, Any]:
@@ -34,7 +33,7 @@ def read_own_settings(prim: Usd.Prim, log: FindingLog) -> dict[str, Any]:
         prim: any prim.
         log: notes names that are not known, and values of another type.
     """
-    known = own_names()
+    known = own_fields()
     found: dict[str, Any] = {}
     for attribute in prim.GetAuthoredAttributes():
         name = attribute.GetName()
@@ -44,19 +43,22 @@ def read_own_settings(prim: Usd.Prim, log: FindingLog) -> dict[str, Any]:
         if short not in known:
             log.add("unknown_setting", path, f"{path} is not used: {hint(short, list(known))}")
             continue
-        field, value = known[short], attribute.Get()
-        kind = type(getattr(FrameSettings, field))
+        value, (kind, words) = attribute.Get(), _KINDS[str(known[short].type)]
         if kind is float and type(value) is int:
             value = float(value)
         if type(value) is not kind:
-            message = f"{path} is not used: it must be {_KINDS[kind]}, got {format_value(value)}"
-            log.add("bad_setting", path, message)
+            log.add("bad_setting", path, f"{path} is not used: it must be {words}, got {format_value(value)}")
             continue
-        found[field] = value
+        found[known[short].name] = value
     return found
 
 
-_KINDS = {int: "a whole number", float: "a number", bool: "true or false", str: "a token or string"}
+_KINDS = {
+    "int": (int, "a whole number"),
+    "float": (float, "a number"),
+    "bool": (bool, "true or false"),
+    "str": (str, "a token or string"),
+}
 
 
 def _camel_case(name: str) -> str:

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pxr import Gf, Usd, UsdRender
+from pxr import Gf, UsdRender
 
 from render.errors import SettingsError
-from render.model.aovs import AOV_NAMES, PRIMVAR_PREFIX, check_aov
+from render.model.aovs import AOV_NAMES, PRIMVAR_PREFIX, Kind, check_aov
 from render.model.framing import Framing, Window
 from render.model.limits import check_picture_size
 from render.stage.findings import FindingLog
@@ -22,8 +22,7 @@ from render.stage.own_settings import read_own_settings
 from render.stage.render_settings import RenderSettings
 from render.stage.values import format_value
 
-Kind = str
-_KINDS = {"half": "half", "float": "float", "double": "float", "int": "uint"}
+_KINDS: dict[str, Kind] = {"half": "half", "float": "float", "double": "float", "int": "uint"}
 _COLORS = ("color", "Ci", "C.*", "rgba")
 """Names that renderers give to the colour of the picture."""
 
@@ -96,7 +95,9 @@ def read_products(settings: RenderSettings, log: FindingLog) -> list[Product]:
             continue
         products.append(_Reader(UsdRender.Product(prim), settings, log).read(shared))
     if not products:
-        raise SettingsError(f"{settings.path} has no products to render: its products relationship names RenderProduct prims")
+        raise SettingsError(
+            f"{settings.path} has no products to render: its products relationship names RenderProduct prims"
+        )
     return products
 
 
@@ -223,7 +224,7 @@ def _data_type(name: str) -> tuple[Kind | None, int]:
     for word, kind in _KINDS.items():
         if base.rstrip("234") == word:
             return kind, int(base.removeprefix(word) or 1)
-    letters = {"h": "half", "f": "float", "d": "float", "i": "uint"}
+    letters: dict[str, Kind] = {"h": "half", "f": "float", "d": "float", "i": "uint"}
     if base[-1:] in letters and base[-2:-1] in ("2", "3", "4"):
         return letters[base[-1]], int(base[-2])
     return None, 3

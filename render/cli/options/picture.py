@@ -35,7 +35,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     with_rays = ", ".join(engine.name for engine in all_engines() if engine.has_rays)
     group.add_argument(
-        "--rays", type=int, metavar="N", help=f"lens rays for each pixel, {FrameSettings.rays} by default, of the engines {with_rays}"
+        "--rays",
+        type=int,
+        metavar="N",
+        help=f"lens rays for each pixel, {FrameSettings.rays} by default, of the engines {with_rays}",
     )
     group.add_argument(
         "--noise",
@@ -47,7 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--no-adaptive", action="store_true", help="the same number of rays for every pixel, for exact comparisons"
     )
-    group.add_argument("--layers", type=int, metavar="N", help=f"depth layers at most, {FrameSettings.layers} by default")
+    group.add_argument(
+        "--layers", type=int, metavar="N", help=f"depth layers at most, {FrameSettings.layers} by default"
+    )
     group.add_argument(
         "--supersample",
         type=float,
@@ -103,7 +108,7 @@ def read_given(arguments: argparse.Namespace) -> dict[str, Any]:
     given |= {"connections": False} if arguments.no_connections else {}
     given |= {"motion": moments} if (moments := _read_moments(arguments)) is not None else {}
     given["aovs"] = shared.split_words(arguments.aov)
-    make_settings(given, width=arguments.imageWidth or DEFAULT_WIDTH_PX, height=1)
+    make_settings(given, width=DEFAULT_WIDTH_PX if arguments.imageWidth is None else arguments.imageWidth, height=1)
     return given
 
 

@@ -53,6 +53,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="draw with Mesa's software rasteriser; an error where OpenGL has a GPU only",
     )
     group.add_argument(
+        "--products",
+        action="store_true",
+        help="write every product of the RenderSettings prim, with its own camera, size and vars, below the folder OUT",
+    )
+    group.add_argument(
         "--disableDrawMode", action="store_true", help="do not warn of draw modes: geometry is drawn in any case"
     )
     group.add_argument(

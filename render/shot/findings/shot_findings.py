@@ -40,6 +40,7 @@ class ShotFindings:
         self._cameras = cameras
         self._reader = reader
         self._lights: tuple[Light, ...] = ()
+        self._asked: dict[Finding, None] = {}
         self._focus: dict[Finding, int] = {}  # with the revision of the edits that each belongs to
 
     def all(self) -> list[Finding]:
@@ -47,8 +48,12 @@ class ShotFindings:
         cameras = camera_findings(self._stage, self._cameras.paths())
         focus = [finding for finding, revision in self._focus.items() if revision == self._edits.revision]
         ignored = find_not_honoured(self._stage)
-        found = [*self._reader.findings, *cameras, *light_findings(self._lights), *focus, *ignored]
+        found = [*self._reader.findings, *cameras, *light_findings(self._lights), *focus, *self._asked, *ignored]
         return condense(found, MAX_ALIKE)
+
+    def note_asked(self, findings: Iterable[Finding]) -> None:
+        """Note findings of what the stage's render settings ask for."""
+        self._asked.update(dict.fromkeys(findings))
 
     def note_lights(self, lights: tuple[Light, ...]) -> None:
         """Keep the lights of the scene that was read last."""

@@ -222,9 +222,16 @@ RULES = {
     "SkelAnimation": Rules("blendShapeWeights blendShapes joints rotations scales translations"),
     "SkelBindingAPI": Rules(EVERYTHING),
     "BlendShape": Rules("offsets pointIndices", ignored={"normalOffsets": "normals turn with the surface"}),
-    "RenderSettings": Rules(
-        "aspectRatioConformPolicy camera includedPurposes materialBindingPurposes resolution",
+    "RenderSettingsBase": Rules(
+        "aspectRatioConformPolicy camera dataWindowNDC disableDepthOfField disableMotionBlur instantaneousShutter "
+        "pixelAspectRatio resolution"
     ),
+    "RenderSettings": Rules(
+        "includedPurposes materialBindingPurposes products",
+        ignored={"renderingColorSpace": "light is added in the scene_linear space of OpenColorIO's configuration"},
+    ),
+    "RenderProduct": Rules("orderedVars productName productType"),
+    "RenderVar": Rules("dataType sourceName sourceType"),
     "RenderPass": Rules(
         "renderSource", neutral={"command fileName passType": "for programs that start other renderers by it"}
     ),

@@ -1,0 +1,98 @@
+"""Record the products of a stage's render settings: each picture and file that it asks for, in one run."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from render.cli.console import FrameProgress
+from render.cli.recording.job import RecordJob
+from render.errors import SettingsError
+from render.model.frame_spec import frame_file_names
+from render.output import write_frame
+from render.output.formats import format_of
+from render.output.layout import FileLayout, FilePart
+from render.pictures.picture import make_picture
+from render.stage.render_products import Product
+
+
+@dataclass(frozen=True)
+class ProductRun:
+    """A product and what it takes to record it.
+
+    Attributes:
+        product: the product.
+        job: the shot, its camera and the settings of each picture.
+        files: one for each frame.
+    """
+
+    product: Product
+    job: RecordJob
+    files: Sequence[Path]
+
+
+def product_files(product: Product, folder: Path, frames: Sequence[float]) -> list[Path]:
+    """Files of a product's frames.
+
+    Args:
+        product: the product.
+        folder: that all files lie in.
+        frames: USD time codes.
+
+    Raises:
+        SettingsError: its name leaves the folder, has an ending that is no picture's, or has no place for the numbers of frames.
+    """
+    name = PurePosixPath(product.file.replace("\\", "/"))
+    if name.is_absolute() or ".." in name.parts or ":" in name.parts[0]:
+        raise SettingsError(
+            f"productName of {product.path} must be a file below {folder}, got {product.file!r}: files go into OUT alone"
+        )
+    format_of(name.name)
+    return [Path(file) for file in frame_file_names(str(folder / name), frames)]
+
+
+def record_products(runs: Sequence[ProductRun], frames: Sequence[float]) -> list[dict[str, Any]]:
+    """Render and write each frame of each product.
+
+    Args:
+        runs: products of one shot.
+        frames: USD time codes.
+
+    Returns:
+        Entries for ``--json``, one for each file.
+    """
+    from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: only once the shot is checked
+
+    written = []
+    with FrameRenderer() as renderer, FrameProgress(len(runs) * len(frames)) as progress:
+        for number, time in enumerate(frames):
+            for run in runs:
+                start, job, file = clock.perf_counter(), run.job, run.files[number]
+                progress.begin(file.name)
+                with job.shot.framed(run.product.framing):
+                    picture = make_picture(
+                        renderer,
+                        job.shot,
+                        job.camera_path,
+                        time,
+                        job.settings,
+                        on_progress=progress.update,
+                        stock=job.stock,
+                        choice=job.grade,
+                    )
+                graded = job.overlay(picture.graded, picture.camera)
+                write_frame(file, picture.frame, graded, picture.metadata, file_layout(run.product))
+                seconds = clock.perf_counter() - start
+                progress.finish(str(file), seconds)
+                entry = {"time": time, "file": str(file), "seconds": round(seconds, 3)}
+                written.append({**entry, "product": run.product.path, "camera": job.camera_path})
+    return written
+
+
+def file_layout(product: Product) -> FileLayout:
+    """Layout of a product's files."""
+    parts = tuple(FilePart(var.name, var.aov, var.kind, var.channels) for var in product.vars)
+    return FileLayout(parts, product.framing)

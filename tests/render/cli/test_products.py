@@ -1,0 +1,199 @@
+"""`pullfocus record --products` writes what a stage's RenderSettings prim asks for, in one run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO
+import pytest
+
+from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, write_shot
+from tests.render.kits.cryptomattes import read_cryptomattes
+
+OTHER_CAMERA = CAMERA.replace("main_cam", "other_cam").replace("(0, 0, 5)", "(0.4, 0, 3)")
+SETTINGS = """
+    def RenderSettings "settings"
+    {
+        rel camera = </World/main_cam>
+        rel products = [</World/beauty>, </World/crop>, </World/sharp>]
+        uniform int2 resolution = (48, 32)
+        int pullfocus:rays = 4
+        float pullfocus:supersample = 1
+        token pullfocus:shading = "unlit"
+    }
+    def RenderProduct "beauty"
+    {
+        token productName = "beauty/shot.####.exr"
+        rel orderedVars = [</World/rgba>, </World/depth>, </World/Neye>, </World/uv>, </World/ids>, </World/mattes>]
+    }
+    def RenderProduct "crop"
+    {
+        token productName = "crop.####.exr"
+        rel camera = </World/other_cam>
+        float4 dataWindowNDC = (0.25, 0.25, 0.75, 1.125)
+        rel orderedVars = [</World/half>]
+    }
+    def RenderProduct "sharp"
+    {
+        token productName = "sharp.####.png"
+        bool disableDepthOfField = 1
+        float pixelAspectRatio = 2
+        token pullfocus:engine = "pinhole"
+        rel orderedVars = [</World/rgba>]
+    }
+    def RenderVar "rgba"
+    {
+        uniform string sourceName = "color"
+        uniform token dataType = "color4f"
+    }
+    def RenderVar "half"
+    {
+        uniform string sourceName = "color"
+        uniform token dataType = "color3h"
+    }
+    def RenderVar "depth"
+    {
+        uniform string sourceName = "cameraDepth"
+        uniform token dataType = "float"
+    }
+    def RenderVar "Neye"
+    {
+        uniform token dataType = "normal3f"
+    }
+    def RenderVar "uv"
+    {
+        uniform string sourceName = "displayColor"
+        uniform token sourceType = "primvar"
+    }
+    def RenderVar "ids"
+    {
+        uniform string sourceName = "primId"
+        uniform token dataType = "int"
+    }
+    def RenderVar "mattes"
+    {
+        uniform string sourceName = "cryptoObject"
+    }
+"""
+NAMED = ("timeCodesPerSecond = 24", 'timeCodesPerSecond = 24\n    renderSettingsPrimPath = "/World/settings"')
+
+
+@pytest.fixture
+def pullfocus(capsys: pytest.CaptureFixture[str]) -> Command:
+    """The command."""
+    return Command(capsys)
+
+
+def write_products(folder: Path, settings: str = SETTINGS) -> Path:
+    """A shot with products."""
+    shot = write_shot(folder / "shot.usda", SQUARE, CAMERA, OTHER_CAMERA, settings)
+    shot.write_text(shot.read_text().replace(*NAMED))
+    return shot
+
+
+def parts(file: Path) -> dict[str, tuple[tuple[str, ...], str]]:
+    """Channels and type of samples of an EXR's parts, by their names, in order."""
+    found = {}
+    for i in range(OpenImageIO.ImageBuf(str(file)).nsubimages):
+        spec = OpenImageIO.ImageBuf(str(file), i, 0).spec()
+        found[spec.getattribute("oiio:subimagename")] = (tuple(spec.channelnames), str(spec.format))
+    return found
+
+
+def windows(file: Path) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Data window and display window of an EXR: left, top, right, bottom, ends included, read from the bytes of its header."""
+    data, found = file.read_bytes(), []
+    for name in (b"dataWindow", b"displayWindow"):
+        at = data.index(name + b"\0box2i\0") + len(name) + 1 + 6 + 4
+        found.append(tuple(np.frombuffer(data, "<i4", 4, at).tolist()))
+    return found[0], found[1]
+
+
+@pytest.mark.gl
+def test_one_run_writes_every_product(pullfocus: Command, tmp_path: Path) -> None:
+    ended = pullfocus("record", write_products(tmp_path), tmp_path / "out", "--products", "-f", "1,2", "--json")
+    assert ended.status == 0, ended.err
+    written = [(Path(entry["file"]), entry["product"], entry["camera"]) for entry in json.loads(ended.out)["frames"]]
+    assert [(str(file.relative_to(tmp_path / "out")), product.rpartition("/")[2]) for file, product, _ in written] == [
+        (f"{name}.{frame:04}.{ending}", name.rpartition("/")[0] or name)
+        for frame in (1, 2)
+        for name, ending in (("beauty/shot", "exr"), ("crop", "exr"), ("sharp", "png"))
+    ]
+    assert [camera.rpartition("/")[2] for *_, camera in written[:3]] == ["main_cam", "other_cam", "main_cam"]
+    beauty, crop, sharp = (file for file, *_ in written[:3])
+    xyz = ("X", "Y", "Z")
+    assert parts(beauty) == {
+        "rgba": (("R", "G", "B", "A"), "float"),
+        "depth": (("Z",), "float"),
+        "Neye": (xyz, "float"),
+        "uv": (("R", "G", "B"), "float"),
+        "ids": (("id",), "uint"),
+        "cryptoObject": (parts(beauty)["cryptoObject"][0], "float"),
+    }
+    assert parts(crop) == {"half": (("R", "G", "B"), "half")}
+    assert windows(beauty) == ((0, 0, 47, 31), (0, 0, 47, 31))
+    assert windows(crop) == ((12, -4, 35, 23), (0, 0, 47, 31))
+    picture = OpenImageIO.ImageBuf(str(sharp)).spec()
+    assert (picture.width, picture.height) == (48, 32)
+    matte = read_cryptomattes(beauty)["cryptoObject"].of("/World/Square")
+    np.testing.assert_allclose(matte, OpenImageIO.ImageBuf(str(beauty)).get_pixels()[..., 3], atol=1e-3)
+    assert 0.05 < matte.mean() < 0.95
+
+
+@pytest.mark.gl
+def test_a_window_shows_what_the_whole_picture_has_there(pullfocus: Command, tmp_path: Path) -> None:
+    whole = SETTINGS.replace("float4 dataWindowNDC = (0.25, 0.25, 0.75, 1.125)", 'token pullfocus:engine = "pinhole"')
+    cut = SETTINGS.replace(
+        'token productName = "crop', 'token pullfocus:engine = "pinhole"\n        token productName = "crop'
+    )
+    pictures = []
+    for name, settings in (("whole", whole), ("cut", cut)):
+        (tmp_path / name).mkdir()
+        ended = pullfocus("record", write_products(tmp_path / name, settings), tmp_path / name / "out", "--products")
+        assert ended.status == 0, ended.err
+        pictures.append(OpenImageIO.ImageBuf(str(tmp_path / name / "out/crop.0001.exr")).get_pixels())
+    np.testing.assert_allclose(pictures[1][4:], pictures[0][:24, 12:36], atol=0.02)
+    assert pictures[1].std() > 0.05
+
+
+@pytest.mark.gl
+def test_flags_win_over_our_settings_on_the_prim(pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_products(tmp_path)
+    for flags, rays in (((), 4), (("--rays", 9), 9)):
+        ended = pullfocus("record", shot, tmp_path / "a.exr", "--imageWidth", 16, *flags, "--json")
+        assert ended.status == 0, ended.err
+        used = json.loads(ended.out)["settings"]
+        assert (used["rays"], used["supersample"], used["shading"]) == (rays, 1, "unlit")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("crop.####.exr", "../crop.####.exr", "must be a file below"),
+        ("crop.####.exr", "/tmp/crop.####.exr", "must be a file below"),
+        ("crop.####.exr", "crop.####.gif", "gif"),
+        ("crop.####.exr", "crop.exr", "####"),
+        ("crop.####.exr", "beauty/shot.####.exr", "several products are written to"),
+        ("</World/other_cam>", "</World/Square>", "not a camera"),
+        ("pullfocus:rays = 4", "pullfocus:rays = 0", "rays must be"),
+        ('pullfocus:engine = "pinhole"', 'pullfocus:engine = "pinhle"', "pinhole"),
+    ],
+)
+def test_bad_products_are_refused_before_anything_is_rendered(
+    pullfocus: Command, tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    shot = write_products(tmp_path, SETTINGS.replace(old, new))
+    ended = pullfocus("record", shot, tmp_path / "out", "--products", "-f", "1:2")
+    assert ended.status == 2 or ended.status == 1
+    assert words in ended.err.splitlines()[-1]
+    assert not list(tmp_path.rglob("*.exr"))
+
+
+def test_what_products_say_themselves_is_refused(pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_products(tmp_path)
+    ended = pullfocus("record", shot, tmp_path / "out", "--products", "--imageWidth", 8, "--camera", "/World/main_cam")
+    assert "leave out --camera, --imageWidth" in ended.err
+    bare = write_shot(tmp_path / "bare.usda", SQUARE, CAMERA)
+    assert "no RenderSettings prim" in pullfocus("record", bare, tmp_path / "out", "--products").err

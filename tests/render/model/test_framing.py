@@ -1,0 +1,35 @@
+"""Windows of pictures: the same pixels as in the whole picture."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from render.model.camera import Camera
+from render.model.framing import WHOLE, Framing, Window
+from render.optics.view import PinholeView
+
+CAMERA = Camera(np.eye(4), 35, 36, 24, horizontal_offset_mm=3, vertical_offset_mm=-2, f_stop=2)
+
+
+@pytest.mark.parametrize("window", [Window(10, 5, 120, 80), Window(-7, -9, 120, 80), Window(100, 70, 120, 80)])
+def test_a_window_projects_as_the_whole_picture_does(window: Window) -> None:
+    points = np.array([[0.1, 0.2, -3.0], [-1.0, 0.5, -2.0], [2.0, -1.0, -9.0]])
+    whole, _ = PinholeView.from_camera(CAMERA, 120, 80).project(points)
+    cut = Framing(window=window).apply(CAMERA, 40, 30)
+    part, _ = PinholeView.from_camera(cut, 40, 30).project(points)
+    np.testing.assert_allclose(part, whole - [window.left, window.top], atol=1e-9)
+
+
+def test_the_shape_of_the_whole_picture_counts_pixels_by_their_shape() -> None:
+    assert WHOLE.aspect(120, 80) == 1.5
+    assert Framing(pixel_aspect=2.0).aspect(120, 80) == 3.0
+    assert Framing(pixel_aspect=2.0, window=Window(0, 0, 100, 50)).aspect(10, 40) == 4.0
+
+
+def test_a_sharp_picture_is_a_pinholes() -> None:
+    assert Framing(is_sharp=True).apply(CAMERA, 12, 8).f_stop == 0
+    assert WHOLE.apply(CAMERA, 12, 8) is CAMERA
+    assert replace(WHOLE, is_sharp=True) != WHOLE

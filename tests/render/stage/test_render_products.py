@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from pxr import Gf, Sdf, Usd, UsdRender
 
 from render.errors import SettingsError
 from render.model.framing import WHOLE, Window
 from render.stage.findings import FindingLog
+from render.stage.own_settings import own_fields
 from render.stage.render_products import Product, Var, read_products
 from render.stage.render_settings import RenderSettings
 from tests.render.kits.stages import new_stage
@@ -148,3 +152,8 @@ def test_values_that_make_no_picture_are_one_clear_error(
     spec.default = value
     with pytest.raises(SettingsError, match=message):
         read(settings)
+
+
+def test_the_guide_has_all_of_our_own_settings() -> None:
+    guide = (Path(__file__).parents[3] / "docs/guide/products.md").read_text()
+    assert set(re.findall(r"^\| `pullfocus:(\w+)` \|", guide, re.MULTILINE)) == set(own_fields())

@@ -12,6 +12,8 @@ uniform usampler2DArray surface_ids;    // object + 1 and triangle of the layers
 uint slot_number[SLOTS];
 float slot_weight[SLOTS];
 int slots_used = 0;
+uint last_number = 0u;  // of the surface met last, whose weight is not in the slots yet: mostly the next ray meets it too
+float last_weight = 0.0;
 float ray_share;        // of the ray that is marched in the pixel's sum
 
 void add_to_slots(uint number, float weight)
@@ -36,7 +38,13 @@ void add_to_slots(uint number, float weight)
 void note_surface(ivec3 texel, float opacity)
 {
     uvec2 surface = texelFetch(surface_ids, texel, 0).xy, object = matte_objects[surface.x - 1u];
-    add_to_slots(matte_numbers[object.x + object.y * surface.y], ray_share * opacity);
+    uint number = matte_numbers[object.x + object.y * surface.y];
+    if (number != last_number) {
+        if (last_number != 0u) add_to_slots(last_number, last_weight);
+        last_number = number;
+        last_weight = 0.0;
+    }
+    last_weight += ray_share * opacity;
 }
 
 // Continue the table of a pixel.
@@ -53,6 +61,7 @@ void load_slots(ivec2 pixel)
 
 void store_slots(ivec2 pixel)
 {
+    if (last_number != 0u) add_to_slots(last_number, last_weight);
     for (int i = 0; i < slots_used; ++i) {
         uvec2 slot = uvec2(slot_number[i], floatBitsToUint(slot_weight[i]));
         imageStore(matte_table, ivec3(pixel, i), uvec4(slot, 0u, 0u));

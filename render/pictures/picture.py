@@ -23,7 +23,7 @@ from render.output import FrameMetadata
 from render.pictures.flare import add_flare
 from render.pictures.image_space import ImageSpace
 from render.pictures.moving import check_shutter, has_motion, render_moving_frame
-from render.pictures.primvars import add_primvars
+from render.pictures.primvars import add_primvars, check_primvars
 from render.shot.film.finish import Finish
 from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
@@ -131,9 +131,11 @@ def expose_frame(
 
     Raises:
         CameraError: the shutter closes before it opens, or the camera has impossible values at one of the moments.
+        SettingsError: no drawn prim has a primvar that the settings name.
         GraphicsError: OpenGL reports an error.
     """
     check_shutter(camera)
+    check_primvars(shot, time, settings)
     space = ImageSpace.for_camera(camera, settings)
     if has_motion(camera, settings):
         frame = render_moving_frame(renderer, shot, camera_path, camera, time, space, on_progress)

@@ -8,12 +8,22 @@ from typing import TYPE_CHECKING
 from pxr import Usd
 
 from render.model.aovs import primvar_of
-from render.stage.geometry.primvar_pictures import picture_primvar
+from render.stage.geometry.primvar_pictures import find_numeric, picture_primvar
 from render.stage.opening import read_quietly
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameSettings
     from render.shot.shot import Shot
+
+
+def check_primvars(shot: Shot, time: float, settings: FrameSettings) -> None:
+    """Check that prims which are drawn at a time have the primvars that settings name; raises as `add_primvars`."""
+    names = [primvar for name in settings.aovs if (primvar := primvar_of(name))]
+    if names:
+        paths = shot.scene_at(time).prim_paths
+        with read_quietly(shot.stage):
+            for name in names:
+                find_numeric(shot.stage, name, paths)
 
 
 def add_primvars(shot: Shot, frame: Frame, settings: FrameSettings) -> Frame:

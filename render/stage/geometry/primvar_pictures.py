@@ -40,13 +40,11 @@ def picture_primvar(
     Raises:
         SettingsError: no prim has a primvar of that name with one to four numbers for each element.
     """
-    found = {i: primvar for i, path in enumerate(prim_paths) if (primvar := _find(stage, path, name)) is not None}
-    widths = {i: width for i, primvar in found.items() if (width := _width(primvar))}
-    if not widths:
-        raise SettingsError(f"no prim that is drawn has a primvar {name} of one to four numbers")
+    found = find_numeric(stage, name, prim_paths)
+    widths = {i: _width(primvar) for i, primvar in found.items()}
     picture = np.zeros((*points.mesh_ids.shape, max(widths.values())), np.float32)
     for number in np.unique(points.mesh_ids):
-        if number not in widths:
+        if number not in found:
             continue
         values = found[number].read(time, widths[number])
         here = points.mesh_ids == number
@@ -54,6 +52,27 @@ def picture_primvar(
             prim = stage.GetPrimAtPath(prim_paths[number])
             picture[here, : widths[number]] = _interpolate(prim, values, points, here, time)
     return picture[..., 0] if picture.shape[2] == 1 else picture
+
+
+def find_numeric(stage: Usd.Stage, name: str, prim_paths: Sequence[str]) -> dict[int, FoundPrimvar]:
+    """Find a primvar of one to four numbers for each element.
+
+    Args:
+        stage: the stage.
+        name: name of the primvar, without ``primvars:``.
+        prim_paths: prims to look at.
+
+    Returns:
+        The primvar by index of the prim.
+
+    Raises:
+        SettingsError: no prim has it.
+    """
+    every = ((i, _find(stage, path, name)) for i, path in enumerate(prim_paths))
+    found = {i: primvar for i, primvar in every if primvar is not None and _width(primvar)}
+    if not found:
+        raise SettingsError(f"no prim that is drawn has a primvar {name} of one to four numbers")
+    return found
 
 
 def _find(stage: Usd.Stage, path: str, name: str) -> FoundPrimvar | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import OpenImageIO
@@ -13,7 +14,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
 from render.output import encode
-from render.pictures.picture import Picture, make_picture
+from render.pictures.picture import Picture, expose_frame, make_picture
 from render.shot import Shot
 from tests.render.kits.stages import add_mesh, set_primvar
 
@@ -180,9 +181,14 @@ def test_a_file_has_them_as_parts(picture: Picture, tmp_path: Path) -> None:
         np.testing.assert_array_equal(ids == int({v: k for k, v in paths.items()}["/ball"]), seen(picture, "/ball"))
 
 
-def test_a_primvar_that_no_prim_has_is_refused(renderer: FrameRenderer, path: Path) -> None:
+def test_a_primvar_that_no_prim_has_is_refused_at_once(path: Path) -> None:
+    shot = Shot.open(path)
+    settings = FrameSettings(WIDTH, HEIGHT, aovs=("color", "primvars:colour"))
+    camera = shot.camera_at("/cam", 1.0, WIDTH, HEIGHT)
+    no_renderer = cast(FrameRenderer, None)
+
     with pytest.raises(SettingsError, match="no prim that is drawn has a primvar colour of one to four numbers"):
-        take(renderer, path, ("color", "primvars:colour"))
+        expose_frame(no_renderer, shot, "/cam", camera, 1.0, settings)
 
 
 def test_a_name_that_is_no_aov_is_refused() -> None:

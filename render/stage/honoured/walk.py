@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pxr import Sdr, Usd, UsdShade
+from pxr import Sdr, Tf, Usd, UsdShade
 
 from render.stage.findings import Finding
 from render.stage.honoured.rules import NODE_RULES
@@ -46,8 +46,9 @@ class _Walk:
             prim: any prim.
             path: that it has for the user.
         """
-        info, kind = prim.GetPrimTypeInfo(), schema_type(prim)
-        key = (str(info.GetTypeName()), kind, *info.GetAppliedAPISchemas())
+        info = prim.GetPrimTypeInfo()
+        kind = info.GetSchemaTypeName()
+        key = (info.GetTypeName(), kind, *info.GetAppliedAPISchemas())
         if key not in self._verdicts:
             self._verdicts[key] = judge(prim)
         verdict = self._verdicts[key]
@@ -102,7 +103,14 @@ def _path_of_instance(prototype: Usd.Prim) -> str:
 
 
 def _is_in_use(prim: Usd.Prim, name: str) -> bool:
-    """Whether a property is authored so that it could have an effect."""
+    """Whether a property is authored so that it could have an effect; one whose value is damaged could."""
+    try:
+        return _says_something(prim, name)
+    except Tf.ErrorException:
+        return True
+
+
+def _says_something(prim: Usd.Prim, name: str) -> bool:
     attribute = prim.GetAttribute(name)
     if not attribute:
         relationship = prim.GetRelationship(name)

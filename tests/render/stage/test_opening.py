@@ -10,7 +10,7 @@ import pytest
 from pxr import Sdf, UsdGeom
 
 from render.errors import InputError, StageError
-from render.stage import StageReader, open_stage, read_camera
+from render.stage import StageReader, find_not_honoured, open_stage, read_camera
 from render.stage.options import Resolver
 from tests.render.kits.stages import (
     ASSETS,
@@ -69,6 +69,7 @@ def test_a_corrupt_usdc_is_an_error_or_findings_and_nothing_else(tmp_path: Path,
     mesh = add_mesh(stage, "/m", rng.random((300, 3)), [3] * 500, rng.integers(0, 300, 1500))
     mesh.GetPointsAttr().Set(mesh.GetPointsAttr().Get(), 1.0)
     mesh.AddTranslateOp().Set((1, 2, 3), 1.0)
+    mesh.CreateVelocitiesAttr(rng.random((300, 3)).astype(np.float32))
     UsdGeom.Camera.Define(stage, "/cam").GetFocusDistanceAttr().Set(2.0, 1.0)
     whole = tmp_path / "whole.usdc"
     stage.Export(str(whole))
@@ -79,6 +80,7 @@ def test_a_corrupt_usdc_is_an_error_or_findings_and_nothing_else(tmp_path: Path,
     broken.write_bytes(data)
     with contextlib.suppress(InputError):
         stage = open_stage(broken)
+        find_not_honoured(stage)
         StageReader(stage).read(1)
         read_camera(stage, "/cam", 1)
 

@@ -222,7 +222,7 @@ def _pinhole_key(camera: Camera) -> tuple[Hashable, ...]:
     gate = camera.horizontal_aperture_mm, camera.vertical_aperture_mm, camera.focal_length_mm
     offsets = camera.horizontal_offset_mm, camera.vertical_offset_mm
     breathes = camera.focus_distance_m if camera.breathing else None
-    return camera.world_from_camera.tobytes(), gate, offsets, camera.near_m, camera.far_m, breathes
+    return camera.world_from_camera.tobytes(), gate, offsets, camera.near_m, camera.far_m, camera.clip_planes, breathes
 
 
 def _crop_to_spot(camera: Camera, place: Place) -> Camera:

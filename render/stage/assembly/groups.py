@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -76,6 +77,10 @@ class _Places:
     material_ids: IntArray | None = None
 
 
+_Drawn = tuple[Geometry, DoubleArray | None]
+"""A geometry, and ``Batch.insides`` of its surfaces."""
+
+
 class Group(ABC):
     """Pieces with one material that are drawn together."""
 
@@ -88,21 +93,13 @@ class Group(ABC):
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         """Batches drawn at a time; the same objects as before where nothing has changed."""
 
-    def _make_batch(
-        self, geometry: Geometry, material: Material, places: _Places, insides: DoubleArray | None
-    ) -> tuple[Batch, ...]:
-        """The batch of one geometry; poses that mirror it leave its outside outside (`render.model.scene.Geometry`)."""
-        made_of = (geometry, material, *vars(places).values(), insides)
-        unchanged = (
-            len(self._made_of) == len(made_of)
-            and self._made_of[0] is geometry
-            and self._made_of[1] is material
-            and all(_same(a, b) for a, b in zip(self._made_of[2:], made_of[2:], strict=True))
-        )
-        if not unchanged:
+    def _make_batches(self, drawn: Sequence[_Drawn], material: Material, places: _Places) -> tuple[Batch, ...]:
+        """A batch of each geometry; poses that mirror it leave its outside outside (`render.model.scene.Geometry`)."""
+        made_of = (material, *vars(places).values(), *chain.from_iterable(drawn))
+        if len(self._made_of) != len(made_of) or not all(map(_same, self._made_of, made_of)):
             self._made_of = made_of
             sides = self._pieces[0].sides
-            self._batches = (
+            self._batches = tuple(
                 Batch(
                     geometry,
                     material,
@@ -114,31 +111,26 @@ class Group(ABC):
                     culls_backs=sides.culled,
                     instance_colors=places.colors,
                     instance_material_ids=places.material_ids,
-                ),
+                )
+                for geometry, insides in drawn
             )
         return self._batches
 
 
 class RigidGroup(Group):
-    """Surfaces that stand still against each other: one geometry, one pose."""
+    """Surfaces that stand still against each other: one geometry of those that are open, and one of those that are closed."""
 
     def __init__(self, pieces: Sequence[Piece]) -> None:
         super().__init__(pieces)
-        self._geometry: Geometry | None = None
-        self._insides: DoubleArray | None = None
-        self._is_read = False
+        self._drawn: list[_Drawn] | None = None
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         first = self._pieces[0].occurrence
         if is_hidden(first.hiders, context.time):
             return ()
-        if not self._is_read:
-            parts = [part for piece in self._pieces if (part := self._place(piece, context)) is not None]
-            self._geometry = join_geometry([geometry for geometry, _ in parts]) if parts else None
-            if parts and self._pieces[0].sides.closed:
-                self._insides = np.stack([inside for _, inside in parts])
-            self._is_read = True
-        if self._geometry is None:
+        if self._drawn is None:
+            self._drawn = _join([part for piece in self._pieces if (part := self._place(piece, context)) is not None])
+        if not self._drawn:
             return ()
         pose = np.eye(4)
         if first.mover is not None:
@@ -148,10 +140,10 @@ class RigidGroup(Group):
                 _note(problem, context.log)
                 return ()
         material = context.look(self._pieces[0].material).material
-        return self._make_batch(self._geometry, material, _Places(pose[None]), self._insides)
+        return self._make_batches(self._drawn, material, _Places(pose[None]))
 
-    def _place(self, piece: Piece, context: DrawContext) -> tuple[Geometry, DoubleArray] | None:
-        """A piece's geometry, and the corners ``(2, 3)`` of the box around the whole of its surface."""
+    def _place(self, piece: Piece, context: DrawContext) -> _Drawn | None:
+        """A piece's geometry."""
         shape = context.shapes.shape(piece)
         if shape is None:
             return None
@@ -168,7 +160,7 @@ class RigidGroup(Group):
             return None
         material_id = context.material_id(piece.bound_material)
         geometry = place_shape(shape, context.prim_id(piece.occurrence.path), material_id, matrix)
-        return geometry, _box(piece, context, matrix)
+        return geometry, _insides(shape, matrix)
 
 
 class InstancedGroup(Group):
@@ -177,38 +169,38 @@ class InstancedGroup(Group):
     def __init__(self, pieces: Sequence[Piece]) -> None:
         super().__init__(pieces)
         self._shape: Shape | None = None
-        self._geometry: Geometry | None = None
+        self._drawn: _Drawn | None = None
         self._is_read = False
-        self._insides: DoubleArray | None = None
         self._places: _Places | None = None
         self._moves = any(
             piece.occurrence.moves or piece.occurrence.hiders or piece.inherited.varies for piece in pieces
         )
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
-        geometry = self._geometry_at(context)
-        if geometry is None:
+        drawn = self._drawn_at(context)
+        if drawn is None:
             return ()
         if self._places is None or self._moves:
             self._places = self._places_at(context)
         if not len(self._places.poses):
             return ()
         material = context.look(self._pieces[0].material).material
-        return self._make_batch(geometry, material, self._places, self._insides)
+        return self._make_batches([drawn], material, self._places)
 
-    def _geometry_at(self, context: DrawContext) -> Geometry | None:
+    def _drawn_at(self, context: DrawContext) -> _Drawn | None:
         if self._is_read and not self._pieces[0].deforms:
-            return self._geometry
+            return self._drawn
         shape = context.shapes.shape(self._pieces[0])
         if not self._is_read or not _same_shape(shape, self._shape):
             first_id = context.prim_id(self._pieces[0].occurrence.path)
             to_metres = np.diag([*[context.scale] * 3, 1.0])
-            self._geometry = place_shape(shape, first_id, -1, to_metres) if shape is not None else None
-            if shape is not None and self._pieces[0].sides.closed:
-                self._insides = _box(self._pieces[0], context, to_metres)[None]
+            if shape is None:
+                self._drawn = None
+            else:
+                self._drawn = place_shape(shape, first_id, -1, to_metres), _insides(shape, to_metres)
             self._shape = shape if self._pieces[0].deforms else None
         self._is_read = True
-        return self._geometry
+        return self._drawn
 
     def _places_at(self, context: DrawContext) -> _Places:
         """Places of all that is visible."""
@@ -260,15 +252,24 @@ def _note(problem: PlaceError, log: FindingLog) -> None:
     log.add(problem.code, problem.path, f"{problem.detail}: what depends on it is not drawn")
 
 
-def _box(piece: Piece, context: DrawContext, matrix: DoubleArray) -> DoubleArray:
-    """Least and greatest corner ``(2, 3)`` of the whole of a piece's surface, where a ``(4, 4)`` matrix puts it."""
-    whole = context.shapes.whole(piece)
-    if whole is None:
-        return np.zeros((2, 3))
-    low, high = whole.positions.min(axis=0).astype(np.float64), whole.positions.max(axis=0).astype(np.float64)
+def _join(parts: Sequence[_Drawn]) -> list[_Drawn]:
+    """Open geometries as one, and closed ones as one."""
+    open_parts = [geometry for geometry, insides in parts if insides is None]
+    closed = [(geometry, insides) for geometry, insides in parts if insides is not None]
+    drawn: list[_Drawn] = [(join_geometry(open_parts), None)] if open_parts else []
+    if closed:
+        drawn.append((join_geometry([part for part, _ in closed]), np.concatenate([insides for _, insides in closed])))
+    return drawn
+
+
+def _insides(shape: Shape, matrix: DoubleArray) -> DoubleArray | None:
+    """The box of a shape's surface ``(1, 2, 3)`` where a ``(4, 4)`` matrix puts it; None where it is open."""
+    if shape.closed_box is None:
+        return None
+    low, high = shape.closed_box.astype(np.float64)
     middle = matrix[:3, :3] @ (low + high) / 2 + matrix[:3, 3]
     half = np.abs(matrix[:3, :3]) @ (high - low) / 2
-    return np.stack([middle - half, middle + half])
+    return np.stack([middle - half, middle + half])[None]
 
 
 def _shrink(context: DrawContext) -> DoubleArray:
@@ -277,9 +278,10 @@ def _shrink(context: DrawContext) -> DoubleArray:
 
 
 def _same(one: object, other: object) -> bool:
-    if one is None or other is None:
-        return one is other
-    return np.array_equal(np.asarray(one), np.asarray(other))
+    """Whether two things are the same object, or arrays with the same values."""
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    return one is other
 
 
 def _same_shape(one: Shape | None, other: Shape | None) -> bool:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
-from pxr import Sdf, Usd
+from pxr import Usd
 
 from render.stage.assembly.instance_primvars import InstancePrimvars
 from render.stage.assembly.inventory import Occurrence
 from render.stage.findings import FindingLog
 from render.stage.geometry.closed import is_closed
-from render.stage.geometry.polygons import BadGeometry, check
+from render.stage.geometry.polygons import Polygons
 from render.stage.geometry.shape import PrimvarNames, Shape, pick_faces, read_shape
 from render.stage.geometry.skinning import Skeletons
-from render.stage.geometry.surface import faces_may_vary, read_surface
 from render.stage.materials.bindings import bound_parts, face_owner
 
 
@@ -25,12 +25,13 @@ class Sides:
     Attributes:
         double: whether both sides are outsides.
         culled: whether back faces are left out otherwise.
-        closed: whether the surface is closed (`render.stage.geometry.closed`).
+        opaque: whether all parts of the surface by material are opaque, or there is only one part, so that front faces may hide
+            back faces of other parts.
     """
 
     double: bool
     culled: bool
-    closed: bool
+    opaque: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +82,6 @@ class ShapeReader:
         self._skeletons, self._binding_purposes, self._log = skeletons, binding_purposes, log
         self.time = time
         self._shapes: dict[Hashable, Shape | None] = {}
-        self._closed: dict[Sdf.Path, bool] = {}
 
     def shape(self, piece: Piece) -> Shape | None:
         """Triangles of a piece, in the prim's space and units; None where there are none or they cannot be used."""
@@ -93,23 +93,24 @@ class ShapeReader:
         keep = owner[whole.face_ids] == piece.part
         return pick_faces(whole, keep) if keep.any() else None
 
-    def is_closed(self, surface: Occurrence) -> bool:
-        """Whether a surface is closed (`render.stage.geometry.closed`), with the same faces at all times."""
-        if surface.source not in self._closed:
-            self._closed[surface.source] = not faces_may_vary(surface.prim) and self._reads_closed(surface)
-        return self._closed[surface.source]
-
-    def _reads_closed(self, surface: Occurrence) -> bool:
-        try:
-            polygons = read_surface(surface.prim, self.time, self._skeletons, FindingLog())
-            check(polygons)
-        except BadGeometry:
-            return False  # `whole` logs the finding
-        return is_closed(polygons)
-
     def whole(self, piece: Piece) -> Shape | None:
         """The triangles of the whole surface that a piece is part of."""
         key = piece.shape_key
         if key not in self._shapes:
-            self._shapes[key] = read_shape(piece.occurrence.prim, self.time, piece.primvars, self._skeletons, self._log)
+            self._shapes[key] = read_shape(
+                piece.occurrence.prim,
+                self.time,
+                piece.primvars,
+                self._skeletons,
+                partial(_hides_its_backs, piece),
+                self._log,
+            )
         return self._shapes[key]
+
+
+def _hides_its_backs(piece: Piece, polygons: Polygons) -> bool:
+    """Whether a piece's surface is closed at this time, so that its back faces, where they are drawn, are seen from within alone.
+
+    Surfaces that bend may come apart at their seams: those must be closed without them.
+    """
+    return not piece.sides.culled and piece.sides.opaque and is_closed(polygons, seams=not piece.deforms)

@@ -83,16 +83,16 @@ class PieceCutter:
         parts = bound_parts(prim, self.binding_purposes, time, self.log)
         deforms = surface_varies(prim, self.skeletons) or subsets_vary(prim)
         double = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time))
-        has_backs = double or not self.cull_backfaces
-        sides = Sides(double, not has_backs, closed=has_backs and self.shapes.is_closed(surface))
+        materials = [self.looks.representative(part.material, time) for part in parts]
+        opaque = len(parts) == 1 or all(self._is_opaque(surface, material) for material in materials)
+        sides = Sides(double, culled=self.cull_backfaces and not double, opaque=opaque)
         pieces = []
-        for number, part in enumerate(parts):
-            material = self.looks.representative(part.material, time)
+        for number, (part, material) in enumerate(zip(parts, materials, strict=True)):
             read = self.looks.look(material, time).primvars
             from_instancers = inherited_by(surface, read)
             own = without(read, from_instancers)
             inherited, varies = _inherited_primvars(prim, own, time)
-            key = (surface.source, own, inherited, from_instancers)
+            key = (surface.source, own, inherited, from_instancers, sides)
             pieces.append(
                 Piece(
                     surface,
@@ -108,6 +108,16 @@ class PieceCutter:
                 )
             )
         return pieces
+
+    def _is_opaque(self, surface: Occurrence, material: str) -> bool:
+        """Whether a material hides what is behind it at all times, wherever it covers the surface."""
+        look = self.looks.look(material, self.shapes.time)
+        m, name = look.material, look.primvars.opacity
+        if look.varies or m.opacity < 1 or m.opacity_threshold > 0 or "opacity" in m.lookups:
+            return False
+        return name is None or (
+            find_primvar(surface.prim, name) is None and not inherited_by(surface, look.primvars).opacity
+        )
 
 
 def _inherited_primvars(prim: Usd.Prim, primvars: PrimvarNames, time: Usd.TimeCode) -> tuple[Hashable, bool]:

@@ -11,26 +11,30 @@ from render.model.arrays import FloatArray, LongArray
 from render.stage.geometry.polygons import Polygons, fan, merge_duplicates
 
 _SAME_PLACE = 1e-3  # share of the mean edge within which points are at one place
+_MOST_SEAM_CORNERS = 1 << 20
+"""Corners of polygons up to which seams are looked for, since that takes sorting."""
 _FLAT = 1e-9
 """Volume, in cubes of a surface's size, up to which rounding may turn a flat solid inside out."""
 
 
-def is_closed(polygons: Polygons) -> bool:
+def is_closed(polygons: Polygons, *, seams: bool = True) -> bool:
     """Whether faces pass each edge as often in one direction as in the other, and each connected part faces outwards.
 
-    Points at the same place, up to a thousandth of an edge, are one: seams close. A part faces outwards where the volume that its
-    triangles enclose (divergence theorem) is not negative; folds that turn only some of a part inside out are not found.
+    With ``seams``, points at the same place, up to a thousandth of an edge, are one. A part faces outwards where the volume that
+    its triangles enclose (divergence theorem) is not negative; folds that turn only some of a part inside out are not found.
 
     Args:
         polygons: of one prim, as `render.stage.geometry.polygons.check` accepts them.
+        seams: whether edges with points of their own may close where they meet.
     """
     has_holes = polygons.holes is not None and len(polygons.holes) > 0
     if has_holes or not len(polygons.corners):
         return False
     here, after = _edges(polygons)
     if not _cancel(here, after):
-        place = _places(polygons.points, here, after)
-        here, after = place[here], place[after]
+        if not seams:
+            return False
+        here, after = _join_seams(polygons.points, here, after)
         if not _cancel(here, after):
             return False
     part = _parts(here, after, len(polygons.points))
@@ -47,22 +51,29 @@ def _edges(polygons: Polygons) -> tuple[LongArray, LongArray]:
     return here, here[after]
 
 
-def _places(points: FloatArray, here: LongArray, after: LongArray) -> LongArray:
-    """``(n,)`` least of the points that lie at the place of each.
+def _join_seams(points: FloatArray, here: LongArray, after: LongArray) -> tuple[LongArray, LongArray]:
+    """Edges whose ends at one place are one point, of the edges that have no opposite.
 
     Points are at one place that share a cell of either of two grids, of which one is shifted by half a cell, so that few
     neighbours are apart in both.
     """
-    cell = _SAME_PLACE * float(np.linalg.norm(points[after] - points[here], axis=1).mean())
-    if cell == 0:
-        return np.zeros(len(points), np.int64)
+    if len(here) > _MOST_SEAM_CORNERS:
+        return here, after
+    is_open = ~np.isin(here * len(points) + after, after * len(points) + here)
+    ends = np.unique(np.concatenate([here[is_open], after[is_open]]))
+    if not len(ends):
+        return here, after
+    own = points[ends]
+    cell = _SAME_PLACE * float(np.linalg.norm(points[after[is_open]] - points[here[is_open]], axis=1).mean()) or 1.0
     firsts = []
     for shift in (0.0, 0.5):
-        _, number = merge_duplicates(np.round(points / cell + shift).astype(np.float32))
-        first = np.full(len(points), len(points))
-        np.minimum.at(first, number, np.arange(len(points)))
+        _, number = merge_duplicates(np.round(own / cell + shift).astype(np.float32))
+        first = np.full(len(own), len(own))
+        np.minimum.at(first, number, np.arange(len(own)))
         firsts.append(first[number])
-    return _parts(np.concatenate(firsts), np.tile(np.arange(len(points)), 2), len(points))
+    place = np.arange(len(points))
+    place[ends] = ends[_parts(np.concatenate(firsts), np.tile(np.arange(len(own)), 2), len(own))]
+    return place[here], place[after]
 
 
 def _cancel(here: LongArray, after: LongArray) -> bool:

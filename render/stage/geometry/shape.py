@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -68,6 +69,8 @@ class Shape:
         swapped: ``(m,)`` whether a triangle's last two corners stand in the other order than the fan's.
         uvs: ``(n, 2)`` float32 or None.
         colors: ``(n, 4)`` float32 in the working space, or None.
+        closed_box: ``(2, 3)`` float32 least and greatest corners of the whole surface, where it is closed
+            (`render.stage.geometry.closed`); None where it is open.
     """
 
     positions: FloatArray
@@ -78,10 +81,16 @@ class Shape:
     swapped: NDArray[np.bool_]
     uvs: FloatArray | None = None
     colors: FloatArray | None = None
+    closed_box: FloatArray | None = None
 
 
 def read_shape(
-    prim: Usd.Prim, time: Usd.TimeCode, primvars: PrimvarNames, skeletons: Skeletons, log: FindingLog
+    prim: Usd.Prim,
+    time: Usd.TimeCode,
+    primvars: PrimvarNames,
+    skeletons: Skeletons,
+    is_closed: Callable[[Polygons], bool],
+    log: FindingLog,
 ) -> Shape | None:
     """Read a drawable prim, or note a finding and return None where its polygons cannot be used."""
     try:
@@ -98,7 +107,10 @@ def read_shape(
     if folded > _FOLDS_SHOW_FROM:
         message = f"{prim.GetPath()} has concave faces, whose fans cover {folded:.1%} of its area too much"
         log.add("concave_faces", prim.GetPath(), message)
-    return _Builder(prim, time, polygons, fan_, log).build(primvars)
+    shape = _Builder(prim, time, polygons, fan_, log).build(primvars)
+    if not is_closed(polygons):
+        return shape
+    return replace(shape, closed_box=np.stack([shape.positions.min(axis=0), shape.positions.max(axis=0)]))
 
 
 def pick_faces(shape: Shape, keep: NDArray[np.bool_]) -> Shape:
@@ -115,6 +127,7 @@ def pick_faces(shape: Shape, keep: NDArray[np.bool_]) -> Shape:
         shape.swapped[keep],
         None if shape.uvs is None else shape.uvs[used],
         None if shape.colors is None else shape.colors[used],
+        shape.closed_box,
     )
 
 

@@ -58,11 +58,6 @@ def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
     return counts, corners
 
 
-def faces_may_vary(prim: Usd.Prim) -> bool:
-    """Whether the prim's faces, or the size of an implicit shape, may change over time."""
-    return shape_varies(prim) if is_implicit(prim) else faces_vary(prim)
-
-
 def faces_vary(prim: Usd.Prim) -> bool:
     """Whether a mesh's faces may change over time."""
     return any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in _FACES if prim.HasAttribute(name))

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom, UsdLux
+from pxr import Gf, Usd, UsdGeom, UsdLux, Vt
 
 from render.frame import FrameRenderer
 from render.gl.shaders import ProgramCache
@@ -16,6 +16,7 @@ from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.scene import Scene
 from render.optics.view import PinholeView
+from render.stage import StageReader
 from tests.render.kits.stages import add_material, add_mesh, bind, new_stage, only_batch, read
 
 pytestmark = pytest.mark.gl
@@ -115,11 +116,18 @@ def test_a_back_face_is_lit_as_its_front_unless_double_sided(renderer: FrameRend
 
 
 def test_a_surface_that_faces_inwards_is_seen_from_outside(renderer: FrameRenderer) -> None:
-    stage = ball()
-    inside_out = UsdGeom.Xformable(stage.GetPrimAtPath("/ball"))
-    mirrored = coverage(renderer, read(stage), looking(z=4))
-    inside_out.AddScaleOp().Set(Gf.Vec3f(-1, 1, 1))
-    assert coverage(renderer, read(stage), looking(z=4)) == pytest.approx(mirrored, abs=1e-3)
+    stage = new_stage()
+    points = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
+    faces = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]
+    mesh = add_mesh(stage, "/box", points, [4] * 6, faces)
+    for mirror in (1, -1):
+        UsdGeom.XformCommonAPI(mesh).SetScale(Gf.Vec3f(mirror, 1, 1))
+        for orientation, is_outward in (("rightHanded", True), ("leftHanded", False)):
+            mesh.CreateOrientationAttr(orientation)
+            scene = read(stage)
+            settings = FrameSettings(*SIZE, engine="pinhole", rays=1, supersample=1, aovs=("color", "depth"))
+            assert renderer.render(scene, looking(z=4), settings).aovs["depth"][24, 32] == pytest.approx(3)
+            assert (only_batch(scene).insides is not None) == is_outward
 
 
 def test_instances_have_their_insides_where_they_stand(renderer: FrameRenderer, peeler: Peeler) -> None:
@@ -133,6 +141,36 @@ def test_instances_have_their_insides_where_they_stand(renderer: FrameRenderer, 
     for x in (-5, 5):
         assert coverage(renderer, scene, looking(x)) == 1
         assert peeled(peeler, scene, looking(x, z=4)) == 1
+
+
+@pytest.mark.parametrize(("opacity", "layers"), [(1.0, 1), (0.3, 2)])
+def test_the_inside_of_other_parts_is_seen_through_glass(peeler: Peeler, opacity: float, layers: int) -> None:
+    """A box whose front is a part of its own: where that is clear, the inner side of its back is seen."""
+    stage = new_stage()
+    points = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
+    faces = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]
+    mesh = add_mesh(stage, "/box", points, [4] * 6, faces)
+    for name, faces_of, clear in (("front", [1], opacity), ("others", [0, 2, 3, 4, 5], 1.0)):
+        add_material(stage, f"/{name}", opacity=clear, roughness=0.2 if name == "front" else 0.7)
+        subset = UsdGeom.Subset.CreateGeomSubset(mesh, name, UsdGeom.Tokens.face, faces_of, "materialBind")
+        bind(subset.GetPrim(), f"/{name}")
+    assert peeled(peeler, read(stage), looking(z=4)) == layers
+
+
+def test_boxes_that_come_apart_show_their_insides(renderer: FrameRenderer) -> None:
+    """Six squares that touch at first and leave each other later, whichever time is read first."""
+    stage = new_stage()
+    points = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float32)
+    faces = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]
+    mesh = add_mesh(stage, "/box", points[faces], [4] * 6, range(24))
+    apart = points[faces].copy()
+    apart[4:8] += (0, 5, 0)  # the front
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points[faces]), 1)
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(apart), 24)
+    reader = StageReader(stage)
+    reader.read(1)
+    for scene in (reader.read(24), read(stage, 24)):
+        assert coverage(renderer, scene, looking(z=4)) > 0.05
 
 
 def test_a_part_by_material_knows_the_whole_surface(renderer: FrameRenderer) -> None:

@@ -87,6 +87,13 @@ def test_a_seam_closes_where_rounding_parts_it() -> None:
     assert not is_closed(replace(ring, counts=ring.counts[:-1], corners=ring.corners[:-4]))
 
 
+def test_seams_are_left_open_where_they_may_come_apart() -> None:
+    apart = box(np.arange(24).reshape(6, 4), POINTS[FACES.ravel()])
+    assert is_closed(apart)
+    assert not is_closed(apart, seams=False)
+    assert is_closed(box(), seams=False)
+
+
 def test_a_flat_solid_of_two_sides_is_closed() -> None:
     """A card whose two sides lie in one plane: each is drawn from its own side alone."""
     assert is_closed(Polygons(POINTS[:4], np.array([4, 4], np.int32), np.array([0, 2, 3, 1, 1, 3, 2, 0], np.int32)))

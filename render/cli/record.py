@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -27,7 +28,9 @@ from render.pictures.picture_height import picture_height
 from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice
 from render.shot.times import DEFAULT_TIME
+from render.stage import Finding
 from render.stage.options import COMPLEXITIES, PURPOSES, StageOptions
+from render.stage.render_products import Product
 
 CULLS = ("nothing", "backfaces")
 
@@ -72,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "out",
         metavar="OUT",
-        help="file to write: .exr (scene-linear), .png or .jpg (graded); a run of # in it is the frame number; "
+        help="file to write: .exr (scene-linear), .png or .jpg (graded); a run of # in it is the frame number;"
         " with --products a folder",
     )
     shared.add_camera(parser)
@@ -177,7 +180,10 @@ def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: S
                 _set_camera(shot, camera, options)
                 set_up.add(camera)
             aovs = tuple(dict.fromkeys(("color", *(var.aov for var in product.vars))))
-            given = {**product.own, **options.given, "aovs": aovs}
+            if format_of(files[0].name) != "exr":
+                _note_dropped(shot, product, aovs[1:])
+                aovs = ("color",)
+            given = {**picture.merge(product.own, options.given), "aovs": aovs}
             settings = picture.make_settings(given, width=product.width, height=product.height)
             if not product.has_motion or math.isnan(frames[0]):
                 settings = replace(settings, motion=1)
@@ -196,6 +202,13 @@ def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: S
         print_json({"stage": arguments.stage, "frames": [finite(entry) for entry in written], "findings": findings})
 
 
+def _note_dropped(shot: Shot, product: Product, aovs: Sequence[str]) -> None:
+    """Note the AOVs that a product's file cannot hold."""
+    if aovs:
+        message = f"vars of product {product.path} are left out, since {product.file} is no EXR: {', '.join(aovs)}"
+        shot.note_asked([Finding("dropped_vars", product.path, message)])
+
+
 def _make_folders(files: Sequence[Path]) -> None:
     """Make the folders of files.
 
@@ -203,7 +216,7 @@ def _make_folders(files: Sequence[Path]) -> None:
         SettingsError: two of the files are the same.
         OutputError: a folder cannot be made.
     """
-    twice = [str(file) for file in files if files.count(file) > 1]
+    twice = [str(file) for file, count in Counter(files).items() if count > 1]
     if twice:
         raise SettingsError(f"several products are written to {twice[0]}: give each its own productName")
     for folder in dict.fromkeys(file.parent for file in files):
@@ -266,7 +279,10 @@ def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: f
     """Set the shot's camera as the options say, and collect what recording takes."""
     _set_camera(shot, camera_path, options)
     width, height = _picture_size(shot, camera_path, options, time)
-    settings = picture.make_settings({**shot.own_settings(), **options.given}, width=width, height=height)
+    merged = picture.merge(shot.own_settings(), options.given)
+    if options.long_exposure is not None and "motion" not in options.given:
+        merged.pop("motion", None)  # it chooses its own
+    settings = picture.make_settings(merged, width=width, height=height)
     if math.isnan(time):
         settings = replace(settings, motion=1)  # nothing moves at the default time
     return RecordJob(

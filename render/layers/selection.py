@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, Self
 
 import moderngl
 import numpy as np
@@ -73,6 +73,29 @@ class _Seen:
         return self.index.rectangles(self.clusters, self.view)
 
 
+@dataclass(frozen=True, eq=False)
+class _Insides:
+    """Boxes of all closed surfaces (`Draw.insides`).
+
+    Attributes:
+        draws: draws that they are of.
+        boxes: ``(n, 2, 3)`` least and greatest corners, metres.
+        owner: ``(n,)`` index of the draw of each.
+    """
+
+    draws: list[Draw]
+    boxes: DoubleArray
+    owner: IndexArray
+
+    @classmethod
+    def of(cls, draws: list[Draw]) -> Self:
+        """Collect those of draws."""
+        found = [(i, draw.insides) for i, draw in enumerate(draws) if draw.insides is not None]
+        boxes = [insides for _, insides in found]
+        owner = np.repeat([i for i, _ in found], [len(insides) for insides in boxes]).astype(np.intp)
+        return cls(draws, np.concatenate([np.zeros((0, 2, 3)), *boxes]), owner)
+
+
 class ClusterSelection:
     """Selects clusters of a render index. The clusters of the last view are kept, since its layers are drawn one after another.
 
@@ -85,6 +108,7 @@ class ClusterSelection:
     def __init__(self, index: Indexed, measurer: HiddenMeasurer, choose: Choose | None = None) -> None:
         self._index, self._measurer, self._choose = index, measurer, choose
         self._seen: _Seen | None = None
+        self._insides: _Insides | None = None
 
     def draws_in(self, view: PinholeView) -> list[Draw]:
         """Draws that may reach into a view."""
@@ -124,18 +148,29 @@ class ClusterSelection:
     def release(self) -> None:
         """Release the memory on the device."""
         self._measurer.release()
-        self._seen = None
+        self._seen = self._insides = None
 
     def _see(self, view: PinholeView) -> _Seen:
         seen = self._seen
         if seen is None or seen.view is not view or seen.draws is not self._index.draws:
             clip_from_world = view.projection_matrix() @ view.camera_from_world
             among = None if self._choose is None else self._choose(view)
-            both_sides = frozenset(_seen_from_inside(self._index.draws, view))
+            both_sides = self._seen_from_inside(view)
             index = self._index.clusters
             clusters = index.select(clip_from_world, eye=view.eye_in_world, among=among, both_sides=both_sides)
             seen = self._seen = _Seen(view, self._index.draws, index, clusters, both_sides)
         return seen
+
+    def _seen_from_inside(self, view: PinholeView) -> frozenset[int]:
+        """Indices of the draws of closed surfaces whose insides a view may show: the near plane or a clip plane may cut them."""
+        draws = self._index.draws
+        if self._insides is None or self._insides.draws is not draws:
+            self._insides = _Insides.of(draws)
+        own = self._insides
+        if view.clip_planes:
+            return frozenset(own.owner.tolist())
+        away = np.maximum(np.maximum(own.boxes[:, 0] - view.eye_in_world, view.eye_in_world - own.boxes[:, 1]), 0.0)
+        return frozenset(own.owner[np.sum(away**2, axis=1) <= view.farthest_near_m**2].tolist())
 
     def _of(self, clusters: IndexArray, draws: Iterable[Draw], both_sides: Container[int]) -> list[DrawnRanges]:
         """Ranges that cover clusters, of each of the draws that has any; ``both_sides`` as in `_Seen`."""
@@ -146,13 +181,3 @@ class ClusterSelection:
             for draw in draws
             if (i := numbers.get(id(draw))) in ranges
         ]
-
-
-def _seen_from_inside(draws: Sequence[Draw], view: PinholeView) -> Iterator[int]:
-    """Indices of the draws of closed surfaces whose insides a view may show: the near plane or a clip plane may cut into them."""
-    eye, reach = view.eye_in_world, view.farthest_near_m
-    for i, draw in enumerate(draws):
-        if draw.insides is not None:
-            away = np.maximum(np.maximum(draw.insides[:, 0] - eye, eye - draw.insides[:, 1]), 0.0)
-            if view.clip_planes or (np.sum(away**2, axis=1) <= reach**2).any():
-                yield i

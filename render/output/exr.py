@@ -58,7 +58,7 @@ def encode_exr(
     for part in layout.parts_for(list(aovs)):
         if part.aov == "color":
             own, pixels = _colour(color, metadata)
-            channels, kind = tuple("RGBA"), part.kind or "half"
+            channels, kind = tuple("RGBA"), _kind_of("half", part.kind)
         else:
             own, pixels, channels, kind = _measured(part.aov, aovs[part.aov], metadata)
             kind = _kind_of(kind, part.kind)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from render.model.aovs import Kind, file_order
 from render.model.framing import WHOLE, Framing
-from render.model.mattes import MATTES
 
 COLOR_PART = "rgba"
 """Name of the part with the colour of the picture, where nobody names it."""
@@ -18,7 +17,7 @@ class FilePart:
     """Part of an EXR file.
 
     Attributes:
-        name: of the part. Mattes keep their own, by which readers of Cryptomatte find them.
+        name: of the part.
         aov: AOV that it holds, or ``color``.
         kind: type of its samples; None for that of the AOV, half for the colour.
         channels: number of channels at most; None for all.
@@ -46,7 +45,7 @@ class FileLayout:
         """Parts of a file for a frame with these AOVs."""
         if not self.parts:
             return [FilePart(COLOR_PART, "color"), *(FilePart(name, name) for name in file_order(aovs))]
-        return [FilePart(part.aov, part.aov) if part.aov in MATTES else part for part in self.parts]
+        return list(self.parts)
 
 
 PLAIN_LAYOUT = FileLayout()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -139,6 +139,10 @@ class Shot:
         found = read_own_settings(settings.prim.GetPrim(), log) if settings else {}
         self._findings.note_asked(log.as_list())
         return found
+
+    def note_asked(self, findings: Sequence[Finding]) -> None:
+        """Add findings of what the stage's render settings ask for."""
+        self._findings.note_asked(findings)
 
     def products(self) -> list[Product]:
         """Products of the stage's RenderSettings prim.

@@ -1,16 +1,18 @@
 """Settings of ours on a prim: attributes ``pullfocus:NAME`` of a RenderSettings or RenderProduct prim.
 
 A name is that of a field of `render.model.frame_settings.FrameSettings` in camel case, such as ``pullfocus:motionBy``. Values
-are those at the default time. What is no such name, or has another type, is a finding and counts for nothing.
+are those at the default time. What is no such name, has another type or is out of range, is a finding and counts for nothing.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import Field, fields
 from typing import Any
 
 from pxr import Usd
 
+from render.errors import SettingsError
 from render.model.frame_settings import FrameSettings
 from render.near_names import hint
 from render.stage.findings import FindingLog
@@ -44,13 +46,29 @@ def read_own_settings(prim: Usd.Prim, log: FindingLog) -> dict[str, Any]:
             log.add("unknown_setting", path, f"{path} is not used: {hint(short, list(known))}")
             continue
         value, (kind, words) = attribute.Get(), _KINDS[str(known[short].type)]
+        if value is None:  # blocked
+            continue
         if kind is float and type(value) is int:
             value = float(value)
         if type(value) is not kind:
             log.add("bad_setting", path, f"{path} is not used: it must be {words}, got {format_value(value)}")
             continue
-        found[known[short].name] = value
+        trial: dict[str, Any] = {known[short].name: value}
+        try:
+            FrameSettings(**trial)
+        except SettingsError as error:
+            log.add("bad_setting", path, f"{path} is not used: {error.detail}")
+            continue
+        found |= trial
     return found
+
+
+def put_over(under: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings of one source over those of another. A number of rays takes the place of a wanted noise."""
+    settings = {**under, **over}
+    if "rays" in over and "noise" not in over:
+        settings.pop("noise", None)
+    return settings
 
 
 _KINDS = {

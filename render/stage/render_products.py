@@ -7,7 +7,7 @@ the same, is not there in Python.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,12 +17,15 @@ from render.errors import SettingsError
 from render.model.aovs import AOV_NAMES, PRIMVAR_PREFIX, Kind, check_aov
 from render.model.framing import Framing, Window
 from render.model.limits import check_picture_size
+from render.model.mattes import MATTES
 from render.stage.findings import FindingLog
-from render.stage.own_settings import read_own_settings
+from render.stage.own_settings import put_over, read_own_settings
 from render.stage.render_settings import RenderSettings
 from render.stage.values import format_value
 
 _KINDS: dict[str, Kind] = {"half": "half", "float": "float", "double": "float", "int": "uint"}
+_ENDING = re.compile(r"\.[A-Za-z]{2,4}$")
+"""Ending that stands for a format, known or not; a version such as ``.v001`` does not."""
 _COLORS = ("color", "Ci", "C.*", "rgba")
 """Names that renderers give to the colour of the picture."""
 
@@ -32,16 +35,16 @@ class Var:
     """One of a product's ordered vars.
 
     Attributes:
-        name: of the file's part: that of the RenderVar prim.
+        name: of the file's part: that of the RenderVar prim. Mattes keep their own, by which readers of Cryptomatte find them.
         aov: what it holds, a name that ``--aov`` takes.
         kind: type of samples that it asks for: ``half``, ``float`` or ``uint``; None for that of the AOV.
-        channels: number of channels that its type has.
+        channels: number of channels that its type has; None for all that the AOV has.
     """
 
     name: str
     aov: str
     kind: Kind | None
-    channels: int
+    channels: int | None
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class Product:
         height: likewise.
         framing: how the camera's gate becomes these pixels.
         has_motion: whether moving things may be blurred.
-        vars: parts of the file, in order; empty where no var is named, which stands for the colour.
+        vars: parts of the file, in order; empty where no var is left, which stands for the colour.
         own: values of fields of `FrameSettings` that settings and product author.
     """
 
@@ -131,7 +134,7 @@ class _Reader:
             ),
             has_motion=not still,
             vars=self._vars(),
-            own={**shared, **read_own_settings(self._product.GetPrim(), self._log)},
+            own=put_over(shared, read_own_settings(self._product.GetPrim(), self._log)),
         )
 
     def _get(self, name: str) -> object:
@@ -176,23 +179,31 @@ class _Reader:
 
     def _file(self) -> str:
         name = str(self._product.GetProductNameAttr().Get() or self._product.GetPrim().GetName())
-        return name if name.rpartition("/")[2].count(".") else f"{name}.exr"
+        if not name.rpartition("/")[2].strip("."):
+            raise self._fault("productName", "the name of a file", name)
+        return name if _ENDING.search(name) else f"{name}.exr"
 
     def _camera(self) -> str | None:
         targets = self._product.GetCameraRel().GetForwardedTargets()
         return str(targets[0]) if targets else self._settings.camera_path
 
     def _vars(self) -> tuple[Var, ...]:
-        stage, found = self._product.GetPrim().GetStage(), []
+        stage = self._product.GetPrim().GetStage()
+        found: list[Var] = []
         for target in self._product.GetOrderedVarsRel().GetForwardedTargets():
             prim = stage.GetPrimAtPath(target)
             if not prim or not prim.IsA(UsdRender.Var):
                 self._log.add("no_var", target, f"product {self._path} names the var {target}, which is no RenderVar")
                 continue
             var = self._var(UsdRender.Var(prim))
-            if var is not None:
-                found.append(var)
-        return _named_apart(found)
+            if var is None:
+                continue
+            if var.name in (other.name for other in found):
+                message = f"var {target} is left out: product {self._path} has a part {var.name} already"
+                self._log.add("duplicate_var", target, message)
+                continue
+            found.append(var)
+        return tuple(found)
 
     def _var(self, var: UsdRender.Var) -> Var | None:
         path, name = str(var.GetPath()), var.GetPrim().GetName()
@@ -209,7 +220,7 @@ class _Reader:
             self._log.add("unknown_var", path, f"var {path} is left out: its sourceName {source} is none of {known}")
             return None
         samples, channels = _data_type(str(var.GetDataTypeAttr().Get()))
-        return Var(name, aov, samples, channels)
+        return Var(aov, aov, None, None) if aov in MATTES else Var(name, aov, samples, channels)
 
 
 def _centres(first: float, last: float, size: int) -> tuple[int, int]:
@@ -228,11 +239,3 @@ def _data_type(name: str) -> tuple[Kind | None, int]:
     if base[-1:] in letters and base[-2:-1] in ("2", "3", "4"):
         return letters[base[-1]], int(base[-2])
     return None, 3
-
-
-def _named_apart(found: Sequence[Var]) -> tuple[Var, ...]:
-    """Vars without those whose name an earlier one has."""
-    named: dict[str, Var] = {}
-    for var in found:
-        named.setdefault(var.name, var)
-    return tuple(named.values())

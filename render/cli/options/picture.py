@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from typing import Any
 
 from render.cli.options import shared
@@ -11,6 +12,7 @@ from render.errors import SettingsError
 from render.model.aovs import AOV_NAMES
 from render.model.frame_settings import LEAST_NOISE, MAX_MOTION, MOST_NOISE, MOTIONS, FrameSettings
 from render.model.limits import MAX_RAYS, MAX_WAVELENGTHS
+from render.stage.own_settings import put_over
 
 DEFAULT_WIDTH_PX = 960
 DEFAULT_MOMENTS = 16
@@ -106,10 +108,20 @@ def read_given(arguments: argparse.Namespace) -> dict[str, Any]:
     given = {name: getattr(arguments, name) for name in names if getattr(arguments, name) is not None}
     given |= {"adaptive": False} if arguments.no_adaptive else {}
     given |= {"connections": False} if arguments.no_connections else {}
-    given |= {"motion": moments} if (moments := _read_moments(arguments)) is not None else {}
+    if arguments.motion == 1 and arguments.motion_by is not None and arguments.long_exposure is None:
+        raise SettingsError("--motion-by has no effect with --motion 1, which stops motion: leave out one of them")
+    given |= {"motion": arguments.motion} if arguments.motion is not None else {}
     given["aovs"] = shared.split_words(arguments.aov)
     make_settings(given, width=DEFAULT_WIDTH_PX if arguments.imageWidth is None else arguments.imageWidth, height=1)
     return given
+
+
+def merge(authored: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings that a stage authors, and over them those of the command line. Motion that is asked for has samples."""
+    settings = put_over(authored, given)
+    if "motion_by" in given:
+        settings.setdefault("motion", DEFAULT_MOMENTS)
+    return settings
 
 
 def make_settings(given: dict[str, Any], *, width: int, height: int) -> FrameSettings:
@@ -126,12 +138,3 @@ def make_settings(given: dict[str, Any], *, width: int, height: int) -> FrameSet
     settings = FrameSettings(**{**given, "width": width, "height": height})
     check_settings(settings)
     return settings
-
-
-def _read_moments(arguments: argparse.Namespace) -> int | None:
-    """Read the number of shutter samples; a long exposure without --motion chooses its own. None where it is not given."""
-    if arguments.motion is None:
-        return None if arguments.motion_by is None or arguments.long_exposure is not None else DEFAULT_MOMENTS
-    if arguments.motion == 1 and arguments.motion_by is not None and arguments.long_exposure is None:
-        raise SettingsError("--motion-by has no effect with --motion 1, which stops motion: leave out one of them")
-    return int(arguments.motion)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -43,14 +44,18 @@ def product_files(product: Product, folder: Path, frames: Sequence[float]) -> li
         frames: USD time codes.
 
     Raises:
-        SettingsError: its name leaves the folder, has an ending that is no picture's, or has no place for the numbers of frames.
+        SettingsError: its name leaves the folder, or has no place for the numbers of frames.
     """
     name = PurePosixPath(product.file.replace("\\", "/"))
-    if name.is_absolute() or ".." in name.parts or ":" in name.parts[0]:
+    if not name.parts or name.is_absolute() or ".." in name.parts or ":" in name.parts[0]:
         raise SettingsError(
             f"productName of {product.path} must be a file below {folder}, got {product.file!r}: files go into OUT alone"
         )
     format_of(name.name)
+    if "#" in name.name and any(map(math.isnan, frames)):
+        raise SettingsError(
+            f"--defaultTime has no frame number for the # of productName {product.file!r} of {product.path}"
+        )
     return [Path(file) for file in frame_file_names(str(folder / name), frames)]
 
 

@@ -20,7 +20,7 @@ def visible_shares(scene: Scene, camera: Camera, positions_m: DoubleArray, *, ra
     """Compute the share of a camera's entrance pupil that sees each of some points.
 
     A lens sees around what is narrower than its pupil, so that an object passing before a point hides it gradually. Surfaces
-    between let light through as they are drawn: cut-outs have holes, glass dims, and the backs of one-sided surfaces and
+    between let light through as they are drawn: cut-outs have holes, glass dims, and back faces that are left out, and
     whatever is nearer than the camera's clipping range or cut off by its clip planes hide nothing. The frame of the picture is
     ignored.
 

@@ -87,7 +87,7 @@ def instance_colors(
         own = np.repeat(colors[:, None], len(indices), axis=1)
         color = _rows(link, inherited.color, 3, count, time, log)
         if color is not None:
-            own[..., :3] = colour.to_working(color)[indices]
+            own[..., :3] = colour.to_working(color[indices])
         opacity = _rows(link, inherited.opacity, 1, count, time, log)
         if opacity is not None:
             own[..., 3] = opacity[indices, 0]

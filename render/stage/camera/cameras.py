@@ -185,8 +185,10 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
         return mm_from_tenths(camera_number(attribute, time), stage)
 
     near, far = read_clipping_range(usd, time)
+    pose = world_pose(usd.GetPrim(), transforms, world_from_stage(stage))
+    frame = rigid_frame(pose)
     return Camera(
-        world_from_camera=rigid_frame(world_pose(usd.GetPrim(), transforms, world_from_stage(stage))),
+        world_from_camera=frame,
         focal_length_mm=mm(usd.GetFocalLengthAttr()),
         horizontal_aperture_mm=mm(usd.GetHorizontalApertureAttr()),
         vertical_aperture_mm=mm(usd.GetVerticalApertureAttr()),
@@ -194,7 +196,7 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
         vertical_offset_mm=mm(usd.GetVerticalApertureOffsetAttr()),
         near_m=max(metres_from_units(near, stage), _NEAREST_M),
         far_m=metres_from_units(far, stage),
-        clip_planes=read_clip_planes(usd, time),
+        clip_planes=read_clip_planes(usd, time, pose, frame),
         path=str(usd.GetPath()),
     )
 

@@ -6,9 +6,9 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom
 
 from render.errors import CameraError
+from render.model.arrays import DoubleArray
 from render.model.limits import MAX_CLIP_PLANES
 from render.stage.values import format_value
-from usd_schemas.units import metres_from_units
 
 
 def read_clipping_range(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
@@ -24,15 +24,26 @@ def read_clipping_range(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float,
     return float(value[0]), float(value[1])
 
 
-def read_clip_planes(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[tuple[float, float, float, float], ...]:
+def read_clip_planes(
+    usd: UsdGeom.Camera, time: Usd.TimeCode, world_from_prim: DoubleArray, world_from_camera: DoubleArray
+) -> tuple[tuple[float, float, float, float], ...]:
     """``clippingPlanes`` as `render.model.camera.Camera` holds them: in metres, the first `MAX_CLIP_PLANES` of them.
+
+    Args:
+        usd: the camera; the planes are in its own space, in stage units, scaled as the prim is (as in Hydra).
+        time: when.
+        world_from_prim: ``(4, 4)`` world in metres from that space.
+        world_from_camera: ``(4, 4)`` rigid, metres.
 
     Raises:
         CameraError: they are not lists of four finite numbers.
     """
-    planes = _authored_planes(usd, time)
-    planes[:, 3] *= metres_from_units(1.0, usd.GetPrim().GetStage())
-    a, b, c, d = planes[:MAX_CLIP_PLANES].T.tolist()
+    planes = _authored_planes(usd, time)[:MAX_CLIP_PLANES]
+    if not len(planes) or np.linalg.det(world_from_prim) == 0:  # a flat camera is an error of its own
+        return ()
+    planes = planes @ np.linalg.inv(world_from_prim) @ world_from_camera  # a plane is a covector
+    length = np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
+    a, b, c, d = (planes / np.where(length > 0, length, 1.0)).T.tolist()
     return tuple(zip(a, b, c, d, strict=True))
 
 

@@ -40,8 +40,7 @@ SETTINGS = """
         token productName = "sharp.####.png"
         bool disableDepthOfField = 1
         float pixelAspectRatio = 2
-        token pullfocus:engine = "pinhole"
-        rel orderedVars = [</World/rgba>]
+        rel orderedVars = [</World/rgba>, </World/depth>]
     }
     def RenderVar "rgba"
     {
@@ -140,6 +139,27 @@ def test_one_run_writes_every_product(pullfocus: Command, tmp_path: Path) -> Non
     matte = read_cryptomattes(beauty)["cryptoObject"].of("/World/Square")
     np.testing.assert_allclose(matte, OpenImageIO.ImageBuf(str(beauty)).get_pixels()[..., 3], atol=1e-3)
     assert 0.05 < matte.mean() < 0.95
+    assert "depth" in next(
+        found["message"] for found in json.loads(ended.out)["findings"] if found["code"] == "dropped_vars"
+    )
+
+
+@pytest.mark.gl
+def test_without_depth_of_field_a_product_is_a_pinholes(pullfocus: Command, tmp_path: Path) -> None:
+    """The square is out of focus; its rim is blurred but where the product is sharp."""
+    blurred = SETTINGS.replace("sharp.####.png", "sharp.####.exr")
+    rims = []
+    for name, flag in (("sharp", "1"), ("soft", "0")):
+        (tmp_path / name).mkdir()
+        shot = write_products(
+            tmp_path / name, blurred.replace("disableDepthOfField = 1", f"disableDepthOfField = {flag}")
+        )
+        shot.write_text(shot.read_text().replace("focusDistance = 5", "focusDistance = 0.5"))
+        assert pullfocus("record", shot, tmp_path / name / "out", "--products").status == 0
+        alpha = OpenImageIO.ImageBuf(str(tmp_path / name / "out/sharp.0001.exr"), 0, 0).get_pixels()[..., 3]
+        rims.append(float(((alpha > 0.02) & (alpha < 0.98)).mean()))
+    assert rims[0] < 0.05
+    assert rims[1] > 2 * rims[0] + 0.05
 
 
 @pytest.mark.gl
@@ -177,8 +197,8 @@ def test_flags_win_over_our_settings_on_the_prim(pullfocus: Command, tmp_path: P
         ("crop.####.exr", "crop.exr", "####"),
         ("crop.####.exr", "beauty/shot.####.exr", "several products are written to"),
         ("</World/other_cam>", "</World/Square>", "not a camera"),
-        ("pullfocus:rays = 4", "pullfocus:rays = 0", "rays must be"),
-        ('pullfocus:engine = "pinhole"', 'pullfocus:engine = "pinhle"', "pinhole"),
+        ("crop.####.exr", ".", "productName of product /World/crop must be the name of a file"),
+        ("int pullfocus:rays = 4", 'token pullfocus:engine = "pinhle"', "pinhole"),
     ],
 )
 def test_bad_products_are_refused_before_anything_is_rendered(
@@ -197,3 +217,16 @@ def test_what_products_say_themselves_is_refused(pullfocus: Command, tmp_path: P
     assert "leave out --camera, --imageWidth" in ended.err
     bare = write_shot(tmp_path / "bare.usda", SQUARE, CAMERA)
     assert "no RenderSettings prim" in pullfocus("record", bare, tmp_path / "out", "--products").err
+
+
+def test_the_default_time_has_no_number_for_names(pullfocus: Command, tmp_path: Path) -> None:
+    ended = pullfocus("record", write_products(tmp_path), tmp_path / "out", "--products", "--defaultTime")
+    assert "no frame number for the # of productName" in ended.err
+
+
+@pytest.mark.gl
+def test_rays_of_the_command_line_replace_a_noise_of_the_stage(pullfocus: Command, tmp_path: Path) -> None:
+    shot = write_products(tmp_path, SETTINGS.replace("int pullfocus:rays = 4", "double pullfocus:noise = 0.05"))
+    for flags, noise in (((), 0.05), (("--rays", 9), 0.0), (("--rays", 9, "--noise", 0.02), 0.02)):
+        ended = pullfocus("record", shot, tmp_path / "a.exr", "--imageWidth", 8, *flags, "--json")
+        assert json.loads(ended.out)["settings"]["noise"] == noise

@@ -48,6 +48,12 @@ def test_planes_are_in_camera_space_and_metres() -> None:
     np.testing.assert_allclose(camera.clip_planes, [(1, 0, 0, 0.005), (0, 0, -1, -3)], rtol=1e-6)
 
 
+def test_planes_follow_the_scale_of_the_prim() -> None:
+    stage = walls(4)
+    UsdGeom.XformCommonAPI(stage.GetPrimAtPath("/cam")).SetScale(Gf.Vec3f(2, 2, 2))
+    np.testing.assert_allclose(cut(stage, (0, 0, -1, -3)).clip_planes, [(0, 0, -1, -6)], rtol=1e-6)
+
+
 @pytest.mark.gl
 @pytest.mark.parametrize("engine", ["pinhole", "lens", "accumulation", "flag"])
 def test_what_a_plane_cuts_off_is_not_drawn(renderer: FrameRenderer, engine: str) -> None:

@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdRender
 from render.errors import SettingsError
 from render.model.framing import WHOLE, Window
 from render.stage.findings import FindingLog
-from render.stage.own_settings import own_fields
+from render.stage.own_settings import own_fields, read_own_settings
 from render.stage.render_products import Product, Var, read_products
 from render.stage.render_settings import RenderSettings
 from tests.render.kits.stages import new_stage
@@ -53,7 +53,7 @@ def test_a_product_takes_what_it_lacks_from_the_settings() -> None:
     assert (own_read.file, own_read.has_motion) == ("shots/own.####.png", True)
     assert own_read.framing.is_sharp
     assert own_read.framing.conform == "cropAperture"
-    assert stage
+    assert stage.GetPrimAtPath(own_read.path)
 
 
 @pytest.mark.parametrize(
@@ -88,6 +88,8 @@ def test_vars_are_ordered_and_those_that_cannot_be_are_left_out() -> None:
         ("where", "Peye", "intrinsic", "point3f", Var("where", "Peye", "float", 3)),
         ("Neye", "", "raw", "normal3f", Var("Neye", "Neye", "float", 3)),
         ("bounce", "C<RD>L", "lpe", "color3f", None),
+        ("mattes", "cryptoObject", "raw", "color3f", Var("cryptoObject", "cryptoObject", None, None)),
+        ("again", "cryptoObject", "raw", "color3f", None),
         ("odd", "nonsense", "raw", "color3f", None),
     ]
     for name, source, kind, data_type, _ in wanted:
@@ -98,7 +100,7 @@ def test_vars_are_ordered_and_those_that_cannot_be_are_left_out() -> None:
     product.CreateOrderedVarsRel().SetTargets([*(f"/R/{name}" for name, *_ in wanted), "/R/nowhere", "/R/p"])
     (found,), findings = read(settings)
     assert found.vars == tuple(var for *_, var in wanted if var)
-    assert findings.keys() == {"light_path", "unknown_var", "no_var"}
+    assert findings.keys() == {"light_path", "unknown_var", "no_var", "duplicate_var"}
 
 
 def test_our_own_settings_are_those_of_settings_and_product() -> None:
@@ -110,12 +112,15 @@ def test_our_own_settings_are_those_of_settings_and_product() -> None:
     prim.CreateAttribute("pullfocus:adaptive", T.Bool).Set(False)
     prim.CreateAttribute("pullfocus:ray", T.Int).Set(1)
     prim.CreateAttribute("pullfocus:layers", T.String).Set("four")
+    prim.CreateAttribute("pullfocus:seed", T.Int).Set(-1)
+    prim.CreateAttribute("pullfocus:connections", T.Bool).Block()
     product.GetPrim().CreateAttribute("pullfocus:rays", T.Int).Set(16)
     product.GetPrim().CreateAttribute("pullfocus:supersample", T.Int).Set(2)
     (found,), findings = read(settings)
-    assert found.own == {"rays": 16, "motion_by": "velocities", "noise": 0.01, "adaptive": False, "supersample": 2.0}
+    assert found.own == {"rays": 16, "motion_by": "velocities", "adaptive": False, "supersample": 2.0}
     assert "rays" in findings["unknown_setting"]
-    assert "must be a whole number" in findings["bad_setting"]
+    assert "/R/s.pullfocus:seed is not used: seed must be from 0" in findings["bad_setting"]
+    assert read_own_settings(prim, FindingLog())["noise"] == 0.01
 
 
 def test_products_that_are_none_are_named_and_the_rest_is_rendered() -> None:

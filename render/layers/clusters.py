@@ -10,7 +10,7 @@ Cones of normals: Shirman & Abi-Ezzi 1993, "The cone of normals technique for fa
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -29,6 +29,7 @@ _GAP_TRIANGLES, _MOST_RANGES = 128, 512
 _ROUNDING = 4e-6  # of a product in float32 on the device, of its largest term
 _EDGE_ON = 0.02  # sine of the angle from which a triangle surely faces away when its vertices are rounded to the raster
 _EACH = slice(None)
+_RIGHT_ANGLE = np.array([0, 1], np.float32)  # cosine and sine
 _CORNERS = (np.arange(8)[:, None] >> np.arange(3)) & 1
 
 
@@ -105,7 +106,7 @@ def _cut(points: FloatArray, cones: bool) -> tuple[FloatArray, FloatArray, Float
     a, b, c = points[:, 0], points[:, 1], points[:, 2]  # numpy is slow along an axis of three
     low = np.minimum.reduceat(np.minimum(np.minimum(a, b), c), first)
     high = np.maximum.reduceat(np.maximum(np.maximum(a, b), c), first)
-    axis, spread = np.zeros((len(first), 3), np.float32), np.tile(np.array([0, 1], np.float32), (len(first), 1))
+    axis, spread = np.zeros((len(first), 3), np.float32), np.tile(_RIGHT_ANGLE, (len(first), 1))
     if cones:
         normals = np.cross(b - a, c - a)
         length = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -209,9 +210,9 @@ class ClusterIndex:
         chosen = chosen[in_frustum(self._all.low[chosen], self._all.high[chosen], clip_from_world)]
         if eye is None:
             return chosen
-        hidden = self._face_away(chosen, eye)
-        hidden[np.isin(self._owner[chosen], list(both_sides))] = False
-        return chosen[~hidden]
+        has_backs = np.zeros(len(self.draws), bool)
+        has_backs[list(both_sides)] = True
+        return chosen[has_backs[self._owner[chosen]] | ~self._face_away(chosen, eye)]
 
     def draws_of(self, clusters: IndexArray) -> list[int]:
         """Indices of the draws that clusters belong to, ascending."""
@@ -298,16 +299,23 @@ class ClusterIndex:
         cosine, sine = self._all.spread[clusters].T
         return np.asarray(along * cosine - across * sine > radius + _EDGE_ON * distance)
 
+    def _clusters_of(self, geometry: Geometry, *, cones: bool) -> GeometryClusters:
+        """Clusters of a geometry; without cones, those that were cut or held with cones do as well."""
+        key = id(geometry), cones
+        held = self._geometries.get((id(geometry), True))
+        if held is not None and not cones:
+            self._geometries[key] = geometry, replace(held[1], spread=np.zeros_like(held[1].spread) + _RIGHT_ANGLE)
+        if key not in self._geometries:
+            self._geometries[key] = geometry, cut_clusters(geometry, cones=cones)
+        return self._geometries[key][1]
+
     def _place(self, draw: Drawn) -> _Placed:
         """Clusters of a draw's instances."""
         geometry = draw.batch.geometry
         if not len(geometry.triangles) or not len(draw.instances):
             return _join([])
         cones = not draw.has_backs
-        key = id(geometry), cones
-        if key not in self._geometries:
-            self._geometries[key] = geometry, cut_clusters(geometry, cones=cones)
-        own = self._geometries[key][1]
+        own = self._clusters_of(geometry, cones=cones)
         total, count = len(geometry.triangles), len(draw.instances)
         first = np.arange(len(own.low)) * CLUSTER_TRIANGLES
         size = np.minimum(CLUSTER_TRIANGLES, total - first)
@@ -346,14 +354,14 @@ def _turn(own: GeometryClusters, poses: DoubleArray) -> tuple[FloatArray, FloatA
     turned = linear / np.where(scale > 0, scale, 1)[:, None, None]
     even = np.abs(turned @ turned.transpose(0, 2, 1) - np.eye(3)).max((1, 2)) < 1e-4
     axis = (own.axis @ turned.transpose(0, 2, 1)).reshape(-1, 3)
-    spread = np.where(even[:, None, None], own.spread, np.array([0, 1], np.float32)).reshape(-1, 2)
+    spread = np.where(even[:, None, None], own.spread, _RIGHT_ANGLE).reshape(-1, 2)
     return axis.astype(np.float32), spread.astype(np.float32)
 
 
 def _as_one(own: GeometryClusters) -> GeometryClusters:
     """All clusters of a geometry as one."""
     low, high = own.low.min(0, keepdims=True), own.high.max(0, keepdims=True)
-    return GeometryClusters(low, high, np.zeros((1, 3), np.float32), np.array([[0, 1]], np.float32))
+    return GeometryClusters(low, high, np.zeros((1, 3), np.float32), _RIGHT_ANGLE[None])
 
 
 def nearest_depths(low: DoubleArray, high: DoubleArray, view: PinholeView) -> DoubleArray:

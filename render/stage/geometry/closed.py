@@ -59,7 +59,9 @@ def _join_seams(points: FloatArray, here: LongArray, after: LongArray) -> tuple[
     """
     if len(here) > _MOST_SEAM_CORNERS:
         return here, after
-    is_open = ~np.isin(here * len(points) + after, after * len(points) + here)
+    edges, opposites = here * len(points) + after, np.sort(after * len(points) + here)
+    nearest = np.minimum(np.searchsorted(opposites, edges), len(edges) - 1)
+    is_open = opposites[nearest] != edges
     ends = np.unique(np.concatenate([here[is_open], after[is_open]]))
     if not len(ends):
         return here, after

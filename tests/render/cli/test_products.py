@@ -139,7 +139,7 @@ def test_one_run_writes_every_product(pullfocus: Command, tmp_path: Path) -> Non
     matte = read_cryptomattes(beauty)["cryptoObject"].of("/World/Square")
     np.testing.assert_allclose(matte, OpenImageIO.ImageBuf(str(beauty)).get_pixels()[..., 3], atol=1e-3)
     assert 0.05 < matte.mean() < 0.95
-    assert "depth" in next(
+    assert "cameraDepth" in next(
         found["message"] for found in json.loads(ended.out)["findings"] if found["code"] == "dropped_vars"
     )
 

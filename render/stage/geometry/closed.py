@@ -62,7 +62,9 @@ def _join_seams(points: FloatArray, here: LongArray, after: LongArray) -> tuple[
     edges, opposites = here * len(points) + after, np.sort(after * len(points) + here)
     nearest = np.minimum(np.searchsorted(opposites, edges), len(edges) - 1)
     is_open = opposites[nearest] != edges
-    ends = np.unique(np.concatenate([here[is_open], after[is_open]]))
+    is_end = np.zeros(len(points), bool)
+    is_end[here[is_open]] = is_end[after[is_open]] = True
+    ends = np.flatnonzero(is_end)
     if not len(ends):
         return here, after
     own = points[ends]

@@ -5,6 +5,7 @@ Defined without pxr, like `render.model.scene`, whose conventions hold here too.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from render.model.arrays import DoubleArray
@@ -38,6 +39,8 @@ class Camera:
         breathing: whether the physical image distance sets the field of view.
         clip_planes: ``(a, b, c, d)`` each, at most `render.model.limits.MAX_CLIP_PLANES`: nothing is drawn where
             ``a·x + b·y + c·z + d < 0`` in camera space, metres.
+        whole_diagonal_mm: diagonal of the whole film gate, which the lens covers, where the picture shows another part of the
+            film; None where the gate is the whole.
         path: prim path.
     """
 
@@ -60,4 +63,11 @@ class Camera:
     shutter: Shutter = GLOBAL_SHUTTER
     breathing: bool = False
     clip_planes: tuple[tuple[float, float, float, float], ...] = ()
+    whole_diagonal_mm: float | None = None
     path: str = ""
+
+    @property
+    def covered_mm(self) -> float:
+        """Diameter of the film that the lens covers."""
+        own = math.hypot(self.horizontal_aperture_mm, self.vertical_aperture_mm)
+        return own if self.whole_diagonal_mm is None else self.whole_diagonal_mm

@@ -75,4 +75,5 @@ def _cut_gate(camera: Camera, window: Window, width: int, height: int) -> Camera
         vertical_aperture_mm=height * pixel_height_mm,
         horizontal_offset_mm=camera.horizontal_offset_mm + right * pixel_width_mm,
         vertical_offset_mm=camera.vertical_offset_mm + up * pixel_height_mm,
+        whole_diagonal_mm=camera.covered_mm,
     )

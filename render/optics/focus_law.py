@@ -79,7 +79,7 @@ def _law_of_glass(camera: Camera) -> LensLaw:
     prescription = camera.lens.prescription
     if prescription is None:
         raise ValueError(f"the lens of camera {camera.path} has no surfaces")
-    diagonal_mm = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm))
+    diagonal_mm = camera.covered_mm
     like_mm = _round_length(camera.focal_length_mm)  # so that a zoom looks at few lenses, each scaled a little
     focal_mm, scale = camera.focal_length_mm, camera.focal_length_mm / like_mm
     way = _way(prescription, like_mm, _round_length(diagonal_mm / scale))

@@ -157,8 +157,7 @@ class _FocusInterpolator:
         if self._is_glass:
             self._focal_mm = _round_length(camera.focal_length_mm)
             self._scale = camera.focal_length_mm / self._focal_mm
-            diagonal_mm = math.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)
-            self._diagonal_mm = _round_length(diagonal_mm / self._scale)
+            self._diagonal_mm = _round_length(camera.covered_mm / self._scale)
             self._near_w = float(focus_law(camera).near_w[0]) * self._scale * _WITHIN
 
     def at(self, w: float) -> FieldFocus | None:

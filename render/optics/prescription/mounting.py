@@ -36,8 +36,7 @@ def mount_lens(camera: Camera) -> FocusedLens:
     prescription = camera.lens.prescription
     if prescription is None:
         raise ValueError(f"the lens of camera {camera.path} has no surfaces")
-    diagonal = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm))
-    glass = scale_to(prescription, camera.focal_length_mm, diagonal / 2)
+    glass = scale_to(prescription, camera.focal_length_mm, camera.covered_mm / 2)
     return _focus_lens(glass, camera.focus_distance_m, camera.f_stop)
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from render.model.camera import Camera
 from render.model.framing import WHOLE, Framing, Window
+from render.model.lens import Lens
+from render.optics.prescription.mounting import mount_lens
 from render.optics.view import PinholeView
+from tests.render.kits.lenses import PLANAR
 
 CAMERA = Camera(np.eye(4), 35, 36, 24, horizontal_offset_mm=3, vertical_offset_mm=-2, f_stop=2)
 
@@ -25,6 +30,14 @@ def test_the_shape_of_the_whole_picture_counts_pixels_by_their_shape() -> None:
     assert WHOLE.aspect(120, 80) == 1.5
     assert Framing(pixel_aspect=2.0).aspect(120, 80) == 3.0
     assert Framing(pixel_aspect=2.0, window=Window(0, 0, 100, 50)).aspect(10, 40) == 4.0
+
+
+def test_a_window_does_not_change_the_glass() -> None:
+    camera = replace(
+        CAMERA, lens=Lens("prescription", prescription=PLANAR.prescription), focus_distance_m=3.0, focal_length_mm=50
+    )
+    whole, cut = mount_lens(camera), mount_lens(Framing(window=Window(10, 5, 120, 80)).apply(camera, 40, 30))
+    assert whole is cut
 
 
 def test_a_sharp_picture_is_a_pinholes() -> None:

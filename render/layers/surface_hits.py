@@ -76,8 +76,14 @@ class SurfaceDescription:
         mesh_ids, fan_ids = (np.full(shape, -1, np.int32) for _ in range(2))
         weights = self._weights_and_normals[0].copy()
         for draw, here in self._by_draw():
-            geometry, triangles = draw.batch.geometry, self._hits.triangles[here]
-            mesh_ids[here], fan_ids[here] = geometry.prim_ids[triangles], geometry.fan_ids[triangles]
+            batch, triangles = draw.batch, self._hits.triangles[here]
+            geometry, fan_ids[here] = batch.geometry, batch.geometry.fan_ids[triangles]
+            if (
+                batch.instance_prim_ids is not None and batch.instance_numbers is None
+            ):  # native instances are prims themselves
+                mesh_ids[here] = batch.instance_prim_ids[self._poses(draw, here)]
+            else:
+                mesh_ids[here] = geometry.prim_ids[triangles]
             if geometry.swapped is not None:
                 own = weights[here]
                 swapped = geometry.swapped[triangles]

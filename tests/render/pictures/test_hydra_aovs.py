@@ -16,7 +16,7 @@ from render.frame import FrameRenderer, FrameSettings
 from render.output import encode
 from render.pictures.picture import Picture, expose_frame, make_picture
 from render.shot import Shot
-from tests.render.kits.stages import add_mesh, set_primvar
+from tests.render.kits.stages import add_mesh, dense_grid, set_primvar
 
 pytestmark = pytest.mark.gl
 
@@ -157,6 +157,28 @@ def test_primvars_are_interpolated_as_they_say(picture: Picture) -> None:
     np.testing.assert_allclose(aovs["primvars:st"][lower][:, 0], (x / 8 + z / 8)[lower], atol=2e-3)
     ball = seen(picture, "/ball")
     np.testing.assert_allclose(aovs["primvars:displayColor"][ball], [[0.25, 0.5, 0.75]] * ball.sum(), atol=1e-6)
+
+
+def test_native_instances_have_what_they_inherit(renderer: FrameRenderer, tmp_path: Path) -> None:
+    """Two instances of one dense mesh, drawn as one, with a primvar each."""
+    stage = Usd.Stage.CreateNew(str(tmp_path / "instances.usda"))
+    dense_grid(stage, "/_kind/grid")
+    stage.GetPrimAtPath("/_kind").SetSpecifier(Sdf.SpecifierClass)
+    for i, heat in enumerate((3.0, 5.0)):
+        prim = UsdGeom.Xform.Define(stage, f"/i{i}").GetPrim()
+        prim.GetReferences().AddInternalReference("/_kind")
+        prim.SetInstanceable(True)
+        UsdGeom.XformCommonAPI(prim).SetTranslate((2.0 * i - 1.5, -0.5, -4))
+        set_primvar(prim, "heat", T.Float, "constant", heat)
+    UsdGeom.Camera.Define(stage, "/cam").CreateClippingRangeAttr(Gf.Vec2f(0.1, 100))
+    stage.Save()
+    aovs = ("color", "primvars:heat")
+    settings = FrameSettings(WIDTH, HEIGHT, engine="pinhole", rays=1, aovs=aovs)
+    heat_seen = make_picture(renderer, Shot.open(tmp_path / "instances.usda"), "/cam", 1.0, settings).frame.aovs[
+        aovs[1]
+    ]
+    assert set(np.unique(heat_seen[:, : WIDTH // 2])) == {0.0, 3.0}
+    assert set(np.unique(heat_seen[:, WIDTH // 2 :])) == {0.0, 5.0}
 
 
 def test_a_file_has_them_as_parts(picture: Picture, tmp_path: Path) -> None:

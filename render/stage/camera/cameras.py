@@ -19,9 +19,11 @@ from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.clipping import read_clip_planes, read_clipping_range
 from render.stage.camera.framing import framing_camera
 from render.stage.camera.lenses import make_iris, make_lens
+from render.stage.camera.orthographic import stand_back
 from render.stage.opening import confinement, read_quietly
 from render.stage.options import DRAWN_PURPOSES
 from render.stage.render_settings import stage_settings
+from render.stage.values import format_value
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
 from usd_schemas import Shutter as ShutterData
@@ -119,12 +121,21 @@ def read_camera(
 
 
 def _read(usd: UsdGeom.Camera, stage: Usd.Stage, code: Usd.TimeCode) -> Camera:
-    path = str(usd.GetPath())
-    if usd.GetProjectionAttr().Get(code) != UsdGeom.Tokens.perspective:
-        raise CameraError(
-            f"camera {path} must be a perspective camera, and is orthographic", code="orthographic", path=path
-        )
-    return _add_lens(_gate(usd, stage, code), usd, stage, code)
+    path, projection = str(usd.GetPath()), usd.GetProjectionAttr().Get(code)
+    if projection == UsdGeom.Tokens.perspective:
+        return _add_lens(_gate(usd, stage, code), usd, stage, code)
+    if projection != UsdGeom.Tokens.orthographic:
+        message = f"projection of camera {path} must be perspective or orthographic, got {format_value(projection)}"
+        raise CameraError(message, code="bad_projection", path=path)
+    gate = replace(
+        _gate(usd, stage, code),
+        exposure_scale=exposure_scale(usd, code),
+        shutter_open=camera_number(usd.GetShutterOpenAttr(), code),
+        shutter_close=camera_number(usd.GetShutterCloseAttr(), code),
+    )
+    _check(gate)
+    near, _ = read_clipping_range(usd, code)
+    return stand_back(gate, stage, code, metres_from_units(near, stage))
 
 
 def conform_camera(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:

@@ -159,7 +159,7 @@ def test_an_unknown_policy_and_an_impossible_shape() -> None:
         ("focusDistance", float("-inf"), "focusDistance"),
         ("horizontalApertureOffset", float("nan"), "horizontalApertureOffset"),
         ("clippingRange", Gf.Vec2f(10, 1), "clippingRange"),
-        ("projection", "orthographic", "perspective"),
+        ("projection", "isometric", "perspective or orthographic, got 'isometric'"),
         ("exposure", 999.0, "exposure of camera /cam must be from -100 to 100 stops, got 999"),
         ("exposure", float("nan"), "exposure of camera /cam must be"),
         ("exposure__time", float("inf"), "exposure:time of camera /cam must be a positive number, got inf"),

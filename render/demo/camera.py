@@ -45,3 +45,26 @@ def write_camera(stage: Usd.Stage) -> None:
     settings.CreateCameraRel().SetTargets([Sdf.Path(CAMERA)])
     settings.CreateResolutionAttr(Gf.Vec2i(1920, 1080))
     settings.CreateIncludedPurposesAttr(Vt.TokenArray(["default", "render"]))
+    _write_products(stage, settings)
+
+
+def _write_products(stage: Usd.Stage, settings: UsdRender.Settings) -> None:
+    """Authors what `pullfocus record --products` writes: the picture with depths and mattes, and all sharp for reference."""
+    scope = settings.GetPath().GetParentPath()
+    for name, source, kind in (
+        ("color", "color", "color4f"),
+        ("depth", "cameraDepth", "float"),
+        ("objects", "cryptoObject", "float4"),
+    ):
+        var = UsdRender.Var.Define(stage, scope.AppendChild(name))
+        var.CreateSourceNameAttr(source)
+        var.CreateDataTypeAttr(kind)
+    beauty = UsdRender.Product.Define(stage, scope.AppendChild("Beauty"))
+    beauty.CreateProductNameAttr("beauty.####.exr")
+    beauty.CreateOrderedVarsRel().SetTargets([scope.AppendChild(name) for name in ("color", "depth", "objects")])
+    sharp = UsdRender.Product.Define(stage, scope.AppendChild("Sharp"))
+    sharp.CreateProductNameAttr("sharp/reference.####.png")
+    sharp.CreateDisableDepthOfFieldAttr(True)
+    for product in (beauty, sharp):
+        product.CreateResolutionAttr(Gf.Vec2i(960, 540))
+    settings.CreateProductsRel().SetTargets([beauty.GetPath(), sharp.GetPath()])

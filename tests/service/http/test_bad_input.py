@@ -179,14 +179,28 @@ def test_a_negative_focal_length(client):
     assert "/World/cam" in refusal["detail"] + str(refusal["path"])
 
 
-@pytest.mark.parametrize("prim", ["cam", "near"])
-def test_transforms_that_are_no_numbers(client, prim):
-    bad = '    {\n        double3 xformOp:translate = (nan, 0, 0)\n        uniform token[] xformOpOrder = ["xformOp:translate"]\n'
-    kind = "Camera" if prim == "cam" else "Mesh"
-    refusal = refused_frame(
-        client, ROOM.replace(f'    def {kind} "{prim}"\n    {{\n', f'    def {kind} "{prim}"\n{bad}')
-    )
-    assert f"/World/{prim}" in refusal["detail"] + str(refusal["path"])
+NO_NUMBER = """    {
+        double3 xformOp:translate = (nan, 0, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+"""
+
+
+def test_a_camera_whose_transform_is_no_number(client):
+    text = ROOM.replace('    def Camera "cam"\n    {\n', f'    def Camera "cam"\n{NO_NUMBER}')
+    refusal = refused_frame(client, text)
+    assert "/World/cam" in refusal["detail"] + str(refusal["path"])
+
+
+def test_a_mesh_whose_transform_is_no_number_is_left_out_and_named(client):
+    text = ROOM.replace('    def Mesh "near"\n    {\n', f'    def Mesh "near"\n{NO_NUMBER}')
+    shot = send(client, "shot.usda", text.encode()).json()["id"]
+    try:
+        small = {"time": 1, "width": 32, "height": 18, "rays": 1}
+        assert client.get(f"/v1/shots/{shot}/frame", params=small).status_code == 200
+        notes = client.get(f"/v1/shots/{shot}/inspect").json()["notes"]
+        assert any("/World/near" in note["message"] for note in notes)
+    finally:
+        assert client.delete(f"/v1/shots/{shot}").status_code == 204
 
 
 @pytest.mark.parametrize(

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from render.cli.console import FrameProgress
+from render.cli.recording.frames import record_frame
 from render.cli.recording.job import RecordJob
 from render.errors import SettingsError
 from render.model.frame_spec import frame_file_names
-from render.output import write_frame
 from render.output.formats import format_of
 from render.output.layout import FileLayout, FilePart
-from render.pictures.picture import make_picture
 from render.stage.render_products import Product
 
 
@@ -75,24 +73,9 @@ def record_products(runs: Sequence[ProductRun], frames: Sequence[float]) -> list
     with FrameRenderer() as renderer, FrameProgress(len(runs) * len(frames)) as progress:
         for number, time in enumerate(frames):
             for run in runs:
-                start, job, file = clock.perf_counter(), run.job, run.files[number]
-                progress.begin(file.name)
+                job = run.job
                 with job.shot.framed(run.product.framing):
-                    picture = make_picture(
-                        renderer,
-                        job.shot,
-                        job.camera_path,
-                        time,
-                        job.settings,
-                        on_progress=progress.update,
-                        stock=job.stock,
-                        choice=job.grade,
-                    )
-                graded = job.overlay(picture.graded, picture.camera)
-                write_frame(file, picture.frame, graded, picture.metadata, file_layout(run.product))
-                seconds = clock.perf_counter() - start
-                progress.finish(str(file), seconds)
-                entry = {"time": time, "file": str(file), "seconds": round(seconds, 3)}
+                    entry = record_frame(renderer, progress, job, time, run.files[number], file_layout(run.product))
                 written.append({**entry, "product": run.product.path, "camera": job.camera_path})
     return written
 

@@ -78,12 +78,10 @@ class SurfaceDescription:
         for draw, here in self._by_draw():
             batch, triangles = draw.batch, self._hits.triangles[here]
             geometry, fan_ids[here] = batch.geometry, batch.geometry.fan_ids[triangles]
-            if (
-                batch.instance_prim_ids is not None and batch.instance_numbers is None
-            ):  # native instances are prims themselves
-                mesh_ids[here] = batch.instance_prim_ids[self._poses(draw, here)]
-            else:
-                mesh_ids[here] = geometry.prim_ids[triangles]
+            own_ids = (
+                batch.instance_prim_ids if batch.instance_numbers is None else None
+            )  # native instances are prims themselves
+            mesh_ids[here] = geometry.prim_ids[triangles] if own_ids is None else own_ids[self._poses(draw, here)]
             if geometry.swapped is not None:
                 own = weights[here]
                 swapped = geometry.swapped[triangles]

@@ -22,6 +22,8 @@ from tests.render.kits.stages import add_material, add_mesh, bind, new_stage, on
 pytestmark = pytest.mark.gl
 
 SIZE = (64, 48)
+BOX_POINTS = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float32)
+BOX_FACES = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]
 
 
 @pytest.fixture
@@ -117,9 +119,7 @@ def test_a_back_face_is_lit_as_its_front_unless_double_sided(renderer: FrameRend
 
 def test_a_surface_that_faces_inwards_is_seen_from_outside(renderer: FrameRenderer) -> None:
     stage = new_stage()
-    points = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
-    faces = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]
-    mesh = add_mesh(stage, "/box", points, [4] * 6, faces)
+    mesh = add_mesh(stage, "/box", BOX_POINTS, [4] * 6, BOX_FACES)
     for mirror in (1, -1):
         UsdGeom.XformCommonAPI(mesh).SetScale(Gf.Vec3f(mirror, 1, 1))
         for orientation, is_outward in (("rightHanded", True), ("leftHanded", False)):
@@ -147,9 +147,7 @@ def test_instances_have_their_insides_where_they_stand(renderer: FrameRenderer, 
 def test_the_inside_of_other_parts_is_seen_through_glass(peeler: Peeler, opacity: float, layers: int) -> None:
     """A box whose front is a part of its own: where that is clear, the inner side of its back is seen."""
     stage = new_stage()
-    points = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
-    faces = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]
-    mesh = add_mesh(stage, "/box", points, [4] * 6, faces)
+    mesh = add_mesh(stage, "/box", BOX_POINTS, [4] * 6, BOX_FACES)
     for name, faces_of, clear in (("front", [1], opacity), ("others", [0, 2, 3, 4, 5], 1.0)):
         add_material(stage, f"/{name}", opacity=clear, roughness=0.2 if name == "front" else 0.7)
         subset = UsdGeom.Subset.CreateGeomSubset(mesh, name, UsdGeom.Tokens.face, faces_of, "materialBind")
@@ -160,12 +158,10 @@ def test_the_inside_of_other_parts_is_seen_through_glass(peeler: Peeler, opacity
 def test_boxes_that_come_apart_show_their_insides(renderer: FrameRenderer) -> None:
     """Six squares that touch at first and leave each other later, whichever time is read first."""
     stage = new_stage()
-    points = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float32)
-    faces = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]
-    mesh = add_mesh(stage, "/box", points[faces], [4] * 6, range(24))
-    apart = points[faces].copy()
+    mesh = add_mesh(stage, "/box", BOX_POINTS[BOX_FACES], [4] * 6, range(24))
+    apart = BOX_POINTS[BOX_FACES].copy()
     apart[4:8] += (0, 5, 0)  # the front
-    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points[faces]), 1)
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(BOX_POINTS[BOX_FACES]), 1)
     mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(apart), 24)
     reader = StageReader(stage)
     reader.read(1)
@@ -176,9 +172,7 @@ def test_boxes_that_come_apart_show_their_insides(renderer: FrameRenderer) -> No
 def test_a_part_by_material_knows_the_whole_surface(renderer: FrameRenderer) -> None:
     """From within a box whose sides wear several materials each side is drawn: the eye is outside of a side's own box."""
     stage = new_stage()
-    points = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
-    faces = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]
-    mesh = add_mesh(stage, "/box", points, [4] * 6, faces)
+    mesh = add_mesh(stage, "/box", BOX_POINTS, [4] * 6, BOX_FACES)
     for i in range(6):
         add_material(stage, f"/look{i}", roughness=0.2 + 0.1 * i)
         subset = UsdGeom.Subset.CreateGeomSubset(mesh, f"side{i}", UsdGeom.Tokens.face, [i], "materialBind")

@@ -7,7 +7,6 @@ depth apart may not be. A camera farther away would have the first error smaller
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,17 +14,16 @@ from pxr import Usd, UsdGeom
 
 from render.model.camera import Camera
 from render.model.lens import THIN_LENS
-from render.stage.options import DRAWN_PURPOSES
+from render.stage.options import PURPOSES
 from render.stage.world import world_from_stage
 
 _DEPTHS_AWAY = 1000
 """Distance of the camera, in depths of what it sees."""
+_BOXED = list(PURPOSES)  # whatever is drawn lies in the box
 _MARGIN = 1e-3  # of that depth, around it
 
 
-def stand_back(
-    camera: Camera, stage: Usd.Stage, time: Usd.TimeCode, near_m: float, *, purposes: Sequence[str] = DRAWN_PURPOSES
-) -> Camera:
+def stand_back(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode, near_m: float) -> Camera:
     """Perspective camera that shows what an orthographic one does. All is sharp: parallel rays have no lens here.
 
     Args:
@@ -33,9 +31,8 @@ def stand_back(
         stage: the stage.
         time: when the stage's box is measured.
         near_m: near clipping distance, which may be negative: an orthographic camera sees what is behind it, too.
-        purposes: which of default, render, proxy and guide are in the box.
     """
-    first, last = _depths(camera, stage, time, purposes)
+    first, last = _depths(camera, stage, time)
     first, last = max(first, near_m), min(last, camera.far_m)
     depth = last - first if first < last < np.inf else 1.0
     distance = _DEPTHS_AWAY * depth
@@ -57,9 +54,9 @@ def stand_back(
     )
 
 
-def _depths(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode, purposes: Sequence[str]) -> tuple[float, float]:
+def _depths(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode) -> tuple[float, float]:
     """Least and greatest depth of the stage's box in front of a camera, with a margin, metres; infinite for an empty stage."""
-    box = UsdGeom.BBoxCache(time, list(purposes), useExtentsHint=True).ComputeWorldBound(stage.GetPseudoRoot())
+    box = UsdGeom.BBoxCache(time, _BOXED, useExtentsHint=True).ComputeWorldBound(stage.GetPseudoRoot())
     bounds = box.ComputeAlignedRange()
     corners = np.array([[*bounds.GetCorner(i), 1.0] for i in range(8)])
     if bounds.IsEmpty() or not np.isfinite(corners).all():

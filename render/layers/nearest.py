@@ -15,7 +15,7 @@ import numpy as np
 
 from render.layers.bounds import CLUSTER_TRIANGLES
 from render.layers.index import SceneIndex
-from render.layers.selection import Indexed
+from render.layers.selection import Indexed, seen_draws
 from render.model.arrays import DoubleArray, FloatArray, IndexArray
 from render.model.scene import Batch
 from render.optics.view import PinholeView
@@ -106,8 +106,8 @@ def _search(first: _Hulls) -> float:
 
 
 def _instance_hulls(index: SceneIndex, view: PinholeView) -> _Hulls:
-    """Boxes of all instances of all draws."""
-    draws = [draw for draw in index.draws if len(draw.corners)]
+    """Boxes of all instances of all draws that a camera sees."""
+    draws = [draw for draw in seen_draws(index.draws) if len(draw.corners)]
     if not draws:
         return _Hulls(np.zeros(0), np.zeros(0, np.intp), None)
     corners = np.concatenate([draw.corners.reshape(-1, 8, 3)[draw.instances] for draw in draws])

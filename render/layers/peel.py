@@ -24,6 +24,7 @@ from render.layers.nearest import nearest_depth_m, nearest_drawn_depth_m
 from render.layers.reach import OpenSides, ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.rest import RestMerger
+from render.layers.selection import seen_draws
 from render.layers.shading import SurfaceLighter
 from render.layers.shadows import Sphere, sphere_around
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
@@ -193,8 +194,8 @@ class Peeler:
 
     @property
     def is_opaque(self) -> bool:
-        """Whether no surface of the loaded scene is partly transparent; cut-outs are not."""
-        return not _any_translucent(self.index.draws)
+        """Whether no surface of the loaded scene that the camera sees is partly transparent; cut-outs are not."""
+        return not _any_translucent(seen_draws(self.index.draws))
 
     def nearest_w(self, view: PinholeView) -> float:
         """Largest inverse depth of any surface in view, 1/m: at most ``1 / view.near_m``, 0 for an empty view.

@@ -243,6 +243,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUseProgram(program._program_id)
             self._set_motion(program, draw, layer)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
+            GL.glUniform1i(program.location("is_holdout"), draw.batch.camera_role == "holdout")
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)

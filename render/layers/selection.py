@@ -21,6 +21,12 @@ Choose = Callable[[PinholeView], IndexArray | None]
 """Function that gives the ascending indices of the clusters that a view may show; None for all."""
 
 
+def seen_draws(draws: list[Draw]) -> list[Draw]:
+    """Draws that a camera sees; the same list where it sees all."""
+    seen = [draw for draw in draws if draw.batch.camera_role != "unseen"]
+    return draws if len(seen) == len(draws) else seen
+
+
 class DrawnRanges(NamedTuple):
     """Part of a draw that is drawn.
 
@@ -157,7 +163,13 @@ class ClusterSelection:
             among = None if self._choose is None else self._choose(view)
             both_sides = self._seen_from_inside(view)
             index = self._index.clusters
-            clusters = index.select(clip_from_world, eye=view.eye_in_world, among=among, both_sides=both_sides)
+            clusters = index.select(
+                clip_from_world,
+                seen_draws(self._index.draws),
+                eye=view.eye_in_world,
+                among=among,
+                both_sides=both_sides,
+            )
             seen = self._seen = _Seen(view, self._index.draws, index, clusters, both_sides)
         return seen
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -40,6 +40,14 @@ class SurfaceHits:
         return SurfaceHits(
             self.w[place], self.draws[place], self.objects[place], self.triangles[place], self.slopes[place]
         )
+
+
+def without_holdouts(hits: SurfaceHits, draws: Sequence[Draw]) -> SurfaceHits:
+    """Hits with nothing where they meet a holdout."""
+    held = np.array([*(draw.batch.camera_role == "holdout" for draw in draws), False])[hits.draws]
+    if not held.any():
+        return hits
+    return replace(hits, w=np.where(held, np.float32(0), hits.w), draws=np.where(held, np.int32(-1), hits.draws))
 
 
 class SurfaceDescription:

@@ -155,7 +155,7 @@ class LayerTargets:
     Attributes:
         width: pixels.
         height: pixels.
-        radiance: a slice of RGBA16F for each layer; undefined where the layer's w is 0.
+        radiance: a slice of RGBA16F for each layer (``layers/coverage.glsl``); undefined where the layer's w is 0.
         packed_w: RGBA32F, the inverse depths of layers 0 to 3 and, if any, 4 to 7: 0 where empty, negative where partly
             transparent.
         packed_slopes: RGBA16UI, how these slope, packed likewise (``trace/slopes.glsl``); undefined where w is 0.

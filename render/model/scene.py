@@ -20,6 +20,9 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray, FloatArray, IntArray
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
+CameraRole = Literal["seen", "holdout", "unseen"]
+"""What the camera makes of a surface: seen; a holdout, which hides what is behind it and leaves neither colour nor coverage; or
+not seen at all. All three cast shadows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +150,7 @@ class Batch:
             for white.
         instance_numbers: ``(k,)`` int32 the PointInstancer's id of the instance, its index where it has no ids, or -1.
         instance_material_ids: ``(k,)`` int32 as `Geometry.material_ids`, or None where the triangles' own count.
+        camera_role: what the camera makes of it.
     """
 
     geometry: Geometry
@@ -159,6 +163,7 @@ class Batch:
     culls_backs: bool = True
     instance_colors: FloatArray | None = None
     instance_material_ids: IntArray | None = None
+    camera_role: CameraRole = "seen"
 
     @property
     def has_backs(self) -> bool:

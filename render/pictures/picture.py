@@ -27,6 +27,7 @@ from render.pictures.primvars import add_primvars, check_primvars
 from render.shot.film.finish import Finish
 from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
+from render.stage import Finding
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
@@ -136,12 +137,22 @@ def expose_frame(
     """
     check_shutter(camera)
     check_primvars(shot, time, settings)
+    _note_holdouts(shot, time, settings)
     space = ImageSpace.for_camera(camera, settings)
     if has_motion(camera, settings):
         frame = render_moving_frame(renderer, shot, camera_path, camera, time, space, on_progress)
     else:
         frame = renderer.render(shot.scene_at(time), space.widen_camera(camera), space.settings, on_progress)
     return apply_lens_effects(renderer, shot, camera, time, space, frame)
+
+
+def _note_holdouts(shot: Shot, time: float, settings: FrameSettings) -> None:
+    """Note holdouts where the engine cannot leave them out of alpha."""
+    if engine_class(settings).has_rays:
+        return
+    if any(batch.camera_role == "holdout" for batch in shot.scene_at(time).batches):
+        message = f"holdouts of the render pass are black with alpha 1, since the engine {settings.engine} has no alpha"
+        shot.note_asked([Finding("holdout_alpha", "/", f"{message}: take the engine lens")])
 
 
 def apply_lens_effects(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom
 
-from render.model.scene import Scene
+from render.model.scene import Dome, Scene
 from render.stage.assembly.groups import DrawContext, Group
 from render.stage.assembly.inventory import Inventory, take_inventory
 from render.stage.assembly.pieces import ShapeReader
@@ -112,7 +112,7 @@ class StageReader:
         )
         batches = tuple(batch for group in plan.groups for batch in group.batches(context))
         lights, dome = plan.lights.read(plan.inventory.lights, transforms)
-        if dome is not None and not self._options.dome_visible:
+        if dome is not None and not self._sees_dome(dome):
             dome = replace(dome, visible=False)
         return Scene(
             batches,
@@ -124,6 +124,11 @@ class StageReader:
             camera_light=self._options.camera_light,
             material_paths=tuple(self._material_ids),
         )
+
+    def _sees_dome(self, dome: Dome) -> bool:
+        """Whether the camera sees the dome behind all surfaces; held out, it is as black as not seen."""
+        seen = self._pass is None or self._pass.camera_role(Sdf.Path(dome.path)) == "seen"
+        return seen and self._options.dome_visible
 
     def _make_plan(self, time: Usd.TimeCode) -> _Plan:
         composition_findings(self._stage, self._log)

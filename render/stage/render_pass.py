@@ -1,15 +1,16 @@
-"""RenderPass prim: a source of render settings, and collections of what is drawn (UsdRenderPass)."""
+"""RenderPass prim: a source of render settings, and collections of what is drawn and how (UsdRenderPass)."""
 
 from __future__ import annotations
 
 from pxr import Sdf, Usd, UsdRender
 
 from render.errors import SettingsError
+from render.model.scene import CameraRole
 from render.stage.render_settings import choose_settings
 
 
 class RenderPass:
-    """Collections of a RenderPass prim that choose what is drawn.
+    """Collections of a RenderPass prim that choose what is drawn, and what the camera makes of it.
 
     Args:
         prim: the prim; see `find_pass`.
@@ -19,6 +20,8 @@ class RenderPass:
         self._prim = prim
         self._visible = Usd.CollectionAPI(prim, "renderVisibility").ComputeMembershipQuery()
         self._pruned = Usd.CollectionAPI(prim, "prune").ComputeMembershipQuery()
+        self._camera_visible = Usd.CollectionAPI(prim, "cameraVisibility").ComputeMembershipQuery()
+        self._matte = Usd.CollectionAPI(prim, "matte").ComputeMembershipQuery()
 
     def prunes(self, path: Sdf.Path) -> bool:
         """Whether a prim is left out with all below it."""
@@ -27,6 +30,12 @@ class RenderPass:
     def shows(self, path: Sdf.Path) -> bool:
         """Whether a surface or a light is there at all; what lies below it is asked for itself."""
         return bool(self._visible.IsPathIncluded(path))
+
+    def camera_role(self, path: Sdf.Path) -> CameraRole:
+        """What the camera makes of a surface, or of the dome behind all surfaces, that is there."""
+        if not self._camera_visible.IsPathIncluded(path):
+            return "unseen"
+        return "holdout" if self._matte.IsPathIncluded(path) else "seen"
 
 
 def find_pass(stage: Usd.Stage, path: str) -> RenderPass:

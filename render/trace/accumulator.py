@@ -74,16 +74,25 @@ class Accumulator:
         size = (view.width, view.height)
         with Resources() as scope:
             total, seen = (scope.keep(self._ctx.texture(size, 4, dtype="f4")) for _ in range(2))
+            through = scope.keep(self._ctx.texture(size, 1, dtype="f4"))
             total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
                 for group in peeler.peel_groups(view.through(x, y, plane, (dx, dy)), unlit=unlit, sampling=sampling):
-                    self._composite(group, seen, total, 1.0 / len(lens_points))
+                    self._composite(group, seen, through, total, 1.0 / len(lens_points))
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))
             return np.frombuffer(total.read(), np.float32).reshape(view.height, view.width, 4).copy()
 
-    def _composite(self, group: LayerGroup, seen: moderngl.Texture, total: moderngl.Texture, weight: float) -> None:
-        """Composite a group behind the view so far. After the last group add the background, and the view to the total."""
+    def _composite(
+        self,
+        group: LayerGroup,
+        seen: moderngl.Texture,
+        through: moderngl.Texture,
+        total: moderngl.Texture,
+        weight: float,
+    ) -> None:
+        """Composite a group behind the view so far, and what that lets through. After the last group add the background, and
+        the view to the total."""
         program, targets = self._program, group.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[group.slot // LAYERS_PER_PACK],
@@ -98,5 +107,6 @@ class Accumulator:
         program["weight"] = weight
         total.bind_to_image(0, read=True, write=True)
         seen.bind_to_image(1, read=True, write=True)
+        through.bind_to_image(2, read=True, write=True)
         program.run(-(-total.width // 8), -(-total.height // 8))
         self._ctx.memory_barrier()

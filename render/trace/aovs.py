@@ -1,4 +1,7 @@
-"""AOVs seen through the lens: each pixel's depth and ids along the chief ray, the one through the middle of the pupil."""
+"""AOVs seen through the lens: each pixel's depth and ids along the chief ray, the one through the middle of the pupil.
+
+A holdout, and what it hides, counts as nothing.
+"""
 
 from __future__ import annotations
 

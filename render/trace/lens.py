@@ -16,7 +16,7 @@ from render.gl.shaders import ProgramCache
 from render.layers.matte_numbers import MatteNumbers
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler, PeelKey
-from render.layers.surface_hits import SurfaceDescription
+from render.layers.surface_hits import SurfaceDescription, without_holdouts
 from render.layers.surface_sampling import SurfaceSampling, layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import DoubleArray, FloatArray
@@ -379,7 +379,7 @@ class LensTracer:
     ) -> Measurements:
         """Measure AOVs along the picture's chief rays: see `render.trace.aovs`."""
         bundle = self._bundles.make_bundle(camera, view, make_ray_pattern(1, IrisShape()))
-        hits = chief_hits(peeler, view, chief_rays(camera))
+        hits = without_holdouts(chief_hits(peeler, view, chief_rays(camera)), peeler.index.draws)
         surfaces = SurfaceDescription(peeler.index.draws, hits, view.camera_from_world)
         return Measurer(view, bundle, picture_focus(camera, view), hits, surfaces, stage_from_world).measure(names)
 

@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--renderPassPrimPath",
         "-rp",
         metavar="PATH",
-        help="RenderPass prim to use: its renderSource for settings, and its collections renderVisibility and prune",
+        help="RenderPass prim to use: its renderSource for settings, and its collections",
     )
     group.add_argument(
         "--renderer",

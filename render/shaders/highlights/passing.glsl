@@ -32,7 +32,7 @@ float share_along(LensRay ray, Walk walk, ivec2 last, float front)
         on = met.hit.layer < 0 || met.w <= front;
         if (on) continue;
         if (met.hit.opaque) return 0.0;
-        share *= 1.0 - radiance_at(ray.a, met.b, last, met.pixel, met.hit).a;
+        share *= passing_at(ray.a, met.b, last, met.pixel, met.hit);
         limit = met.w;
         before = met;
         ++through;
@@ -49,7 +49,7 @@ float share_along(LensRay ray, Walk walk, ivec2 last, float front)
         Hit hit = nearest_in(ray.a, ray.b, at, limit);
         while (hit.layer >= 0 && hit.w > front) {
             if (hit.opaque) return 0.0;
-            share *= 1.0 - radiance_at(ray.a, ray.b, last, at.pixel, hit).a;
+            share *= passing_at(ray.a, ray.b, last, at.pixel, hit);
             limit = hit.w;
             hit = nearest_in(ray.a, ray.b, at, limit);
         }

@@ -1,7 +1,7 @@
 #version 450 core
 // Merge the surfaces that a peeling has no layer for into its last two layers. The cases are in render/layers/rest.py.
 // in:  premultiplied radiance and opacity of those surfaces; w of the last two layers (negative where partly transparent)
-// out: radiance and opacity of the last two layers
+// out: radiance and alpha (coverage.glsl) of the last two layers
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba16f, binding = 0) uniform image2DArray radiance;
@@ -25,8 +25,9 @@ void main()
     ivec3 place = ivec3(pixel, last_opaque && !before_opaque ? before_slice : last_slice);
     vec4 held = imageLoad(radiance, place);
     if (last_opaque && before_opaque) {
-        held.rgb = rest.rgb + (1.0 - rest.a) * held.rgb;
+        held = rest + (1.0 - rest.a) * held;
     } else {
+        held.a = abs(held.a);
         vec4 both = held.a * vec4(held.rgb, 1.0) + (1.0 - held.a) * rest;
         held = vec4(both.rgb / max(both.a, 1e-20), both.a);
     }

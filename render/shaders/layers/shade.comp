@@ -2,7 +2,7 @@
 // Light that the surfaces of a layer send to the eye, added to what they emit: of quads of 2x2 pixels at once, or of single pixels.
 // in:  list of them (shade_list.comp); w of the layer, and its surfaces as the colour pass leaves them (surface.frag); lights, dome
 //      and shadows (lighting.glsl)
-// out: radiance, scene-linear, not premultiplied; opacity stays
+// out: radiance, scene-linear, not premultiplied; alpha stays, and holdouts stay black (coverage.glsl)
 // Deferred shading (Saito & Takahashi 1990, "Comprehensible rendering of 3-D shapes"): a rasteriser shades whole blocks of pixels
 // for each small triangle.
 
@@ -53,6 +53,7 @@ void main()
     for (int i = 0; i < count; ++i) {
         ivec3 pixel = ivec3(first + ivec2(i & 1, i >> 1), slice);
         vec4 own = imageLoad(radiance, pixel);
+        if (own.a <= 0.0) continue;  // a holdout
         vec3 sum = own.rgb + texelFetch(albedo_roughness, pixel.xy, 0).rgb * light.diffuse + light.specular;
         if (any(isnan(sum)) || any(isinf(sum))) sum = vec3(0.0);  // invalid light counts as none
         imageStore(radiance, pixel, vec4(min(sum, vec3(MAX_HALF)), own.a));

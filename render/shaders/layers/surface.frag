@@ -1,7 +1,7 @@
 #version 450 core
 // Colour pass of a peel: radiance, inverse depth and ids of the surfaces that layers/depth.frag found.
 // in:  surface.vert's outputs
-// out: emitted radiance (scene-linear, not premultiplied; where UNLIT is defined, the base colour) and opacity; inverse depth
+// out: emitted radiance (scene-linear, not premultiplied; where UNLIT is defined, the base colour) and alpha (coverage.glsl); inverse depth
 //      w = 1/z in 1/m, negative where the surface is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl);
 //      where MOTION is defined, the surface's motion while the shutter is open (carried.glsl); where UNLIT is not, the surface
 //      that light falls on (reflector.glsl), for shade.comp
@@ -33,6 +33,7 @@ layout(location = 7) out vec4 out_normal;       // normal in octahedral coordina
 
 uniform uint first_object;       // object number of the batch's first instance
 uniform uint first_triangle;     // first triangle of the draw
+uniform bool is_holdout;         // hides what is behind it, and gives neither light nor coverage
 
 void main()
 {
@@ -56,8 +57,10 @@ void main()
     }
 #endif
     if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // invalid light counts as none
-    out_radiance = vec4(min(radiance, vec3(MAX_HALF)), s.opacity);
-    out_w = vec4(s.opacity >= OPAQUE ? gl_FragCoord.w : -gl_FragCoord.w);
+    bool opaque = s.opacity >= OPAQUE;
+    out_radiance = vec4(min(radiance, vec3(MAX_HALF)), opaque ? 1.0 : s.opacity);
+    if (is_holdout) out_radiance = vec4(vec3(0.0), opaque ? 0.0 : -s.opacity);
+    out_w = vec4(opaque ? gl_FragCoord.w : -gl_FragCoord.w);
     out_slope = uvec4(packed_slope(slope));
 #ifdef MOTION
     out_motion = packed_motion(own_first(), own_second(), drifts());

@@ -7,6 +7,8 @@
 // Circle-of-confusion pass of Moersch & Hamilton 2014 (section 3.2.1), for two surfaces per pixel: where a blurred near surface
 // lets light through, the layers hold the surface behind it.
 
+#include "layers/coverage.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform writeonly image2D near;
 layout(rgba32f, binding = 1) uniform writeonly image2D far;
@@ -43,8 +45,7 @@ void main()
         float w = stored_w(pixel, layer);
         if (w == 0.0) break;
         vec4 surface = texelFetch(radiance, ivec3(pixel, layer), 0);
-        if (w > 0.0) surface.a = 1.0;
-        vec4 light = vec4(surface.rgb, 1.0) * surface.a;
+        vec4 light = vec4(surface.rgb, 1.0) * opacity_of(surface, w > 0.0);  // a holdout is a black surface here
         float radius = reach * (abs(w) - focused.x);
         if (radius > 0.0 && front.a < OPAQUE) {
             if (front.a == 0.0) front_px = radius;

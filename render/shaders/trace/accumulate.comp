@@ -1,14 +1,17 @@
 #version 450 core
 // Composite one pinhole view front to back, four layers at a time, and add it to an accumulation image.
 // in:  the layers' w (1/m; 0 empty, negative partly transparent), radiance and background; the picture of the layers in
-//      front of them in `seen`; the view's weight
+//      front of them in `seen`, and the share of light that those let pass in `through`; the view's weight
 // out: with the last layers, radiance premultiplied by coverage (with the background behind) and coverage, added to `sum`;
-//      before that, the picture so far in `seen`
+//      before that, the picture so far in `seen` and `through`
 // Haeberli & Akeley 1990.
+
+#include "layers/coverage.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D sum;
 layout(rgba32f, binding = 1) uniform image2D seen;
+layout(r32f, binding = 2) uniform image2D through;
 
 uniform sampler2D packed_w;
 uniform sampler2DArray radiance;
@@ -25,14 +28,17 @@ void main()
     if (any(greaterThanEqual(pixel, imageSize(sum)))) return;
     vec4 w = texelFetch(packed_w, pixel, 0);
     vec4 total = is_first ? vec4(0.0) : imageLoad(seen, pixel);
-    for (int i = 0; i < count && w[i] != 0.0 && total.a < 1.0; ++i) {
+    float passing = is_first ? 1.0 : imageLoad(through, pixel).r;
+    for (int i = 0; i < count && w[i] != 0.0 && passing > 0.0; ++i) {
         vec4 surface = texelFetch(radiance, ivec3(pixel, slice_of_first + i), 0);
-        total += (1.0 - total.a) * (w[i] > 0.0 ? 1.0 : surface.a) * vec4(surface.rgb, 1.0);
+        total += passing * light_of(surface, w[i] > 0.0);
+        passing *= 1.0 - opacity_of(surface, w[i] > 0.0);
     }
     if (is_last) {
-        total.rgb += (1.0 - total.a) * texelFetch(background, pixel, 0).rgb;
+        total.rgb += passing * texelFetch(background, pixel, 0).rgb;
         imageStore(sum, pixel, imageLoad(sum, pixel) + weight * total);
     } else {
         imageStore(seen, pixel, total);
+        imageStore(through, pixel, vec4(passing));
     }
 }

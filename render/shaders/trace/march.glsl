@@ -12,6 +12,7 @@ uniform usampler2D slopes_far;
 uniform sampler2DArray radiance;
 uniform sampler2D background;
 
+#include "layers/coverage.glsl"
 #include "trace/footprints.glsl"
 #include "trace/slopes.glsl"
 
@@ -156,10 +157,10 @@ ivec3 texel_of(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
     return ivec3(same ? there : found, hit.layer);
 }
 
-// Radiance and opacity of a hit.
-vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
+// Share of the light behind a hit that it lets pass.
+float passing_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
 {
-    return texelFetch(radiance, texel_of(a, b, last, found, hit), 0);
+    return 1.0 - opacity_of(texelFetch(radiance, texel_of(a, b, last, found, hit), 0), hit.opaque);
 }
 
 // March a ray through the layers: premultiplied radiance and coverage, composited front to back.
@@ -170,17 +171,19 @@ vec4 march(vec2 a, vec2 b)
     Segment at;
     Hit hit = Hit(0.0, -1, false, 0.0);
     vec4 seen = vec4(0.0);
+    float passing = 1.0;    // share of the light that what was met lets pass
     float limit = 1e30;     // surfaces in front of it are met
     while (!hit.opaque && walk_on(walk, last, at)) {
         hit = nearest_in(a, b, at, limit);
 #ifdef MAY_BE_TRANSLUCENT
         while (hit.layer >= 0 && !hit.opaque) {
             ivec3 texel = texel_of(a, b, last, at.pixel, hit);
-            vec4 surface = texelFetch(radiance, texel, 0);
+            vec4 surface = texelFetch(radiance, texel, 0), light = passing * light_of(surface, false);
 #ifdef MATTES
-            note_surface(texel, (1.0 - seen.a) * surface.a);
+            note_surface(texel, light.a);
 #endif
-            seen += (1.0 - seen.a) * surface.a * vec4(surface.rgb, 1.0);
+            seen += light;
+            passing *= 1.0 - opacity_of(surface, false);
             limit = hit.w;
             hit = nearest_in(a, b, at, limit);
         }
@@ -189,12 +192,12 @@ vec4 march(vec2 a, vec2 b)
     vec4 solid;
     if (hit.opaque) {
         ivec3 texel = texel_of(a, b, last, at.pixel, hit);
-        solid = vec4(texelFetch(radiance, texel, 0).rgb, 1.0);
+        solid = passing * light_of(texelFetch(radiance, texel, 0), true);
 #ifdef MATTES
-        note_surface(texel, 1.0 - seen.a);
+        note_surface(texel, solid.a);
 #endif
     } else {
-        solid = vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
+        solid = passing * vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
     }
-    return seen + (1.0 - seen.a) * solid;
+    return seen + solid;
 }

@@ -108,7 +108,7 @@ vec4 march_moving(vec2 a, vec2 b)
     Segment at;
     Met before = NO_HIT;
     vec4 seen = vec4(0.0), behind = vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
-    float limit = 1e30;
+    float limit = 1e30, passing = 1.0;
     bool on = true;
     for (int through = 0; through < 2 * most_tries;) {
         if (on && !walk_on(walk, last, at)) break;
@@ -116,18 +116,19 @@ vec4 march_moving(vec2 a, vec2 b)
         on = met.hit.layer < 0;
         if (on) continue;
         ivec3 texel = texel_of(a, met.b, last, met.pixel, met.hit);
-        vec4 surface = texelFetch(radiance, texel, 0);
+        vec4 surface = texelFetch(radiance, texel, 0), light = light_of(surface, met.hit.opaque);
 #ifdef MATTES
-        note_surface(texel, (1.0 - seen.a) * (met.hit.opaque ? 1.0 : surface.a));
+        note_surface(texel, passing * light.a);
 #endif
         if (met.hit.opaque) {
-            behind = vec4(surface.rgb, 1.0);
+            behind = light;
             break;
         }
-        seen += (1.0 - seen.a) * surface.a * vec4(surface.rgb, 1.0);
+        seen += passing * light;
+        passing *= 1.0 - opacity_of(surface, false);
         limit = met.w;
         before = met;
         ++through;
     }
-    return seen + (1.0 - seen.a) * behind;
+    return seen + passing * behind;
 }

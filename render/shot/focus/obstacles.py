@@ -87,7 +87,11 @@ def transmittance(scene: Scene, lines: Lines) -> DoubleArray:
 
 def _candidate_instances(scene: Scene, lines: Lines) -> Iterator[tuple[Batch, IndexArray, DoubleArray, IndexArray]]:
     """For each batch, instances that may be in the way of bundles, transforms to their space, and which bundles."""
-    batches = [batch for batch in scene.batches if len(batch.poses) and len(batch.geometry.triangles)]
+    batches = [
+        batch
+        for batch in scene.batches
+        if len(batch.poses) and len(batch.geometry.triangles) and batch.camera_role != "unseen"
+    ]
     if not batches or not lines.ways.size:
         return
     counts = np.array([len(batch.poses) for batch in batches])

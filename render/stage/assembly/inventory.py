@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdLux, UsdProc, UsdShade
 
 from render.errors import StageError
+from render.model.scene import CameraRole
 from render.stage.findings import FindingLog
 from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
@@ -49,6 +50,7 @@ class Occurrence:
         hiders: prims at or above whose visibility varies.
         chain: point instancers from the outermost inwards, empty for a surface that stands by itself.
         moves: whether its transform varies over time.
+        camera_role: what the camera makes of it.
     """
 
     prim: Usd.Prim
@@ -57,6 +59,7 @@ class Occurrence:
     hiders: tuple[Usd.Prim, ...] = ()
     chain: tuple[InstancerLink, ...] = ()
     moves: bool = False
+    camera_role: CameraRole = "seen"
 
     @property
     def path(self) -> str:
@@ -196,13 +199,27 @@ class _Walk:
                 self._note_draw_mode(prim)
                 source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
                 self.found.surfaces.append(
-                    Occurrence(prim, source.GetPath(), state.mover, state.hiders, state.chain, state.moves)
+                    Occurrence(
+                        prim,
+                        source.GetPath(),
+                        state.mover,
+                        state.hiders,
+                        state.chain,
+                        state.moves,
+                        self._camera_role(prim, state),
+                    )
                 )
         elif _is_geometry(prim) and state.purpose.purpose in self._purposes:
             kind, path = schema_type(prim), prim.GetPath()
             self._log.add("unsupported_geometry", path, f"{path} is not drawn: {kind} prims are not honoured")
         elif prim.HasAPI(UsdGeom.ModelAPI):
             self._note_draw_mode(prim)
+
+    def _camera_role(self, prim: Usd.Prim, state: _State) -> CameraRole:
+        """What the camera makes of a surface; an instancer's are as the outermost instancer itself."""
+        if self._pass is None:
+            return "seen"
+        return self._pass.camera_role((state.chain[0].instancer if state.chain else prim).GetPath())
 
     def _note_missing_clips(self, prim: Usd.Prim) -> None:
         path = prim.GetPath()

@@ -43,10 +43,11 @@ def plan_groups(surfaces: Iterable[Occurrence], cutter: PieceCutter, log: Findin
             log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
             continue
         for piece in pieces:
+            role = surface.camera_role
             if surface.chain:
-                shared[(piece.shape_key, piece.part, piece.material, piece.sides, surface.path)].append(piece)
+                shared[(piece.shape_key, piece.part, piece.material, piece.sides, role, surface.path)].append(piece)
             else:
-                shared[(piece.shape_key, piece.part, piece.material, piece.sides)].append(piece)
+                shared[(piece.shape_key, piece.part, piece.material, piece.sides, role)].append(piece)
     groups: list[Group] = []
     for pieces in shared.values():
         if _pays_to_instance(pieces, cutter.shapes):
@@ -147,6 +148,7 @@ def _rigid_key(piece: Piece) -> Hashable:
     return (
         piece.material,
         piece.sides,
+        piece.occurrence.camera_role,
         mover.GetPath() if mover is not None else None,
         tuple(prim.GetPath() for prim in hiders),
     )

@@ -237,10 +237,8 @@ RULES = {
     ),
     "CollectionAPI:renderVisibility": Rules(EVERYTHING),
     "CollectionAPI:prune": Rules(EVERYTHING),
-    "CollectionAPI:cameraVisibility": Rules(
-        ignored={f"collection collection:includes {_WHICH}": "the camera sees all that is there"}
-    ),
-    "CollectionAPI:matte": Rules(ignored={f"collection collection:includes {_WHICH}": "nothing is held out"}),
+    "CollectionAPI:cameraVisibility": Rules(EVERYTHING),
+    "CollectionAPI:matte": Rules(EVERYTHING),
 }
 """Rules by schema: a type, a base of types, an API schema, or one instance of a multiple-apply schema.
 

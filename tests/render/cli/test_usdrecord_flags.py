@@ -150,6 +150,20 @@ def test_render_pass_prim_path(flag: str, pullfocus: Command, tmp_path: Path) ->
     assert "leave out --renderSettingsPrimPath" in both.err
 
 
+@pytest.mark.parametrize(("engine", "alpha"), [("pinhole", 0), ("flag", 1)])
+def test_engines_without_alpha_say_so_of_holdouts(
+    engine: str, alpha: float, pullfocus: Command, tmp_path: Path
+) -> None:
+    held = SETTINGS.replace("prune", "matte")
+    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA, OTHER_CAMERA, held)
+    ended = pullfocus("record", shot, tmp_path / "f.exr", "-rp", "/World/Beauty", "--engine", engine)
+    assert ended.status == 0
+    picture = np.asarray(OpenImageIO.ImageBuf(str(tmp_path / "f.exr")).get_pixels())
+    assert middle(picture) == pytest.approx([0, 0, 0, alpha])
+    message = "holdouts of the render pass are black with alpha 1, since the engine flag has no alpha"
+    assert (message in ended.err) == (engine == "flag")
+
+
 MOVED = SQUARE.replace(
     "color3f[] primvars",
     """double3 xformOp:translate = (0, 0, 1)

@@ -121,12 +121,59 @@ def test_an_instancer_is_left_out_whole() -> None:
     assert drawn(stage, "/P") == {"/ground"}
 
 
-@pytest.mark.parametrize("name", ["cameraVisibility", "matte"])
-def test_collections_that_are_not_honoured_are_named(name: str) -> None:
+def roles(stage: Usd.Stage) -> dict[str, str]:
+    """What the camera makes of each prim of the stage, in the pass /P."""
+    found = {}
+    scene = StageReader(stage, render_pass=find_pass(stage, "/P")).read(0)
+    for batch in scene.batches:
+        own = batch.geometry.prim_ids if batch.instance_prim_ids is None else batch.instance_prim_ids
+        found |= {scene.prim_paths[prim]: batch.camera_role for prim in set(own.tolist())}
+    return found
+
+
+def test_camera_visibility_and_matte_are_asked_for_each_prim() -> None:
     stage = new_stage()
-    add_mesh(stage, "/m")
-    add_pass(stage, **{f"{name}__excludes": ["/m"]})
-    assert [finding.path for finding in find_not_honoured(stage)] == [f"/P.collection:{name}:excludes"]
+    for path in ("/set/wall", "/set/wall/door", "/set/floor", "/cast"):  # alike, so that they could be drawn as one
+        add_mesh(stage, path)
+    add_pass(
+        stage,
+        cameraVisibility__excludes=["/set/wall"],
+        cameraVisibility__includes=["/set/wall/door"],
+        matte__includes=["/set"],
+        matte__excludes=["/set/floor"],
+    )
+    assert roles(stage) == {"/set/wall": "unseen", "/set/wall/door": "holdout", "/set/floor": "seen", "/cast": "seen"}
+    assert find_not_honoured(stage) == []
+
+
+def test_instances_have_the_camera_role_of_their_own_paths() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/kinds/tree/leaf")
+    for path in ("/a", "/b", "/c"):
+        prim = UsdGeom.Xform.Define(stage, path).GetPrim()
+        prim.GetReferences().AddInternalReference("/kinds/tree")
+        prim.SetInstanceable(True)
+    UsdGeom.Sphere.Define(stage, "/many/kind")
+    instancer(stage, "/many", ["/many/kind"], [0, 0])
+    add_pass(stage, matte__includes=["/b", "/many"], cameraVisibility__excludes=["/c", "/kinds"])
+    assert roles(stage) == {
+        "/kinds/tree/leaf": "unseen",
+        "/a/leaf": "seen",
+        "/b/leaf": "holdout",
+        "/c/leaf": "unseen",
+        "/many": "holdout",
+    }
+
+
+@pytest.mark.parametrize("members", [{"cameraVisibility__excludes": ["/sky"]}, {"matte__includes": ["/sky"]}])
+def test_a_dome_that_the_camera_does_not_see_still_shines(members: dict[str, list[str]]) -> None:
+    stage = new_stage()
+    UsdLux.DomeLight.Define(stage, "/sky")
+    add_pass(stage, **members)
+    dome = StageReader(stage, render_pass=find_pass(stage, "/P")).read(0).dome
+    assert dome is not None
+    assert not dome.visible
+    assert dome.radiance == (1, 1, 1)
 
 
 def test_a_pass_needs_a_source() -> None:

@@ -31,7 +31,7 @@ from render.errors import GraphicsError, InputError, SettingsError
 from render.gl.cancellation import Cancelled
 from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
-from render.layers.headlight import Headlight
+from render.layers.camera_scene import CameraScenes
 from render.layers.movement import find_movements
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import shadow_region
@@ -82,7 +82,7 @@ class FrameRenderer:
 
     def __init__(self) -> None:
         """Raises `GraphicsError` where no context can be made."""
-        self._headlight = Headlight()
+        self._scenes = CameraScenes()
         self._open()
 
     def _open(self) -> None:
@@ -196,7 +196,8 @@ class FrameRenderer:
         ray_parts = moments_per_pixel or len(moments)
         settings = replace(settings, rays=max(settings.rays, ray_parts))
         view = PinholeView.from_camera(middle_camera, settings.width, settings.height)
-        movements = find_movements(scenes.middle, scenes.opening, scenes.closing)
+        seen = [scene.seen_by(middle_camera.path) for scene in (scenes.middle, scenes.opening, scenes.closing)]
+        movements = find_movements(*seen)
         samples = make_shutter_samples(moments, settings, ray_parts, lambda camera: _close_iris(camera, settings))
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         with self.on_device():
@@ -227,12 +228,12 @@ class FrameRenderer:
             SettingsError: the engine cannot show the camera's lens.
         """
         engine_class(settings).check_camera(camera)
-        self.device.peeler.load(self._headlight.add_light(scene, camera), shadow_region(camera), is_preview=is_preview)
+        self.device.peeler.load(self._scenes.scene(scene, camera), shadow_region(camera), is_preview=is_preview)
         return _close_iris(camera, settings)
 
     def has_loaded(self, scene: Scene, camera: Camera) -> bool:
         """Whether `load` would do nothing: the scene is on the device, with its shadows as this camera's pictures have them."""
-        return self.device.peeler.has_shadows(self._headlight.add_light(scene, camera), shadow_region(camera))
+        return self.device.peeler.has_shadows(self._scenes.scene(scene, camera), shadow_region(camera))
 
     def measure(self, color: FloatArray, scene: Scene, request: DrawRequest) -> Frame:
         """Make a frame of a picture, and measure the AOVs of the loaded scene.
@@ -279,7 +280,7 @@ class FrameRenderer:
             raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
         peeler = self.device.peeler
         with self.on_device():
-            lit = self._headlight.add_light(scene, camera)
+            lit = self._scenes.scene(scene, camera)
             if not peeler.has_scene(lit):  # picking ignores shadows, so shadow maps of any region will do
                 peeler.load(lit, shadow_region(camera))
             return pick_surface(peeler, scene, view, *undistort_position(view, camera, x, y))

@@ -57,6 +57,7 @@ def inspection_json(inspection: Inspection) -> dict[str, Any]:
         "defaultCamera": {"path": inspection.default_camera.path, "reason": inspection.default_camera.reason},
         "readouts": [finite(camel_case_keys(asdict(readout))) for readout in inspection.readouts],
         "exposures": [{"camera": read.camera, **exposure_json(read)} for read in inspection.exposures],
+        "backPlates": [camel_case_keys(asdict(plate)) for plate in inspection.back_plates],
         "primCount": inspection.prim_count,
         "triangleCount": inspection.triangle_count,
         "lightCount": inspection.light_count,
@@ -82,6 +83,10 @@ def _lines(stage: str, inspection: Inspection) -> Iterator[str]:
         yield f"  {path}  {described.get(path, 'cannot be used')}{' (default)' if path == default.path else ''}"
         if path in exposed:
             yield f"    exposed {exposed[path]}"
+        for plate in inspection.back_plates:
+            if plate.camera == path:
+                place = "nowhere" if plate.depth_m is None else f"at {_metres(plate.depth_m)}"
+                yield f"    back plate {plate.name}  {plate.image or 'no image'}  {place} ({plate.visibility})"
     yield f"  without --camera: {default.path or 'one that frames the stage'} ({default.reason})"
     yield from _section("not honoured", [note.message for note in inspection.notes])
     problems = [f"{problem.severity}: {problem.path}: {problem.message}" for problem in inspection.validation]

@@ -170,7 +170,8 @@ class Peeler:
             self._renderer.upload()
             self._lighting.load(scene)
             self._kept = {}
-        if self._lighting.cast_shadows(sphere_around(self._all_corners()), region, self.index.draws):
+        casting = [draw for draw in self.index.draws if not draw.batch.material.unlit]
+        if self._lighting.cast_shadows(sphere_around(_all_corners(casting)), region, casting):
             self._kept = {}
         self._scene, self._shadow_region = scene, region
 
@@ -379,10 +380,6 @@ class Peeler:
         self.sketches.release()
         self._renderer.delete()
 
-    def _all_corners(self) -> DoubleArray:
-        corners = [draw.corners for draw in self.index.draws]
-        return np.concatenate(corners) if corners else np.zeros((0, 3))
-
     def _bind_lighting(self, view: PinholeView) -> None:
         if self._scene is None:
             raise GraphicsError("no scene is loaded: call load() first")
@@ -436,6 +433,11 @@ class Peeler:
                 self._ctx, view.width, view.height, layers, motion=motion, lit=lit, ids=ids
             )
         return targets
+
+
+def _all_corners(draws: list[Draw]) -> DoubleArray:
+    """Corners ``(n, 3)`` of the boxes of draws, world."""
+    return np.concatenate([np.zeros((0, 3)), *(draw.corners for draw in draws)])
 
 
 def _any_translucent(draws: list[Draw]) -> bool:

@@ -377,6 +377,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self, draw: Draw, least_opacity: float, *, unlit: bool, moving: MovingDraws | None, clip_planes: int
     ) -> SourceProgram:
         defines: dict[str, object] = {"UNLIT": 1} if unlit else {}
+        if draw.batch.material.unlit:
+            defines["OWN_LIGHT"] = 1
         if clip_planes:
             defines["CLIP_PLANES"] = clip_planes
         if moving is not None:

@@ -11,7 +11,7 @@ scene-linear in the working space. Images have row 0 at the top; texture coordin
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -21,7 +21,7 @@ from render.model.arrays import DoubleArray, FloatArray, IntArray
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
 CameraRole = Literal["seen", "holdout", "unseen"]
-"""Role of a surface for the camera: seen; a holdout, which hides what is behind it and leaves neither colour nor coverage; or
+"""What the camera makes of a surface: seen; a holdout, which hides what is behind it and leaves neither colour nor coverage; or
 not seen at all. All three cast shadows."""
 
 
@@ -32,10 +32,12 @@ class Image:
     Attributes:
         pixels: ``(height, width, 4)`` float16; colour in the working space (or raw data), alpha in the last channel.
         name: the file it came from, for messages.
+        channels: number of channels of that file.
     """
 
     pixels: NDArray[np.float16]
     name: str = ""
+    channels: int = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +81,7 @@ class Material:
         clearcoat_roughness: its roughness.
         uses_display_color: multiply base_color and opacity by the mesh's displayColor and displayOpacity
             (a mesh with no material bound has a white material with this set).
+        unlit: show ``emissive`` alone, whatever the lights and the shading, and cast no shadow.
         lookups: textures by input name: base_color, emissive, metallic, roughness, specular, opacity, normal, occlusion.
     """
 
@@ -94,6 +97,7 @@ class Material:
     clearcoat: float = 0.0
     clearcoat_roughness: float = 0.01
     uses_display_color: bool = False
+    unlit: bool = False
     lookups: dict[str, TextureLookup] = field(default_factory=dict)
 
 
@@ -151,6 +155,7 @@ class Batch:
         instance_numbers: ``(k,)`` int32 the PointInstancer's id of the instance, its index where it has no ids, or -1.
         instance_material_ids: ``(k,)`` int32 as `Geometry.material_ids`, or None where the triangles' own count.
         camera_role: what the camera makes of it.
+        seen_by: path of the only camera that sees it, or None for all cameras.
     """
 
     geometry: Geometry
@@ -164,6 +169,7 @@ class Batch:
     instance_colors: FloatArray | None = None
     instance_material_ids: IntArray | None = None
     camera_role: CameraRole = "seen"
+    seen_by: str | None = None
 
     @property
     def has_backs(self) -> bool:
@@ -253,6 +259,11 @@ class Scene:
     stage_from_world: DoubleArray = field(default_factory=lambda: np.eye(4))
     camera_light: bool = True
     material_paths: tuple[str, ...] = ()
+
+    def seen_by(self, camera_path: str) -> Scene:
+        """The scene as a camera sees it, without what only other cameras see; the same object where there is none of that."""
+        seen = tuple(batch for batch in self.batches if batch.seen_by in (None, camera_path))
+        return self if len(seen) == len(self.batches) else replace(self, batches=seen)
 
     @property
     def triangle_count(self) -> int:

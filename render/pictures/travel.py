@@ -29,7 +29,8 @@ def measure_travel_px(before: Moment, after: Moment, width: int, height: int) ->
     """
     views = [PinholeView.from_camera(moment.camera, width, height) for moment in (before, after)]
     longest = 0.0
-    for one, other in _pair_batches(before.scene, after.scene):
+    seen = [moment.scene.seen_by(moment.camera.path) for moment in (before, after)]
+    for one, other in _pair_batches(*seen):
         (then, seen_then), (now, seen_now) = (
             _project_vertices(batch, view) for batch, view in zip((one, other), views, strict=True)
         )

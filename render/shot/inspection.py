@@ -9,12 +9,12 @@ from typing import Literal
 import numpy as np
 
 from render.errors import PullfocusError, StageError
-from render.model.scene import Scene
+from render.model.scene import Batch
 from render.shot.exposure.readout import ExposureReadout
 from render.shot.findings.finish_findings import finish_findings
 from render.shot.focus.readout import Readout
 from render.shot.shot import Shot
-from render.stage import CameraChoice, Finding, FrameRange, is_y_up
+from render.stage import BackPlate, CameraChoice, Finding, FrameRange, is_y_up, list_plates
 from usd_schemas.units import metres_per_unit
 from usd_schemas.validation import Problem, validate
 
@@ -34,6 +34,7 @@ class Inspection:
         default_camera: the camera that is used when none is named, and why.
         readouts: the lens of each camera whose numbers are possible.
         exposures: of each camera whose exposure makes sense.
+        back_plates: of all cameras.
         prim_count: prims with geometry that are drawn.
         triangle_count: drawn, instances counted.
         light_count: lights, a dome among them.
@@ -48,6 +49,7 @@ class Inspection:
     default_camera: CameraChoice
     readouts: tuple[Readout, ...]
     exposures: tuple[ExposureReadout, ...]
+    back_plates: tuple[BackPlate, ...]
     prim_count: int
     triangle_count: int
     light_count: int
@@ -66,6 +68,7 @@ def inspect_shot(shot: Shot) -> Inspection:
     """
     first = shot.frame_range.start
     scene = shot.scene_at(first)
+    surfaces = [batch for batch in scene.batches if not batch.material.unlit]  # without back plates
     readouts, exposures, unusable = _read_cameras(shot, first)
     problems = validate(shot.stage)
     notes = (*shot.findings(), *unusable, *_finish_findings(shot, first, problems))
@@ -78,8 +81,9 @@ def inspect_shot(shot: Shot) -> Inspection:
         default_camera=_default_camera(shot),
         readouts=readouts,
         exposures=exposures,
-        prim_count=_drawn_prims(scene),
-        triangle_count=scene.triangle_count,
+        back_plates=tuple(list_plates(shot.stage, shot.cameras(), first)),
+        prim_count=_count_prims(surfaces),
+        triangle_count=sum(len(batch.geometry.triangles) * len(batch.poses) for batch in surfaces),
         light_count=len(scene.lights) + (scene.dome is not None),
         notes=notes,
         validation=tuple(problem for problem in problems if problem.message not in messages),
@@ -114,9 +118,9 @@ def _finish_findings(shot: Shot, time: float, problems: Sequence[Problem]) -> It
     )
 
 
-def _drawn_prims(scene: Scene) -> int:
+def _count_prims(surfaces: Sequence[Batch]) -> int:
     drawn: set[int] = set()
-    for batch in scene.batches:
+    for batch in surfaces:
         ids = batch.geometry.prim_ids if batch.instance_prim_ids is None else batch.instance_prim_ids
         drawn.update(np.unique(ids).tolist())
     return len(drawn)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from render.stage.anchors.anchors import AnchorReader, anchor_position
 from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.cameras import CameraChoice, conform_camera, default_camera, read_camera
+from render.stage.camera.plate_list import BackPlate, list_plates
 from render.stage.findings import Finding
 from render.stage.honoured.walk import find_not_honoured
 from render.stage.opening import open_stage, quiet_diagnostics
@@ -16,6 +17,7 @@ from render.stage.world import FrameRange, frame_range, is_y_up, world_from_stag
 
 __all__ = [
     "AnchorReader",
+    "BackPlate",
     "CameraChoice",
     "Finding",
     "FrameRange",
@@ -31,6 +33,7 @@ __all__ = [
     "frame_range",
     "is_y_up",
     "list_cameras",
+    "list_plates",
     "open_stage",
     "quiet_diagnostics",
     "read_camera",

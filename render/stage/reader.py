@@ -13,6 +13,9 @@ from render.stage.assembly.inventory import Inventory, take_inventory
 from render.stage.assembly.pieces import ShapeReader
 from render.stage.assembly.plan import PieceCutter, plan_groups
 from render.stage.assembly.poses import InstanceReader
+from render.stage.camera.back_plates import PlateReader
+from render.stage.camera.camera_list import list_cameras
+from render.stage.camera.plate_places import plate_names
 from render.stage.findings import Finding, FindingLog
 from render.stage.geometry.skinning import Skeletons
 from render.stage.lights import LightReader
@@ -35,6 +38,7 @@ class _Plan:
     looks: LookReader
     skeletons: Skeletons
     lights: LightReader
+    plates: PlateReader
     binding_purposes: tuple[str, ...]
 
 
@@ -106,16 +110,17 @@ class StageReader:
             look=lambda path: plan.looks.look(path, time),
             shapes=ShapeReader(plan.skeletons, plan.binding_purposes, time, self._log),
             instances=InstanceReader(time, self._log),
-            prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
+            prim_id=self._prim_id,
             material_id=lambda path: self._material_ids.setdefault(path, len(self._material_ids)) if path else -1,
             log=self._log,
         )
-        batches = tuple(batch for group in plan.groups for batch in group.batches(context))
+        batches = [batch for group in plan.groups for batch in group.batches(context)]
+        batches += plan.plates.batches(transforms, context.world, context.scale)
         lights, dome = plan.lights.read(plan.inventory.lights, transforms)
         if dome is not None and not self._sees_dome(dome):
             dome = replace(dome, visible=False)
         return Scene(
-            batches,
+            tuple(batches),
             lights,
             dome,
             tuple(self._prim_ids),
@@ -142,7 +147,26 @@ class StageReader:
         self._note_complexity(inventory)
         self._note_up_axis()
         lights = LightReader(self._stage, self._textures, self._log)
-        return _Plan(inventory, groups, looks, skeletons, lights, purposes)
+        return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), purposes)
+
+    def _plate_reader(self) -> PlateReader:
+        """Reader of the plates of all cameras that the mask and the render pass leave."""
+        cameras = [self._stage.GetPrimAtPath(path) for path in list_cameras(self._stage)]
+        shown = [camera for camera in cameras if plate_names(camera) and self._shows(camera.GetPath())]
+        roles = ["seen" if self._pass is None else self._pass.camera_role(camera.GetPath()) for camera in shown]
+        confined_to, culls_backs = confinement(self._stage), self._options.cull_backfaces
+        plated = dict(zip(shown, roles, strict=True))
+        return PlateReader(plated, confined_to, culls_backs, self._prim_id, self._log)
+
+    def _shows(self, path: Sdf.Path) -> bool:
+        """Whether the mask and the render pass leave a prim."""
+        mask = self._options.mask
+        if mask is not None and not Usd.StagePopulationMask([Sdf.Path(p) for p in mask]).Includes(path):
+            return False
+        return self._pass is None or (self._pass.shows(path) and not self._pass.prunes(path))
+
+    def _prim_id(self, path: str) -> int:
+        return self._prim_ids.setdefault(path, len(self._prim_ids))
 
     def _note_complexity(self, inventory: Inventory) -> None:
         complexity = self._options.complexity
@@ -167,7 +191,14 @@ class StageReader:
         if not all(self._is_only_a_camera(path) for path in paths):
             self._plan = None
             self._changes += 1
+        elif self._plan is not None and any(self._plan.plates.is_camera(path.GetPrimPath()) for path in paths):
+            self._scene = None
+            self._changes += 1
 
     def _is_only_a_camera(self, path: Sdf.Path) -> bool:
+        """Whether what changed is a camera that stays with, or without, back plates."""
         prim = self._stage.GetPrimAtPath(path.GetPrimPath())
-        return bool(prim) and prim.IsA(UsdGeom.Camera) and not prim.GetChildren()
+        if not prim or not prim.IsA(UsdGeom.Camera) or prim.GetChildren():
+            return False
+        is_known = self._plan is not None and self._plan.plates.is_camera(prim.GetPath())
+        return is_known or not plate_names(prim)

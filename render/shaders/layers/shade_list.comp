@@ -48,6 +48,7 @@ void main()
         ivec2 pixel = first + ivec2(i & 1, i >> 1), inside = min(pixel, size - 1);
         w[i] = pixel == inside ? abs(texelFetch(w_map, inside, 0)[channel]) : 0.0;
         s[i] = reflector_at(inside);
+        if (s[i].roughness == 0.0) w[i] = 0.0;  // shows its own light alone (surface.frag)
     }
     if (w == vec4(0.0)) return;
     if (by_quads && all(greaterThan(w, vec4(0.0))) && are_alike(s, w)) {

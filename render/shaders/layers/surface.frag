@@ -1,6 +1,6 @@
 #version 450 core
 // Colour pass of a peel: radiance, inverse depth and ids of the surfaces that layers/depth.frag found.
-// in:  surface.vert's outputs
+// in:  surface.vert's outputs; OWN_LIGHT is defined where the surface shows what it emits alone
 // out: emitted radiance (scene-linear, not premultiplied; where UNLIT is defined, the base colour) and alpha (coverage.glsl); inverse depth
 //      w = 1/z in 1/m, negative where the surface is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl);
 //      where MOTION is defined, the surface's motion while the shutter is open (carried.glsl); where UNLIT is not, the surface
@@ -42,10 +42,12 @@ void main()
 #ifdef MAY_BE_TRANSPARENT
     if (s.opacity < LEAST_OPACITY) discard;  // it may share its depth with an opaque surface
 #endif
-#ifdef UNLIT
+#if defined(UNLIT) && !defined(OWN_LIGHT)
     vec3 radiance = s.base_color;
 #else
     vec3 radiance = s.emissive;
+#endif
+#ifndef UNLIT
     out_albedo = vec4(min((1.0 - s.metallic) * s.base_color, vec3(MAX_HALF)), s.roughness);
     out_reflectance = vec4(min(s.f0, vec3(MAX_HALF)), s.occlusion);
     out_normal = vec4(octahedral(s.normal), s.clearcoat, s.clearcoat_roughness);
@@ -55,6 +57,9 @@ void main()
         out_reflectance = vec4(0.0);
         out_normal = vec4(0.5, 0.5, 0.0, 1.0);
     }
+#ifdef OWN_LIGHT
+    out_albedo = vec4(0.0);  // roughness 0: not lit (shade_list.comp)
+#endif
 #endif
     if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // invalid light counts as none
     bool opaque = s.opacity >= OPAQUE;

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from pxr import Sdf, Usd, UsdGeom
+
+from render.errors import SettingsError
 from usd_schemas import FocusPoint
 
 
@@ -41,3 +44,23 @@ def make_point(name: str, surface: SurfacePoint) -> FocusPoint:
         barycentric=(a, b, c),
         instance=int(surface.instance),
     )
+
+
+def check_not_plate(stage: Usd.Stage, point: FocusPoint) -> None:
+    """Refuse a focus point on a back plate, which picking gives as a face of its camera: the plate follows the focus itself.
+
+    Args:
+        stage: the stage.
+        point: the point.
+
+    Raises:
+        SettingsError: it is on one; code ``on_back_plate``.
+    """
+    path = point.target[-1] if point.target else ""
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    if point.face != -1 and prim and prim.IsA(UsdGeom.Camera):
+        raise SettingsError(
+            f"focus point {point.name} is on a back plate of {path}, which follows the focus: set the focus distance instead",
+            code="on_back_plate",
+            path=path,
+        )

@@ -45,7 +45,7 @@ def visible_shares(scene: Scene, camera: Camera, positions_m: DoubleArray, *, ra
     last = np.minimum(1 - camera.near_m / depths_m[ahead], _clipped_at(camera, points[ahead]))
     lines = Lines(points[ahead], ways, first=own, last=last)
     shares = np.zeros(len(points))
-    shares[ahead] = transmittance(scene, lines).mean(axis=1)
+    shares[ahead] = transmittance(scene.seen_by(camera.path), lines).mean(axis=1)
     return shares
 
 

@@ -14,8 +14,10 @@ from pxr import Usd, UsdGeom
 
 from render.model.camera import Camera
 from render.model.lens import THIN_LENS
+from render.stage.camera.plate_places import plate_depths
 from render.stage.options import PURPOSES
 from render.stage.world import world_from_stage
+from usd_schemas.units import metres_per_unit
 
 _DEPTHS_AWAY = 1000
 """Distance of the camera, in depths of what it sees."""
@@ -55,13 +57,16 @@ def stand_back(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode, near_m: flo
 
 
 def _depths(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode) -> tuple[float, float]:
-    """Least and greatest depth of the stage's box in front of a camera, with a margin, metres; infinite for an empty stage."""
+    """Least and greatest depth of the stage's box and of the camera's own back plates in front of it, with a margin, metres;
+    infinite where there is nothing."""
     box = UsdGeom.BBoxCache(time, _BOXED, useExtentsHint=True).ComputeWorldBound(stage.GetPseudoRoot())
     bounds = box.ComputeAlignedRange()
     corners = np.array([[*bounds.GetCorner(i), 1.0] for i in range(8)])
-    if bounds.IsEmpty() or not np.isfinite(corners).all():
-        return -np.inf, np.inf
     camera_from_stage = np.linalg.inv(camera.world_from_camera) @ world_from_stage(stage)
-    depths = -(corners @ camera_from_stage[2])
+    depths = plate_depths(UsdGeom.Camera(stage.GetPrimAtPath(camera.path)), time) * metres_per_unit(stage)
+    if not bounds.IsEmpty() and np.isfinite(corners).all():
+        depths = np.append(depths, -(corners @ camera_from_stage[2]))
+    if not depths.size:
+        return -np.inf, np.inf
     margin = _MARGIN * float(np.ptp(depths)) or _MARGIN
     return float(depths.min()) - margin, float(depths.max()) + margin

@@ -90,7 +90,6 @@ NAMED_SCHEMAS = {
 """Schemas without rules of their own, or bases of such, with the code of the finding that the reader makes of their prims."""
 
 IGNORED_SCHEMAS = {
-    "BackPlateAPI": "the plate is not drawn",
     "ColorSpaceAPI": "colours are linear Rec. 709 where they do not say otherwise",
     "ColorSpaceDefinitionAPI": "colours are linear Rec. 709 where they do not say otherwise",
     "LODOverrideAPI": "all levels of detail are drawn",
@@ -164,6 +163,14 @@ RULES = {
         },
     ),
     "LensCamera": Rules(),
+    "BackPlateAPI": Rules(
+        "backPlate:alpha:image backPlate:image backPlate:luma:offset backPlate:luma:power backPlate:luma:slope "
+        "backPlate:plateVisibility backPlate:rotateXYZ:tweak backPlate:scale:tweak backPlate:translate:tweak",
+        ignored={
+            "backPlate:depth:cameraSpaceOffset backPlate:depth:image backPlate:depth:minOffset "
+            "backPlate:depth:normalizingFactor": "the plate is flat",
+        },
+    ),
     "ApertureAPI": Rules(EVERYTHING),
     "FilmAPI": Rules(EVERYTHING),
     "FocusAPI": Rules(EVERYTHING),

@@ -6,6 +6,7 @@ import contextlib
 import os
 import tempfile
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -34,10 +35,11 @@ class TextureCache:
     Args:
         max_size: width and height that no image exceeds; larger ones are averaged down by a whole factor.
         confined_to: the folder that every file must lie in, or None.
+        most: number of images that are kept, the newest; None for all.
     """
 
-    def __init__(self, max_size: int, confined_to: Path | None = None) -> None:
-        self._max_size, self._confined_to = max_size, confined_to
+    def __init__(self, max_size: int, confined_to: Path | None = None, *, most: int | None = None) -> None:
+        self._max_size, self._confined_to, self._most = max_size, confined_to, most
         self._images: dict[tuple[object, ...], Image] = {}
 
     def image(
@@ -47,6 +49,7 @@ class TextureCache:
         purpose: Purpose = "color",
         scale: tuple[float, ...] = (1, 1, 1, 1),
         bias: tuple[float, ...] = (0, 0, 0, 0),
+        power: tuple[float, ...] = (1, 1, 1, 1),
     ) -> Image:
         """Read the image of a resolved asset path.
 
@@ -56,28 +59,32 @@ class TextureCache:
             purpose: ``color`` or ``data``.
             scale: applied to linear values, before the change of primaries.
             bias: addend after the scale.
+            power: exponent after the bias; where it is not 1, less than 0 counts as 0.
 
         Raises:
             TextureError: the file is missing, damaged, too large or in an unknown colour space.
         """
-        key = (resolved_path, source, purpose, scale, bias)
+        key = (resolved_path, source, purpose, scale, bias, power)
         if key not in self._images:
             if self._confined_to is not None and not is_inside(resolved_path, self._confined_to):
                 raise TextureError("lies outside what was given")
+            grade = _Grade(*(np.array(values, np.float32) for values in (scale, bias, power)))
             with as_file(resolved_path) as file:
-                pixels = self._read(file, source, purpose, np.array(scale, np.float32), np.array(bias, np.float32))
-            self._images[key] = Image(pixels, resolved_path)
+                pixels, channels = self._read(file, source, purpose, grade)
+            self._images[key] = Image(pixels, resolved_path, channels)
+            if self._most is not None and len(self._images) > self._most:
+                self._images.pop(next(iter(self._images)))
         return self._images[key]
 
-    def _read(self, file: str, source: str, purpose: Purpose, scale: FloatArray, bias: FloatArray) -> HalfArray:
+    def _read(self, file: str, source: str, purpose: Purpose, grade: _Grade) -> tuple[HalfArray, int]:
         raw, source = read_pixels(file, source)
         height, width = raw.shape[:2]
         factor = -(-max(height, width) // self._max_size)
         out = np.empty((-(-height // factor), -(-width // factor), 4), np.float16)
-        linear = _Linear(raw.dtype, raw.shape[2], source, scale, bias)
+        linear = _Linear(raw.dtype, raw.shape[2], source, grade)
         if purpose != "color" and factor == 1 and linear.is_table:
             linear.fill(out, raw)
-            return out
+            return out, raw.shape[2]
         rows = _BAND_ROWS * factor
         for first in range(0, height, rows):
             band = _downsample(linear(raw[first : first + rows]), factor)
@@ -85,16 +92,31 @@ class TextureCache:
                 band = colour.to_working(band)
             top = first // factor
             out[top : top + len(band)] = band
-        return out
+        return out, raw.shape[2]
+
+
+@dataclass(frozen=True, eq=False)
+class _Grade:
+    """Change of linear values: ``(value * scale + bias) ** power``, each ``(4,)`` float32."""
+
+    scale: FloatArray
+    bias: FloatArray
+    power: FloatArray
+
+    def apply(self, linear: FloatArray) -> FloatArray:
+        """Grade values of any shape with four channels."""
+        graded: FloatArray = linear * self.scale + self.bias
+        bent = self.power != 1
+        if bent.any():
+            graded[..., bent] = np.maximum(graded[..., bent], 0) ** self.power[bent]
+        return graded
 
 
 class _Linear:
-    """Converter of a file's rows to linear ``(h, w, 4)`` float32, scaled and biased; 8-bit files use a table."""
+    """Converter of a file's rows to linear ``(h, w, 4)`` float32, graded; 8-bit files use a table."""
 
-    def __init__(
-        self, dtype: np.dtype[np.generic], channels: int, source: str, scale: FloatArray, bias: FloatArray
-    ) -> None:
-        self._source, self._scale, self._bias = source, scale, bias
+    def __init__(self, dtype: np.dtype[np.generic], channels: int, source: str, grade: _Grade) -> None:
+        self._source, self._grade = source, grade
         self._table: FloatArray | None = None
         if dtype == np.uint8:
             ramp = np.repeat(np.arange(256, dtype=np.uint8)[:, None, None], channels, axis=2)
@@ -126,7 +148,7 @@ class _Linear:
         out[..., 3] = table[:, 3][rows[..., -1]] if channels in (2, 4) else table[0, 3]
 
     def _convert(self, rows: NDArray[np.generic]) -> FloatArray:
-        linear = colour.linearise(_rgba(rows), self._source) * self._scale + self._bias
+        linear = self._grade.apply(colour.linearise(_rgba(rows), self._source))
         finite: FloatArray = np.clip(np.nan_to_num(linear), -_MAX_FLOAT16, _MAX_FLOAT16).astype(np.float32)
         return finite
 

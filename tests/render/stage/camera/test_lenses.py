@@ -297,12 +297,6 @@ def test_what_is_honoured_is_no_finding_and_what_is_not_is(stage: Usd.Stage, cam
     assert _read(stage).lens.data_sheet == SheetTables((0.0,), distortion=(0.0,))
 
 
-def test_back_plates_are_named(stage: Usd.Stage, camera: LensCamera) -> None:
-    UsdGeom.BackPlateAPI.Apply(camera.prim, "sky")
-    (plate_named,) = find_not_honoured(stage)
-    assert plate_named.message == "schema BackPlateAPI:sky of /cam is not honoured: the plate is not drawn"
-
-
 def test_a_data_sheet_goes_through_usd_and_back(stage: Usd.Stage, camera: LensCamera) -> None:
     sheet = SheetTables(
         (0.0, 10.0, 20.0),

@@ -57,6 +57,15 @@ ACCESSORS = {
     "primvars:skel:jointIndices": "ComputeVaryingJointInfluences",
     "primvars:skel:jointWeights": "ComputeVaryingJointInfluences",
     "primvars:skel:skinningMethod": "GetSkinningMethod",
+    "backPlate:alpha:image": "GetAlphaImageAttr",
+    "backPlate:image": "GetImageAttr",
+    "backPlate:luma:offset": "GetLumaOffsetAttr",
+    "backPlate:luma:power": "GetLumaPowerAttr",
+    "backPlate:luma:slope": "GetLumaSlopeAttr",
+    "backPlate:plateVisibility": "GetPlateVisibilityAttr",
+    "backPlate:rotateXYZ:tweak": "GetRotateXYZTweakAttr",
+    "backPlate:scale:tweak": "GetScaleTweakAttr",
+    "backPlate:translate:tweak": "GetTranslateTweakAttr",
 }
 """Functions of USD that read a property for us."""
 

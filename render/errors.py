@@ -24,6 +24,8 @@ _BREAKS_A_LINE = frozenset(
 
 def one_line(text: str) -> str:
     """Format foreign text, such as a file's name, on one line: line breaks are written as in Python's repr."""
+    if text.isprintable():
+        return text
     return "".join(repr(c)[1:-1] if unicodedata.category(c) in _BREAKS_A_LINE else c for c in text)
 
 

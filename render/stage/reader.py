@@ -93,27 +93,34 @@ class StageReader:
         Raises:
             StageError: a transform is not finite, or a file turns out to be damaged.
         """
+        at = Usd.TimeCode(time)
         with read_quietly(self._stage):
             if self._plan is None:
                 self._scene = None
-                self._plan = self._make_plan(Usd.TimeCode(time))
-            if self._scene is None or Usd.TimeCode(self._scene.time) != Usd.TimeCode(time):
-                self._scene = self._scene_at(self._plan, UsdGeom.XformCache(Usd.TimeCode(time)))
+                skeletons, purposes = Skeletons(self._stage), binding_purposes(self._stage, self._log)
+                shapes = ShapeReader(skeletons, purposes, at, self._log)
+                self._plan = self._make_plan(skeletons, purposes, shapes)
+                self._scene = self._scene_at(self._plan, shapes)
+            elif self._scene is None or Usd.TimeCode(self._scene.time) != at:
+                shapes = ShapeReader(self._plan.skeletons, self._plan.binding_purposes, at, self._log)
+                self._scene = self._scene_at(self._plan, shapes)
         return self._scene
 
-    def _scene_at(self, plan: _Plan, transforms: UsdGeom.XformCache) -> Scene:
-        time = transforms.GetTime()
+    def _scene_at(self, plan: _Plan, shapes: ShapeReader) -> Scene:
+        time = shapes.time
+        transforms = UsdGeom.XformCache(time)
         context = DrawContext(
             transforms=transforms,
             world=world_from_stage(self._stage),
             scale=metres_per_unit(self._stage),
             look=lambda path: plan.looks.look(path, time),
-            shapes=ShapeReader(plan.skeletons, plan.binding_purposes, time, self._log),
+            shapes=shapes,
             instances=InstanceReader(time, self._log),
             prim_id=self._prim_id,
             material_id=lambda path: self._material_ids.setdefault(path, len(self._material_ids)) if path else -1,
             log=self._log,
         )
+        shapes.prepare(piece for group in plan.groups for piece in group.unread(time))
         batches = [batch for group in plan.groups for batch in group.batches(context)]
         batches += plan.plates.batches(transforms, context.world, context.scale)
         lights, dome = plan.lights.read(plan.inventory.lights, transforms)
@@ -135,13 +142,10 @@ class StageReader:
         seen = self._pass is None or self._pass.camera_role(Sdf.Path(dome.path)) == "seen"
         return seen and self._options.dome_visible
 
-    def _make_plan(self, time: Usd.TimeCode) -> _Plan:
+    def _make_plan(self, skeletons: Skeletons, purposes: tuple[str, ...], shapes: ShapeReader) -> _Plan:
         composition_findings(self._stage, self._log)
         inventory = take_inventory(self._stage, self._options, self._pass, self._log)
         looks = LookReader(self._stage, self._textures, self._log)
-        skeletons = Skeletons(self._stage)
-        purposes = binding_purposes(self._stage, self._log)
-        shapes = ShapeReader(skeletons, purposes, time, self._log)
         cutter = PieceCutter(looks, skeletons, purposes, shapes, self._options.cull_backfaces, self._log)
         groups = plan_groups(inventory.surfaces, cutter, self._log)
         self._note_complexity(inventory)

@@ -90,6 +90,10 @@ class Group(ABC):
         self._made_of: tuple[object, ...] = ()
 
     @abstractmethod
+    def unread(self, time: Usd.TimeCode) -> Sequence[Piece]:
+        """Pieces whose triangles `batches` reads at a time."""
+
+    @abstractmethod
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         """Batches drawn at a time; the same objects as before where nothing has changed."""
 
@@ -124,6 +128,10 @@ class RigidGroup(Group):
     def __init__(self, pieces: Sequence[Piece]) -> None:
         super().__init__(pieces)
         self._drawn: list[_Drawn] | None = None
+
+    def unread(self, time: Usd.TimeCode) -> Sequence[Piece]:
+        is_done = self._drawn is not None or is_hidden(self._pieces[0].occurrence.hiders, time)
+        return () if is_done else self._pieces
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         first = self._pieces[0].occurrence
@@ -177,6 +185,9 @@ class InstancedGroup(Group):
             piece.occurrence.moves or piece.occurrence.hiders or piece.inherited.varies for piece in pieces
         )
 
+    def unread(self, time: Usd.TimeCode) -> Sequence[Piece]:
+        return () if self._is_read and not self._pieces[0].deforms else self._pieces[:1]
+
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         drawn = self._drawn_at(context)
         if drawn is None:
@@ -189,7 +200,7 @@ class InstancedGroup(Group):
         return self._make_batches([drawn], material, self._places)
 
     def _drawn_at(self, context: DrawContext) -> _Drawn | None:
-        if self._is_read and not self._pieces[0].deforms:
+        if not self.unread(context.time):
             return self._drawn
         shape = context.shapes.shape(self._pieces[0])
         if not self._is_read or not _same_shape(shape, self._shape):

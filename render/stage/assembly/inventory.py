@@ -173,6 +173,8 @@ class _Walk:
             if self._might_move(xformable):
                 mover, moves = prim, True
         purpose = imageable.ComputePurposeInfo(state.purpose)
+        if hiders is state.hiders and mover is state.mover and moves == state.moves and purpose == state.purpose:
+            return state
         return replace(state, purpose=purpose, hiders=hiders, mover=mover, moves=moves)
 
     def _might_move(self, xformable: UsdGeom.Xformable) -> bool:

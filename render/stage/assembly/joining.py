@@ -15,10 +15,11 @@ from render.stage.geometry.shape import Shape
 
 def place_shape(shape: Shape, prim_id: int, material_id: int, matrix: DoubleArray) -> Geometry:
     """A shape as geometry, carried by a ``(4, 4)`` matrix; a mirroring matrix turns the triangles about."""
+    is_mirrored = np.linalg.det(matrix[:3, :3]) < 0
     positions = shape.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     geometry = Geometry(
         positions=positions.astype(np.float32),
-        normals=_transform_normals(shape.normals, matrix),
+        normals=_transform_normals(shape.normals, matrix, is_mirrored),
         triangles=shape.triangles,
         prim_ids=np.full(len(shape.triangles), prim_id, np.int32),
         face_ids=shape.face_ids,
@@ -28,7 +29,7 @@ def place_shape(shape: Shape, prim_id: int, material_id: int, matrix: DoubleArra
         swapped=shape.swapped if shape.swapped.any() else None,
         material_ids=np.full(len(shape.triangles), material_id, np.int32) if material_id >= 0 else None,
     )
-    return mirror_geometry(geometry) if np.linalg.det(matrix[:3, :3]) < 0 else geometry
+    return mirror_geometry(geometry) if is_mirrored else geometry
 
 
 def mirror_geometry(geometry: Geometry) -> Geometry:
@@ -88,11 +89,10 @@ def _join_materials(parts: Sequence[Geometry]) -> IntArray | None:
     )
 
 
-def _transform_normals(normals: FloatArray, matrix: DoubleArray) -> FloatArray:
+def _transform_normals(normals: FloatArray, matrix: DoubleArray, is_mirrored: np.bool_) -> FloatArray:
     """Normals go by the inverse transpose; its cofactor form also does for flattened shapes."""
-    a = matrix[:3, :3]
-    sign = -1.0 if np.linalg.det(a) < 0 else 1.0
-    return unit((sign * (normals.astype(np.float64) @ _cofactors(a).T)).astype(np.float32))
+    sign = -1.0 if is_mirrored else 1.0
+    return unit((sign * (normals.astype(np.float64) @ _cofactors(matrix[:3, :3]).T)).astype(np.float32))
 
 
 def _cofactors(matrix: DoubleArray) -> DoubleArray:

@@ -48,6 +48,7 @@ def plan_groups(surfaces: Iterable[Occurrence], cutter: PieceCutter, log: Findin
                 shared[(piece.shape_key, piece.part, piece.material, piece.sides, role, surface.path)].append(piece)
             else:
                 shared[(piece.shape_key, piece.part, piece.material, piece.sides, role)].append(piece)
+    cutter.shapes.prepare(pieces[0] for pieces in shared.values() if _needs_its_size(pieces))
     groups: list[Group] = []
     for pieces in shared.values():
         if _pays_to_instance(pieces, cutter.shapes):
@@ -134,11 +135,14 @@ def _inherited_primvars(prim: Usd.Prim, primvars: PrimvarNames, time: Usd.TimeCo
     return tuple(values), varies
 
 
+def _needs_its_size(pieces: list[Piece]) -> bool:
+    """Whether it depends on the triangles of a surface if it is drawn by instancing."""
+    return not pieces[0].occurrence.chain and not pieces[0].deforms and len(pieces) > 1
+
+
 def _pays_to_instance(pieces: list[Piece], shapes: ShapeReader) -> bool:
-    if pieces[0].occurrence.chain or pieces[0].deforms:
-        return True
-    if len(pieces) == 1:
-        return False
+    if not _needs_its_size(pieces):
+        return len(pieces) > 1 or bool(pieces[0].occurrence.chain) or pieces[0].deforms
     whole = shapes.whole(pieces[0])
     return whole is not None and len(whole.triangles) * (len(pieces) - 1) > INSTANCING_PAYS_FROM
 

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.arrays import FloatArray, LongArray
-from render.stage.geometry.polygons import Polygons, fan, merge_duplicates
+from render.model.arrays import BoolArray, FloatArray, LongArray
+from render.stage.geometry.packs import Pack
+from render.stage.geometry.polygons import Polygons, merge_duplicates
 
 _SAME_PLACE = 1e-3  # share of the mean edge within which points are at one place
 _MOST_SEAM_CORNERS = 1 << 20
@@ -17,28 +18,42 @@ _FLAT = 1e-9
 """Volume, in cubes of a surface's size, up to which rounding may turn a flat solid inside out."""
 
 
-def is_closed(polygons: Polygons, *, seams: bool = True) -> bool:
-    """Whether faces pass each edge as often in one direction as in the other, and each connected part faces outwards.
+def find_closed(pack: Pack, seams: BoolArray) -> BoolArray:
+    """Which surfaces pass each edge as often in one direction as in the other, with each connected part facing outwards.
 
-    With ``seams``, points at the same place, up to a thousandth of an edge, are one. A part faces outwards where the volume that
-    its triangles enclose (divergence theorem) is not negative; folds that turn only some of a part inside out are not found.
+    With seams, points of a surface at the same place, up to a thousandth of an edge, are one. A part faces outwards where the
+    volume that its triangles enclose (divergence theorem) is not negative; folds that turn only some of a part inside out are
+    not found.
 
     Args:
-        polygons: of one prim, as `render.stage.geometry.polygons.check` accepts them.
-        seams: whether edges with points of their own may close where they meet.
+        pack: surfaces as `render.stage.geometry.polygons.check` accepts them.
+        seams: ``(k,)`` whether edges with points of their own may close where they meet.
+
+    Returns:
+        ``(k,)``.
     """
-    has_holes = polygons.holes is not None and len(polygons.holes) > 0
-    if has_holes or not len(polygons.corners):
-        return False
-    here, after = _edges(polygons)
-    if not _cancel(here, after):
-        if not seams:
-            return False
-        here, after = _join_seams(polygons.points, here, after)
-        if not _cancel(here, after):
-            return False
-    part = _parts(here, after, len(polygons.points))
-    return _face_outwards(polygons, part[here])
+    here, after = _edges(pack.polygons)
+    closed = _cancel(here, after, pack.corners)
+    joined = ~closed & seams & (np.diff(pack.corners) <= _MOST_SEAM_CORNERS)
+    if joined.any():
+        chosen = joined[pack.owners(pack.corners)]
+        here[chosen], after[chosen] = _join_seams(pack, here[chosen], after[chosen])
+        closed = _cancel(here, after, pack.corners)
+    closed &= ~_have_holes(pack)
+    if closed.any():
+        of_closed = closed[pack.owners(pack.corners)]
+        part = _parts(here[of_closed], after[of_closed], len(pack.polygons.points))
+        closed &= _face_outwards(pack, closed, part[here])
+    return closed
+
+
+def _have_holes(pack: Pack) -> BoolArray:
+    """``(k,)`` whether some faces of a surface are not drawn."""
+    holes = pack.polygons.holes
+    found = np.zeros(pack.count, bool)
+    if holes is not None:
+        found[np.searchsorted(pack.faces, holes, side="right") - 1] = True
+    return found
 
 
 def _edges(polygons: Polygons) -> tuple[LongArray, LongArray]:
@@ -51,14 +66,13 @@ def _edges(polygons: Polygons) -> tuple[LongArray, LongArray]:
     return here, here[after]
 
 
-def _join_seams(points: FloatArray, here: LongArray, after: LongArray) -> tuple[LongArray, LongArray]:
-    """Edges whose ends at one place are one point, of the edges that have no opposite.
+def _join_seams(pack: Pack, here: LongArray, after: LongArray) -> tuple[LongArray, LongArray]:
+    """Edges whose ends at one place of a surface are one point, of the edges that have no opposite.
 
     Points are at one place that share a cell of either of two grids, of which one is shifted by half a cell, so that few
     neighbours are apart in both.
     """
-    if len(here) > _MOST_SEAM_CORNERS:
-        return here, after
+    points, owner = pack.polygons.points, pack.owners(pack.points)
     edges, opposites = here * len(points) + after, np.sort(after * len(points) + here)
     nearest = np.minimum(np.searchsorted(opposites, edges), len(edges) - 1)
     is_open = opposites[nearest] != edges
@@ -67,26 +81,41 @@ def _join_seams(points: FloatArray, here: LongArray, after: LongArray) -> tuple[
     ends = np.flatnonzero(is_end)
     if not len(ends):
         return here, after
-    own = points[ends]
-    cell = _SAME_PLACE * float(np.linalg.norm(points[after[is_open]] - points[here[is_open]], axis=1).mean()) or 1.0
+    cells = _cells(pack, owner[here[is_open]], points[after[is_open]] - points[here[is_open]])
+    places = points[ends] / cells[owner[ends]]
     firsts = []
     for shift in (0.0, 0.5):
-        _, number = merge_duplicates(np.round(own / cell + shift).astype(np.float32))
-        first = np.full(len(own), len(own))
-        np.minimum.at(first, number, np.arange(len(own)))
+        rows = np.concatenate([np.round(places + np.float32(shift)), owner[ends, None]], axis=1)
+        _, number = merge_duplicates(rows.astype(np.float32))
+        first = np.full(len(ends), len(ends))
+        np.minimum.at(first, number, np.arange(len(ends)))
         firsts.append(first[number])
     place = np.arange(len(points))
-    place[ends] = ends[_parts(np.concatenate(firsts), np.tile(np.arange(len(own)), 2), len(own))]
+    place[ends] = ends[_parts(np.concatenate(firsts), np.tile(np.arange(len(ends)), 2), len(ends))]
     return place[here], place[after]
 
 
-def _cancel(here: LongArray, after: LongArray) -> bool:
-    """Whether directed edges occur as often as their opposites.
+def _cells(pack: Pack, owner: LongArray, edges: FloatArray) -> FloatArray:
+    """``(k, 1)`` widths of the cells in which points of a surface are at one place.
+
+    Args:
+        pack: the surfaces.
+        owner: ``(n,)`` the surface of each open edge.
+        edges: ``(n, 3)`` from end to end.
+    """
+    length = np.bincount(owner, np.linalg.norm(edges, axis=1), pack.count)
+    width = _SAME_PLACE * length / np.maximum(np.bincount(owner, minlength=pack.count), 1)
+    return np.where(width > 0, width, 1.0).astype(np.float32)[:, None]
+
+
+def _cancel(here: LongArray, after: LongArray, corners: LongArray) -> BoolArray:
+    """``(k,)`` whether a surface's directed edges occur as often as their opposites.
 
     The sums of 64-bit hashes (splitmix64's mixer) of all edges and of all opposites are compared, since sorting edges takes ten
     times as long.
     """
-    return bool(_hash(here, after).sum() == _hash(after, here).sum())
+    edges, opposites = (np.add.reduceat(_hash(*ends), corners[:-1]) for ends in ((here, after), (after, here)))
+    return np.asarray(edges == opposites)
 
 
 def _hash(one: LongArray, other: LongArray) -> np.ndarray[tuple[int, ...], np.dtype[np.uint64]]:
@@ -114,17 +143,28 @@ def _parts(here: LongArray, after: LongArray, points: int) -> LongArray:
     return part
 
 
-def _face_outwards(polygons: Polygons, part: LongArray) -> bool:
-    """Whether no connected part has a negative volume; ``part`` ``(c,)`` is that of each corner."""
-    fans = fan(polygons).corners
+def _face_outwards(pack: Pack, chosen: BoolArray, part: LongArray) -> BoolArray:
+    """``(k,)`` whether no connected part of a surface has a negative volume.
+
+    Args:
+        pack: the surfaces.
+        chosen: ``(k,)`` which of them are asked for.
+        part: ``(c,)`` point that stands for the connected part of each corner.
+    """
+    polygons, first = pack.polygons, pack.points[:-1]
+    fans = pack.fan.corners[chosen[pack.owners(pack.triangles)]]
     corners = polygons.corners[fans]
-    x, y, z = (
-        polygons.points - polygons.points.mean(axis=0, dtype=np.float64)
-    ).T.copy()  # one array each: numpy gathers rows slowly
+    owner = pack.owners(pack.points)
+    middle = np.add.reduceat(polygons.points, first, axis=0, dtype=np.float64) / np.diff(pack.points)[:, None]
+    x, y, z = (polygons.points - middle[owner]).T.copy()  # one array each: numpy gathers rows slowly
     a, b, c = corners.T.copy()
     volumes = (
         x[a] * (y[b] * z[c] - z[b] * y[c]) + y[a] * (z[b] * x[c] - x[b] * z[c]) + z[a] * (x[b] * y[c] - y[b] * x[c])
     )
-    volume = np.bincount(part[fans[:, 0]], volumes / 6)
-    size = float(np.ptp(polygons.points, axis=0).max())
-    return bool(((-volume if polygons.left_handed else volume) >= -_FLAT * size**3).all())
+    volume = np.bincount(part[fans[:, 0]], volumes / 6, len(polygons.points))
+    least, most = (reduce.reduceat(polygons.points, first, axis=0) for reduce in (np.minimum, np.maximum))
+    size = (most - least).max(axis=1).astype(np.float64)
+    inwards = (-volume if polygons.left_handed else volume) < -_FLAT * size[owner] ** 3
+    outwards = np.ones(pack.count, bool)
+    outwards[owner[inwards]] = False
+    return outwards

@@ -120,7 +120,7 @@ def fan(polygons: Polygons) -> Fan:
     )
 
 
-def value_index_of_corner(values: Values, polygons: Polygons, fan_: Fan) -> LongArray:
+def value_index_of_corner(values: Values, polygons: Polygons) -> LongArray:
     """``(c,)`` which of the primvar's values each corner takes.
 
     Raises:
@@ -130,7 +130,7 @@ def value_index_of_corner(values: Values, polygons: Polygons, fan_: Fan) -> Long
         case "constant":
             element = np.zeros(len(polygons.corners), np.int64)
         case "uniform":
-            element = fan_.face_of_corner
+            element = np.repeat(np.arange(len(polygons.counts)), polygons.counts)
         case "vertex" | "varying":
             element = polygons.corners.astype(np.int64)
         case "faceVarying":
@@ -156,16 +156,6 @@ def face_normals(polygons: Polygons, fan_: Fan) -> FloatArray:
     return (-cross if polygons.left_handed else cross).astype(np.float32)
 
 
-def folded_share(polygons: Polygons, fan_: Fan) -> float:
-    """The share of the area where fans fold over themselves: in concave faces, unless their first corner is the reflex one."""
-    if not (polygons.counts > 3).any():
-        return 0.0
-    normals = face_normals(polygons, fan_)
-    whole = _sum_at(fan_.face_ids, normals, len(polygons.counts))[fan_.face_ids]
-    area = np.linalg.norm(normals, axis=1)
-    return float(area[np.sum(normals * whole, axis=1) < 0].sum() / max(area.sum(), np.finfo(np.float32).tiny))
-
-
 def compute_normals(polygons: Polygons, fan_: Fan) -> Values:
     """Normals for polygons that have none: smooth ones at the points of a subdivision cage, else one for each face.
 
@@ -173,8 +163,8 @@ def compute_normals(polygons: Polygons, fan_: Fan) -> Values:
     depend on how faces are cut into triangles.
     """
     if polygons.smooth:
-        return Values(unit(_sum_at(polygons.corners, _corner_normals(polygons, fan_), len(polygons.points))), "vertex")
-    return Values(unit(_sum_at(fan_.face_ids, face_normals(polygons, fan_), len(polygons.counts))), "uniform")
+        return Values(unit(sum_at(polygons.corners, _corner_normals(polygons, fan_), len(polygons.points))), "vertex")
+    return Values(unit(sum_at(fan_.face_ids, face_normals(polygons, fan_), len(polygons.counts))), "uniform")
 
 
 def _corner_normals(polygons: Polygons, fan_: Fan) -> FloatArray:
@@ -212,7 +202,7 @@ def transfer_normals(polygons: Polygons, fan_: Fan, moved: FloatArray) -> Values
     """
     if polygons.normals is None:
         return None
-    index = value_index_of_corner(polygons.normals, polygons, fan_)
+    index = value_index_of_corner(polygons.normals, polygons)
     normals = polygons.normals.values[index].astype(np.float64)
     after, before = corner_edges(polygons, fan_, polygons.points)
     moved_after, moved_before = corner_edges(polygons, fan_, moved)
@@ -222,7 +212,7 @@ def transfer_normals(polygons: Polygons, fan_: Fan, moved: FloatArray) -> Values
     along_before = np.sum(normals * before, axis=1, keepdims=True) * np.cross(moved_across, moved_after)
     carried = (along_after + along_before) / area + np.sum(normals * across, axis=1, keepdims=True) * moved_across
     _, group = np.unique(polygons.corners * np.int64(len(polygons.normals.values)) + index, return_inverse=True)
-    summed = _sum_at(group, carried.astype(np.float32), int(group.max(initial=-1)) + 1)
+    summed = sum_at(group, carried.astype(np.float32), int(group.max(initial=-1)) + 1)
     return Values(unit(summed), "faceVarying", group.astype(np.int32))
 
 
@@ -232,7 +222,8 @@ def _unit_and_length(vectors: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
     return vectors / length, length
 
 
-def _sum_at(where: NDArray[np.integer], what: FloatArray, size: int) -> FloatArray:
+def sum_at(where: NDArray[np.integer], what: FloatArray, size: int) -> FloatArray:
+    """``(size, 3)`` sums of vectors ``(n, 3)`` by the places ``(n,)`` that they go to."""
     return np.stack([np.bincount(where, what[:, i], size) for i in range(3)], axis=1).astype(np.float32)
 
 
@@ -254,6 +245,8 @@ def weld(polygons: Polygons, value_indices: Sequence[LongArray]) -> tuple[LongAr
     Returns:
         ``(v,)`` one corner for each vertex, and ``(c,)`` the vertex of each corner.
     """
+    if not value_indices:
+        return _weld_points(polygons.corners, len(polygons.points))
     key = polygons.corners.astype(np.int64)
     for index in value_indices:
         # Both factors stay below 2^31, since the key is renumbered densely each time.
@@ -261,6 +254,14 @@ def weld(polygons: Polygons, value_indices: Sequence[LongArray]) -> tuple[LongAr
         key = key * (int(index.max(initial=0)) + 1) + index
     _, corner_of_vertex, vertex_of_corner = np.unique(key, return_index=True, return_inverse=True)
     return corner_of_vertex, vertex_of_corner
+
+
+def _weld_points(corners: IntArray, points: int) -> tuple[LongArray, LongArray]:
+    """`weld` where corners at one point always share a vertex: without sorting."""
+    first = np.full(points, -1)
+    first[corners[::-1]] = np.arange(len(corners))[::-1]
+    used = first >= 0
+    return first[used], (np.cumsum(used) - 1)[corners]
 
 
 def merge_duplicates(values: FloatArray) -> tuple[FloatArray, LongArray]:

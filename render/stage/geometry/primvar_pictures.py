@@ -11,7 +11,7 @@ from render.errors import SettingsError
 from render.model.arrays import FloatArray, IntArray
 from render.model.surface_points import SurfacePoints
 from render.stage.geometry.implicit import implicit_polygons, is_implicit
-from render.stage.geometry.polygons import Polygons, Values, fan, value_index_of_corner
+from render.stage.geometry.polygons import Polygons, Values, value_index_of_corner
 from render.stage.geometry.primvars import FoundPrimvar, find_primvar
 from render.stage.geometry.surface import mesh_faces
 from render.stage.values import UNREADABLE
@@ -99,7 +99,7 @@ def _interpolate(
     try:
         counts, corners = _faces(prim, time)
         polygons = Polygons(np.zeros((0, 3), np.float32), counts, corners)
-        index = value_index_of_corner(values, polygons, fan(polygons))
+        index = value_index_of_corner(values, polygons)
         faces, fans = points.faces[here].astype(np.int64), points.fans[here]
         first = (np.cumsum(counts, dtype=np.int64) - counts)[faces]
         of_corners = values.values[index[np.stack([first, first + fans + 1, first + fans + 2], axis=1)]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sized
+from collections.abc import Iterator, Sequence, Sized
 from contextlib import contextmanager
 
 import numpy as np
@@ -29,9 +29,7 @@ def surface_varies(prim: Usd.Prim, skeletons: Skeletons) -> bool:
     """Whether the prim's polygons may change over time in its own space."""
     if is_implicit(prim):
         return shape_varies(prim)
-    if any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in _MESH_ATTRIBUTES if prim.HasAttribute(name)):
-        return True
-    return skeletons.bends(prim)
+    return _varies(prim, _MESH_ATTRIBUTES) or skeletons.bends(prim)
 
 
 def read_surface(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
@@ -60,7 +58,11 @@ def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
 
 def faces_vary(prim: Usd.Prim) -> bool:
     """Whether a mesh's faces may change over time."""
-    return any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in _FACES if prim.HasAttribute(name))
+    return _varies(prim, _FACES)
+
+
+def _varies(prim: Usd.Prim, names: Sequence[str]) -> bool:
+    return any(attribute and attribute.ValueMightBeTimeVarying() for attribute in map(prim.GetAttribute, names))
 
 
 def resting_points(prim: Usd.Prim, time: Usd.TimeCode) -> Vt.Vec3fArray:

@@ -111,6 +111,31 @@ def to_working(
     return _apply(_to_working_processor(source, config or working_config()), pixels)
 
 
+def from_working(pixels: NDArray[np.float32], space: str, config: ocio.Config | None = None) -> NDArray[np.float32]:
+    """Convert colours from the working space to another linear one.
+
+    Args:
+        pixels: ``(..., 3)`` or ``(..., 4)`` float32; alpha passes through.
+        space: a linear colour space, named as for :func:`to_working`.
+        config: the configuration; by default ``working_config()``.
+
+    Raises:
+        InputError: the colour space is not known, or not linear.
+    """
+    return _apply(_from_working_processor(space, config or working_config()), pixels)
+
+
+def is_working_space(space: str) -> bool:
+    """Whether a linear colour space is the working space under whatever name; errors as for :func:`from_working`."""
+    return bool(_from_working_processor(space, working_config()).isNoOp())
+
+
+def interop_id(space: str) -> str:
+    """Colour interop id of a known colour space, such as ``lin_ap1_scene``; empty where the configuration gives none."""
+    config = working_config()
+    return str(_config_with(space, config).getColorSpace(_BUILTIN_NAMES.get(space, space)).getInteropID())
+
+
 def linearise(pixels: NDArray[np.float32], source: str, config: ocio.Config | None = None) -> NDArray[np.float32]:
     """Undo a colour space's transfer function and keep Rec. 709 primaries: for single channels that were stored as colour.
 
@@ -146,6 +171,19 @@ def _to_working_processor(source: str, config: ocio.Config) -> ocio.CPUProcessor
 
 
 @functools.lru_cache(maxsize=64)
+def _from_working_processor(space: str, config: ocio.Config) -> ocio.CPUProcessor:
+    name = _BUILTIN_NAMES.get(space, space)
+    try:
+        if not _config_with(space, config).isColorSpaceLinear(name, ocio.REFERENCE_SPACE_SCENE):
+            raise InputError(f"colour space {space!r} is not linear", code="nonlinear_space")
+        if _is_own(space, config):
+            return config.getProcessor(_WORKING_ROLE, space).getDefaultCPUProcessor()
+        return ocio.Config.GetProcessorToBuiltinColorSpace(config, _WORKING_ROLE, name).getDefaultCPUProcessor()
+    except OCIO_ERRORS as error:
+        raise _unusable_space(space, config, error) from error
+
+
+@functools.lru_cache(maxsize=64)
 def _linear_processor(source: str, config: ocio.Config) -> ocio.CPUProcessor:
     try:
         if _is_own(source, config):
@@ -162,6 +200,11 @@ def _linear_processor(source: str, config: ocio.Config) -> ocio.CPUProcessor:
 def _is_own(source: str, config: ocio.Config) -> bool:
     """Whether the configuration has such a space. USD's own words mean the same whatever configuration there is."""
     return source not in _BUILTIN_NAMES and config.getColorSpace(source) is not None
+
+
+def _config_with(space: str, config: ocio.Config) -> ocio.Config:
+    """The configuration that defines a colour space: the given one, else OpenColorIO's default."""
+    return config if _is_own(space, config) else working_config(DEFAULT_CONFIG)
 
 
 def _unusable_space(source: str, config: ocio.Config, error: Exception) -> InputError:

@@ -27,12 +27,14 @@ class Aov:
         channels: channels in a file.
         kind: type of the file's samples; a negative id becomes 4294967295.
         help: meaning, for people.
+        is_color: whether it is a colour in the working space.
     """
 
     name: str
     channels: tuple[str, ...]
     kind: Kind
     help: str
+    is_color: bool = False
 
 
 def _matte(name: str, of: str) -> Aov:
@@ -50,7 +52,7 @@ AOVS = (
     Aov("coc", ("radius",), "float", "radius of the circle of confusion in pixels; negative in front of the focus"),
     Aov("defocus", ("w",), "float", "inverse depth less that in focus, 1/m; negative behind the focus"),
     Aov("focus_depth", ("Z",), "float", "metres along the view axis at which the pixel is sharpest"),
-    Aov("albedo", ("R", "G", "B"), "half", "base colour through the lens, as blurred as the picture"),
+    Aov("albedo", ("R", "G", "B"), "half", "base colour through the lens, as blurred as the picture", is_color=True),
     Aov("prim_id", ("id",), "uint", "index of the prim plus one; 0 where nothing is"),
     Aov("face_id", ("id",), "uint", "index of the authored face; -1 where nothing is"),
     Aov("cameraDepth", ("Z",), "float", "scene units along the view axis, positive; 0 where nothing is"),

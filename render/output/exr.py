@@ -1,6 +1,7 @@
 """OpenEXR: rendered radiance and AOVs.
 
-The first part, ``rgba``, has R, G, B and A as half floats: exposed radiance in the working space, times coverage, and coverage.
+The first part, ``rgba``, has R, G, B and A as half floats: exposed radiance, times coverage, and coverage. It is in the working
+space, or in the linear one that `FrameMetadata.color_space` names, and so is the albedo.
 Each AOV is a part of its own name, in the order of `render.model.aovs`, which has their channels and types; a file with the
 colour alone has a single part. The attribute ``pullfocus:primPaths`` of an AOV with ids of prims is a JSON object from the ids
 in the picture to paths. A negative id, which means that nothing is there, is 4294967295. All parts carry the camera
@@ -19,9 +20,10 @@ import numpy as np
 import OpenImageIO
 from numpy.typing import NDArray
 
+from render.colour import from_working, interop_id
 from render.errors import SettingsError
 from render.film.develop import expose
-from render.model.aovs import Kind, find_aov
+from render.model.aovs import AOVS, Kind, find_aov
 from render.model.arrays import FloatArray
 from render.model.framing import Framing
 from render.model.mattes import MATTES, id_bits
@@ -53,15 +55,19 @@ def encode_exr(
     _check_arrays(color, aovs)
     height, width = color.shape[:2]
     camera = metadata.exr_attributes(width, height)
+    layout_parts = layout.parts_for(list(aovs))
+    primaries = _primaries(metadata) if any(_is_colour(part.aov) for part in layout_parts) else []
     mattes = {name: _cryptomatte(name, metadata.matte_names.get(name, ())) for name in MATTES if name in aovs}
     parts: list[Part] = []
-    for part in layout.parts_for(list(aovs)):
+    for part in layout_parts:
         if part.aov == "color":
             own, pixels = _colour(color, metadata)
             channels, kind = tuple("RGBA"), _kind_of("half", part.kind)
         else:
             own, pixels, channels, kind = _measured(part.aov, aovs[part.aov], metadata)
             kind = _kind_of(kind, part.kind)
+        if _is_colour(part.aov) or not parts:  # OpenEXR wants in the first part what a later one has
+            own = [*own, *primaries]
         theirs = mattes.get(part.aov, []) if parts else list(chain.from_iterable(mattes.values()))
         channels = channels[: part.channels]
         spec = _spec(part.name, (width, height), list(channels), kind, layout.framing)
@@ -69,12 +75,25 @@ def encode_exr(
     return file_bytes(".exr", parts)
 
 
+def _is_colour(aov: str) -> bool:
+    """Whether an AOV, or ``color``, is in a colour space."""
+    return aov == "color" or any(known.name == aov and known.is_color for known in AOVS)
+
+
 def _colour(color: FloatArray, metadata: FrameMetadata) -> tuple[list[Attribute], FloatArray]:
     """Attributes of the colour, and its samples, exposed."""
     pixels = np.empty_like(color, np.float32)
     pixels[..., :3] = expose(color[..., :3], metadata.camera.exposure_scale)
     pixels[..., 3] = np.clip(np.nan_to_num(color[..., 3]), 0, 1)
-    return _colour_space_attributes(metadata), pixels
+    return _colour_space_attributes(metadata), _converted(pixels, metadata)
+
+
+def _converted(pixels: FloatArray, metadata: FrameMetadata) -> FloatArray:
+    """Colours in the space that they are written in."""
+    if not metadata.color_space:
+        return pixels
+    most = np.finfo(np.float16).max
+    return np.clip(from_working(pixels, metadata.color_space), -most, most)
 
 
 def _measured(
@@ -83,6 +102,9 @@ def _measured(
     """Attributes of an AOV, its samples, their channels and their type."""
     pixels = measured.reshape(*measured.shape[:2], -1)
     aov = find_aov(name, pixels.shape[2])
+    if aov.is_color:
+        colours = _converted(pixels.astype(np.float32), metadata)
+        return _colour_space_attributes(metadata), colours, aov.channels, aov.kind
     own: list[Attribute] = [("colorInteropID", "string", "data")]
     if name in _PRIM_IDS:
         paths = _manifest(measured - _PRIM_IDS[name], metadata.prim_paths, _PRIM_IDS[name])
@@ -96,13 +118,25 @@ def _kind_of(kind: Kind, wanted: Kind | None) -> Kind:
 
 
 def _colour_space_attributes(metadata: FrameMetadata) -> list[Attribute]:
-    """Name, interop id and primaries of the working space, as far as they are known."""
+    """Name of the working space, and of the space that is written, with its interop id as far as it is known."""
     own: list[Attribute] = [("pullfocus:workingSpace", "string", metadata.grade.working_space)]
-    if space_id := metadata.grade.working_space_id:
+    if space := metadata.color_space:
+        own.append(("pullfocus:colorSpace", "string", space))
+    if space_id := _space_id(metadata):
         own.append(("colorInteropID", "string", space_id))
-        if primaries := OpenImageIO.ColorConfig("ocio://default").get_chromaticities(space_id):
-            own.append(("chromaticities", "float[8]", tuple(primaries)))
     return own
+
+
+def _space_id(metadata: FrameMetadata) -> str:
+    """Colour interop id of the space that colours are written in; empty where it is not known."""
+    return interop_id(metadata.color_space) if metadata.color_space else metadata.grade.working_space_id
+
+
+def _primaries(metadata: FrameMetadata) -> list[Attribute]:
+    """Primaries of the space that colours are written in, as far as they are known."""
+    space_id = _space_id(metadata)
+    found = OpenImageIO.ColorConfig("ocio://default").get_chromaticities(space_id) if space_id else None
+    return [("chromaticities", "float[8]", tuple(found))] if found else []
 
 
 def _spec(name: str, size: tuple[int, int], channels: list[str], kind: str, framing: Framing) -> OpenImageIO.ImageSpec:

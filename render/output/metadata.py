@@ -38,6 +38,7 @@ class FrameMetadata:
         exposure_time_s: UsdGeomCamera's ``exposure:time`` where it is authored.
         iso: UsdGeomCamera's ``exposure:iso`` where it is authored.
         matte_names: names in the picture of each matte among its AOVs.
+        color_space: linear colour space that colours are written in; empty for the working space.
     """
 
     camera: Camera
@@ -51,6 +52,7 @@ class FrameMetadata:
     exposure_time_s: float | None = None
     iso: float | None = None
     matte_names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    color_space: str = ""
 
     @property
     def description(self) -> str:

@@ -249,6 +249,7 @@ def describe_picture(
         settings=asdict(settings),
         stage=shot.path.name,
         prim_paths=prim_paths,
+        color_space=shot.rendering_space(),
         exposure_time_s=_read_authored(prim, "exposure:time", time),
         iso=_read_authored(prim, "exposure:iso", time),
     )

@@ -71,6 +71,7 @@ def inspect_shot(shot: Shot) -> Inspection:
     surfaces = [batch for batch in scene.batches if not batch.material.unlit]  # without back plates
     readouts, exposures, unusable = _read_cameras(shot, first)
     problems = validate(shot.stage)
+    shot.rendering_space()  # a finding where it is not that of rendering
     notes = (*shot.findings(), *unusable, *_finish_findings(shot, first, problems))
     messages = {note.message for note in notes}
     return Inspection(

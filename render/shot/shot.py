@@ -140,6 +140,13 @@ class Shot:
         self._findings.note_asked(log.as_list())
         return found
 
+    def rendering_space(self) -> str:
+        """Linear colour space that EXR files are written in (`RenderSettings.rendering_space`); empty for the working space."""
+        settings, log = self.render_settings, FindingLog()
+        space = settings.rendering_space(log) if settings else ""
+        self._findings.note_asked(log.as_list())
+        return space
+
     def note_asked(self, findings: Sequence[Finding]) -> None:
         """Add findings of what the stage's render settings ask for."""
         self._findings.note_asked(findings)

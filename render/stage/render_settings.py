@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from pxr import Gf, Sdf, Usd, UsdRender, Vt
 
-from render.errors import SettingsError
+from render.colour import is_working_space
+from render.errors import InputError, SettingsError
 from render.stage.findings import FindingLog
 from render.stage.options import PURPOSES
 from render.stage.values import format_value
@@ -72,6 +73,30 @@ class RenderSettings:
             log.add("bad_binding_purposes", self.path, message)
             return None
         return tuple(str(purpose) for purpose in value or ()) or None
+
+    def rendering_space(self, log: FindingLog) -> str:
+        """Linear colour space that EXR files are written in: ``renderingColorSpace``. Empty for the working space.
+
+        Args:
+            log: notes a space that is not used, or not the one that light is added in.
+        """
+        attribute = self.prim.GetRenderingColorSpaceAttr()
+        space = str(attribute.Get() or "") if attribute.HasAuthoredValue() else ""
+        if not space:
+            return ""
+        try:
+            if is_working_space(space):
+                return ""
+        except InputError as problem:
+            message = f"renderingColorSpace of {self.path} is not used: {problem}"
+            log.add("bad_rendering_space", self.path, message)
+            return ""
+        message = (
+            f"renderingColorSpace {space} of {self.path} is not the scene_linear space of OpenColorIO's configuration: light is "
+            "added in that space, and colours are converted when an EXR is written"
+        )
+        log.add("rendering_space", self.path, message)
+        return space
 
 
 def stage_settings(stage: Usd.Stage) -> RenderSettings | None:

@@ -233,10 +233,7 @@ RULES = {
         "aspectRatioConformPolicy camera dataWindowNDC disableDepthOfField disableMotionBlur instantaneousShutter "
         "pixelAspectRatio resolution"
     ),
-    "RenderSettings": Rules(
-        "includedPurposes materialBindingPurposes products",
-        ignored={"renderingColorSpace": "light is added in the scene_linear space of OpenColorIO's configuration"},
-    ),
+    "RenderSettings": Rules("includedPurposes materialBindingPurposes products renderingColorSpace"),
     "RenderProduct": Rules("orderedVars productName productType"),
     "RenderVar": Rules("dataType sourceName sourceType"),
     "RenderPass": Rules(

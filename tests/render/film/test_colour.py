@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from render.colour import linearise, to_working, working_config
+from render.colour import from_working, is_working_space, linearise, to_working, working_config
 from render.errors import InputError, SettingsError
 from tests.render.kits.colours import OWN_CONFIG
 
@@ -23,6 +23,29 @@ def test_rec709_red_in_acescg() -> None:
 
     # First column of the Rec. 709 to AP1 matrix with Bradford adaptation from D65 (ACES, CG configuration 2020).
     np.testing.assert_allclose(red, [0.613097, 0.070194, 0.020616], atol=1e-5)
+
+
+@pytest.mark.parametrize("space", ["lin_rec709_scene", "lin_ap0_scene", "lin_p3d65_scene", "lin_rec2020_scene"])
+@pytest.mark.parametrize("own", [False, True])
+def test_the_way_back_from_the_working_space(space: str, own: bool, tmp_path: Path) -> None:
+    """Also from a configuration without such names, which the built-in one joins."""
+    (tmp_path / "own.ocio").write_text(OWN_CONFIG)
+    config = working_config(tmp_path / "own.ocio") if own else None
+    colours = np.random.default_rng(0).uniform(-0.5, 4, (3, 4, 4)).astype(np.float32)
+
+    back = to_working(from_working(colours, space, config), space, config)
+
+    np.testing.assert_allclose(back, colours, atol=5e-5)
+
+
+def test_the_working_space_is_known_by_all_its_names() -> None:
+    assert all(map(is_working_space, ["lin_ap1_scene", "lin_ap1", "ACEScg", "scene_linear"]))
+    assert not any(map(is_working_space, ["lin_rec709_scene", "lin_ap0_scene"]))
+    for space in ("srgb_rec709_scene", "raw"):
+        with pytest.raises(InputError, match=f"colour space '{space}' is not linear"):
+            is_working_space(space)
+    with pytest.raises(InputError, match="colour space 'lin_rec90' is not known"):
+        is_working_space("lin_rec90")
 
 
 @pytest.mark.parametrize("source", ["raw", "data", "identity", "unknown", ""])

@@ -19,6 +19,8 @@ from render.film import Cdl, Grade, film_settings
 from render.model.camera import Camera
 from render.optics.view import PinholeView
 from render.output import FrameMetadata, encode
+from render.output.exr import encode_exr
+from render.output.layout import FileLayout, FilePart
 from render.output.metadata import exact_frame_rate
 from usd_schemas import FilmData
 
@@ -177,6 +179,32 @@ def test_the_working_space_is_named() -> None:
     assert rgba["colorInteropID"] == ("string", b"lin_ap1_scene")
     assert depth["colorInteropID"] == ("string", b"data")
     assert "chromaticities" not in depth
+
+
+def test_colours_are_written_in_a_linear_space_that_is_named(tmp_path: Path) -> None:
+    """Parts in any order: OpenEXR wants the primaries in the first one too."""
+    frame = make_frame()
+    frame.color[0, 0] = [1e9, 0, 0, 1]
+    frame.aovs["albedo"] = frame.color[..., :3] / 2
+    metadata = dataclasses.replace(METADATA, color_space="lin_rec709_scene")
+    parts = (FilePart("z", "depth"), FilePart("c", "color", "float"), FilePart("a", "albedo", "float"))
+    content = encode_exr(frame.color, frame.aovs, metadata, FileLayout(parts))
+
+    depth, colour, albedo = raw_headers(content)
+    for header in (depth, colour, albedo):  # Rec. ITU-R BT.709-6, item 1.3 and 1.4
+        primaries = np.frombuffer(header["chromaticities"][1], "<f4")
+        np.testing.assert_allclose(primaries, [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329], atol=1e-6)
+    assert depth["colorInteropID"] == ("string", b"data")
+    assert colour["colorInteropID"] == albedo["colorInteropID"] == ("string", b"lin_rec709_scene")
+    # AP1 to Rec. 709 with Bradford adaptation to D65 (ACES, CG configuration 2020)
+    to_rec709 = [[1.70505, -0.62179, -0.08326], [-0.13026, 1.1408, -0.01055], [-0.024, -0.12897, 1.15297]]
+    light = frame.color[..., :3].astype(np.float64) @ np.transpose(to_rec709)
+    written = part(content, "c", tmp_path / "a.exr")
+    assert written[0, 0, 0] == 65504
+    np.testing.assert_allclose(written[1:, :, :3], light[1:] * 0.5, rtol=1e-4, atol=2e-5)
+    np.testing.assert_array_equal(written[..., 3], frame.color[..., 3])
+    np.testing.assert_allclose(part(content, "a", tmp_path / "a.exr")[1:], light[1:] / 2, rtol=1e-4, atol=2e-5)
+    np.testing.assert_array_equal(part(content, "z", tmp_path / "a.exr")[..., 0], frame.aovs["depth"])
 
 
 def test_every_part_carries_the_camera_under_openexrs_names() -> None:

@@ -20,6 +20,7 @@ from render.stage import (
     read_camera,
     stage_settings,
 )
+from render.stage.findings import FindingLog
 from tests.render.kits.stages import add_mesh, instancer, new_stage
 
 
@@ -73,6 +74,32 @@ def test_resolution_and_purposes_are_read() -> None:
     prim.CreateIncludedPurposesAttr(["proxy", "rubbish"])
     assert settings.resolution == (64, 20)
     assert settings.included_purposes == ("default", "proxy")
+
+
+@pytest.mark.parametrize(
+    ("space", "written", "message"),
+    [
+        (None, "", None),
+        ("", "", None),
+        ("lin_ap1_scene", "", None),
+        ("ACEScg", "", None),
+        ("lin_rec709_scene", "lin_rec709_scene", "light is added in that space, and colours are converted when an EXR"),
+        ("lin_rec2020", "lin_rec2020", "renderingColorSpace lin_rec2020 of /R/own is not the scene_linear space"),
+        ("srgb_rec709_scene", "", "renderingColorSpace of /R/own is not used: colour space 'srgb_rec709_scene' is not"),
+        ("raw", "", "colour space 'raw' is not linear"),
+        ("lin_rec7O9", "", "colour space 'lin_rec7O9' is not known: did you mean 'lin_rec709'"),
+    ],
+)
+def test_a_linear_rendering_space_is_that_of_files(space: str | None, written: str, message: str | None) -> None:
+    stage = two_settings(new_stage())
+    settings, log = stage_settings(stage), FindingLog()
+    assert settings is not None
+    if space is not None:
+        settings.prim.CreateRenderingColorSpaceAttr(space)
+    assert settings.rendering_space(log) == written
+    assert len(log.as_list()) == (message is not None)
+    assert all(message in finding.message for finding in log.as_list() if message)
+    assert find_not_honoured(stage) == []
 
 
 @pytest.mark.parametrize("path", ["/R/gone", "/own_cam", "no path"])

@@ -58,6 +58,12 @@ class Framing:
             camera = replace(camera, f_stop=0.0)
         return camera if self.window is None else _cut_gate(camera, self.window, width, height)
 
+    def uncut(self, camera: Camera, width: int, height: int) -> tuple[Camera, int, int]:
+        """Camera, width and height of the whole picture, from those of its window; the same where there is no window."""
+        if self.window is None:
+            return camera, width, height
+        return _restore_gate(camera, self.window, width, height), self.window.whole_width, self.window.whole_height
+
 
 WHOLE = Framing()
 
@@ -66,9 +72,7 @@ def _cut_gate(camera: Camera, window: Window, width: int, height: int) -> Camera
     """Camera whose gate is a window of the camera's gate. The axis stays where it is in the whole picture."""
     pixel_width_mm = camera.horizontal_aperture_mm / window.whole_width
     pixel_height_mm = camera.vertical_aperture_mm / window.whole_height
-    # the gate's middle lies this much to the right of, and above, that of the whole gate
-    right = window.left + width / 2 - window.whole_width / 2
-    up = window.whole_height / 2 - window.top - height / 2
+    right, up = _off_centre(window, width, height)
     return replace(
         camera,
         horizontal_aperture_mm=width * pixel_width_mm,
@@ -77,3 +81,22 @@ def _cut_gate(camera: Camera, window: Window, width: int, height: int) -> Camera
         vertical_offset_mm=camera.vertical_offset_mm + up * pixel_height_mm,
         whole_diagonal_mm=camera.covered_mm,
     )
+
+
+def _restore_gate(camera: Camera, window: Window, width: int, height: int) -> Camera:
+    """Camera whose gate is that of the whole picture, of which the camera's gate is a window."""
+    pixel_width_mm = camera.horizontal_aperture_mm / width
+    pixel_height_mm = camera.vertical_aperture_mm / height
+    right, up = _off_centre(window, width, height)
+    return replace(
+        camera,
+        horizontal_aperture_mm=window.whole_width * pixel_width_mm,
+        vertical_aperture_mm=window.whole_height * pixel_height_mm,
+        horizontal_offset_mm=camera.horizontal_offset_mm - right * pixel_width_mm,
+        vertical_offset_mm=camera.vertical_offset_mm - up * pixel_height_mm,
+    )
+
+
+def _off_centre(window: Window, width: int, height: int) -> tuple[float, float]:
+    """Pixels that the middle of a window lies to the right of, and above, that of the whole picture."""
+    return window.left + width / 2 - window.whole_width / 2, window.whole_height / 2 - window.top - height / 2

@@ -21,7 +21,7 @@ from render.model.arrays import DoubleArray, FloatArray, IntArray
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
 CameraRole = Literal["seen", "holdout", "unseen"]
-"""What the camera makes of a surface: seen; a holdout, which hides what is behind it and leaves neither colour nor coverage; or
+"""Role of a surface for the camera: seen; a holdout, which hides what is behind it and leaves neither colour nor coverage; or
 not seen at all. All three cast shadows."""
 
 

@@ -54,7 +54,7 @@ def encode_exr(
     """
     _check_arrays(color, aovs)
     height, width = color.shape[:2]
-    camera = metadata.exr_attributes(width, height)
+    camera = metadata.exr_attributes(width, height, layout.framing)
     layout_parts = layout.parts_for(list(aovs))
     primaries = _primaries(metadata) if any(_is_colour(part.aov) for part in layout_parts) else []
     mattes = {name: _cryptomatte(name, metadata.matte_names.get(name, ())) for name in MATTES if name in aovs}

@@ -12,6 +12,7 @@ import numpy as np
 from render.film import FilmSettings, Grade
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
+from render.model.framing import WHOLE, Framing
 from render.optics.view import PinholeView
 
 SOFTWARE = "Pullfocus"
@@ -60,22 +61,25 @@ class FrameMetadata:
         when = "default time" if math.isnan(self.time) else f"frame {self.time:g}"
         return " ".join(part for part in (self.stage, self.camera.path, when) if part)
 
-    def exr_attributes(self, width: int, height: int) -> list[Attribute]:
+    def exr_attributes(self, width: int, height: int, framing: Framing = WHOLE) -> list[Attribute]:
         """Attributes for the header of an EXR part.
 
         Names, types and units are those of OpenEXR's "Standard Attributes"; what that list has no name for is called
-        ``pullfocus:*``. World space is metres with +Y up, and the matrices are for row vectors, as in Imath.
+        ``pullfocus:*``. World space is metres with +Y up, and the matrices are for row vectors, as in Imath. Frustum and sensor
+        are those of the whole picture, which is the display window.
 
         Args:
             width: of the picture in pixels.
             height: of the picture in pixels.
+            framing: place of the picture in the whole one.
 
         Raises:
             CameraError: the camera makes no picture.
         """
-        view = PinholeView.from_camera(self.camera, width, height)
+        camera, *size = framing.uncut(self.camera, width, height)
+        view = PinholeView.from_camera(camera, *size)
         picture = [*self._shot_attributes(), *_grade_attributes(self.grade), *_film_attributes(self.film)]
-        return [*picture, *_view_attributes(self.camera, view), *self._lens_attributes(view)]
+        return [*picture, *_view_attributes(camera, view), *_lens_attributes(camera, view), *self._light_attributes()]
 
     def _shot_attributes(self) -> list[Attribute]:
         named: list[Attribute] = [
@@ -93,20 +97,8 @@ class FrameMetadata:
             named.append(("cameraLabel", "string", self.camera.path))
         return named + [_setting_attribute(name, value) for name, value in self.settings.items()]
 
-    def _lens_attributes(self, view: PinholeView) -> list[Attribute]:
-        camera = self.camera
-        image_distance_mm = view.fx / view.width * camera.horizontal_aperture_mm
-        named: list[Attribute] = [
-            ("nominalFocalLength", "float", camera.focal_length_mm),
-            ("effectiveFocalLength", "float", camera.focal_length_mm),
-            ("pinholeFocalLength", "float", image_distance_mm),
-            ("focus", "float", camera.focus_distance_m or math.inf),
-        ]
-        # OpenEXR wants a positive f-number, so a pinhole has none.
-        if camera.f_stop > 0:
-            named.append(("aperture", "float", camera.f_stop))
-        if camera.shutter_close > camera.shutter_open:
-            named.append(("shutterAngle", "float", 360.0 * (camera.shutter_close - camera.shutter_open)))
+    def _light_attributes(self) -> list[Attribute]:
+        named: list[Attribute] = []
         if self.exposure_time_s is not None:
             named.append(("expTime", "float", self.exposure_time_s))
         if self.iso is not None:
@@ -169,6 +161,23 @@ def _film_attributes(film: FilmSettings | None) -> list[Attribute]:
     stocks = (("filmStock", film.stock), ("filmPrint", film.print_stock))
     named += [(f"pullfocus:{key}", "string", stock.name) for key, stock in stocks if stock is not None]
     return named + ([("pullfocus:filmPush", "float", film.push)] if film.push else [])
+
+
+def _lens_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:
+    """Attributes of the lens and the shutter."""
+    image_distance_mm = view.fx / view.width * camera.horizontal_aperture_mm
+    named: list[Attribute] = [
+        ("nominalFocalLength", "float", camera.focal_length_mm),
+        ("effectiveFocalLength", "float", camera.focal_length_mm),
+        ("pinholeFocalLength", "float", image_distance_mm),
+        ("focus", "float", camera.focus_distance_m or math.inf),
+    ]
+    # OpenEXR wants a positive f-number, so a pinhole has none.
+    if camera.f_stop > 0:
+        named.append(("aperture", "float", camera.f_stop))
+    if camera.shutter_close > camera.shutter_open:
+        named.append(("shutterAngle", "float", 360.0 * (camera.shutter_close - camera.shutter_open)))
+    return named
 
 
 def _view_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:

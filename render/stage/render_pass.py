@@ -32,7 +32,7 @@ class RenderPass:
         return bool(self._visible.IsPathIncluded(path))
 
     def camera_role(self, path: Sdf.Path) -> CameraRole:
-        """What the camera makes of a surface, or of the dome behind all surfaces, that is there."""
+        """Role for the camera of a surface that is there, or of the dome behind all surfaces."""
         if not self._camera_visible.IsPathIncluded(path):
             return "unseen"
         return "holdout" if self._matte.IsPathIncluded(path) else "seen"

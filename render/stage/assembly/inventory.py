@@ -218,7 +218,7 @@ class _Walk:
             self._note_draw_mode(prim)
 
     def _camera_role(self, prim: Usd.Prim, state: _State) -> CameraRole:
-        """What the camera makes of a surface; an instancer's are as the outermost instancer itself."""
+        """Role of a surface for the camera; an instancer's are as the outermost instancer itself."""
         if self._pass is None:
             return "seen"
         return self._pass.camera_role((state.chain[0].instancer if state.chain else prim).GetPath())

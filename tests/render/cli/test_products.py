@@ -183,18 +183,21 @@ def test_colours_are_in_the_rendering_space_of_the_stage(pullfocus: Command, tmp
     """The square's displayColor comes out as it is authored, by products and without; its primvar, which is data, always does."""
     for space, is_rec709 in (("lin_rec709_scene", True), ("lin_ap1_scene", False)):
         named = f'uniform token renderingColorSpace = "{space}"\n        rel products'
-        shot = write_products(tmp_path, SETTINGS.replace("rel products", named))
-        ended = pullfocus("record", shot, tmp_path / "out", "--products")
+        folder = tmp_path / space
+        folder.mkdir()
+        shot = write_products(folder, SETTINGS.replace("rel products", named))
+        ended = pullfocus("record", shot, folder / "out", "--products")
         assert ended.status == 0, ended.err
         assert ("is not the scene_linear space of OpenColorIO's configuration" in ended.err) == is_rec709
-        assert pullfocus("record", shot, tmp_path / "f.exr", "--imageWidth", 48).status == 0
-        for file in (tmp_path / "out/beauty/shot.0001.exr", tmp_path / "f.exr"):
+        assert pullfocus("record", shot, folder / "f.exr", "--imageWidth", 48).status == 0
+        for file in (folder / "out/beauty/shot.0001.exr", folder / "f.exr"):
             seen = np.asarray(OpenImageIO.ImageBuf(str(file)).get_pixels())[16, 24, :3]
             assert (seen == pytest.approx([0.8, 0.2, 0.1], rel=2e-3)) == is_rec709, (file, seen)
-        primvar = np.asarray(OpenImageIO.ImageBuf(str(tmp_path / "out/beauty/shot.0001.exr"), 3, 0).get_pixels())
+        primvar = np.asarray(OpenImageIO.ImageBuf(str(folder / "out/beauty/shot.0001.exr"), 3, 0).get_pixels())
         assert primvar[16, 24] == pytest.approx([0.8, 0.2, 0.1])
 
 
+@pytest.mark.gl
 def test_flags_win_over_our_settings_on_the_prim(pullfocus: Command, tmp_path: Path) -> None:
     shot = write_products(tmp_path)
     for flags, rays in (((), 4), (("--rays", 9), 9)):

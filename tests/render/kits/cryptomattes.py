@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO
 
 from render.model.arrays import FloatArray
+from tests.render.kits.exr_parts import ExrPart, read_by_openimageio
 
 
 @dataclass(frozen=True)
@@ -31,17 +32,14 @@ class Cryptomatte:
         return np.where(self.ids == self.manifest[name], self.coverage, 0).sum(axis=-1)
 
 
-def read_cryptomattes(file: Path) -> dict[str, Cryptomatte]:
+def read_cryptomattes(
+    file: Path, read: Callable[[Path], list[ExrPart]] = read_by_openimageio
+) -> dict[str, Cryptomatte]:
     """Read all mattes of an EXR by name: header of the first part, channels of all parts."""
-    channels, headers = {}, {}
-    for i in range(OpenImageIO.ImageBuf(str(file)).nsubimages):
-        image = OpenImageIO.ImageBuf(str(file), i, 0)
-        spec = image.spec()
-        pixels = image.get_pixels(OpenImageIO.FLOAT)
-        assert all(str(spec.channelformat(c)) == "float" for c, n in enumerate(spec.channelnames) if n[-4:-2].isdigit())
-        channels |= {name: pixels[..., c] for c, name in enumerate(spec.channelnames)}
-        if i == 0:
-            headers = {a.name: a.value for a in spec.extra_attribs if a.name.startswith("cryptomatte/")}
+    parts = read(file)
+    channels = {name: pixels for part in parts for name, pixels in part.channels.items()}
+    assert all(pixels.dtype == np.float32 for name, pixels in channels.items() if name[-4:-2].isdigit())
+    headers = {name: value for name, value in parts[0].header.items() if name.startswith("cryptomatte/")}
     mattes = {}
     for key in {name.split("/")[1] for name in headers}:
         own = {what: headers[f"cryptomatte/{key}/{what}"] for what in ("name", "hash", "conversion", "manifest")}

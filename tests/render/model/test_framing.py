@@ -26,6 +26,16 @@ def test_a_window_projects_as_the_whole_picture_does(window: Window) -> None:
     np.testing.assert_allclose(part, whole - [window.left, window.top], atol=1e-9)
 
 
+@pytest.mark.parametrize("window", [Window(10, 5, 120, 80), Window(-7, -9, 120, 80), Window(100, 70, 120, 80)])
+def test_the_gate_of_a_window_gives_that_of_the_whole(window: Window) -> None:
+    framing = Framing(window=window)
+    camera, *size = framing.uncut(framing.apply(CAMERA, 40, 30), 40, 30)
+    assert size == [120, 80]
+    for name in (f"{axis}_{what}_mm" for axis in ("horizontal", "vertical") for what in ("aperture", "offset")):
+        assert getattr(camera, name) == pytest.approx(getattr(CAMERA, name))
+    assert WHOLE.uncut(CAMERA, 40, 30) == (CAMERA, 40, 30)
+
+
 def test_the_shape_of_the_whole_picture_counts_pixels_by_their_shape() -> None:
     assert WHOLE.aspect(120, 80) == 1.5
     assert Framing(pixel_aspect=2.0).aspect(120, 80) == 3.0

@@ -149,7 +149,7 @@ def test_an_instancer_is_left_out_whole() -> None:
 
 
 def roles(stage: Usd.Stage) -> dict[str, str]:
-    """What the camera makes of each prim of the stage, in the pass /P."""
+    """Role of each prim of the stage for the camera, in the pass /P."""
     found = {}
     scene = StageReader(stage, render_pass=find_pass(stage, "/P")).read(0)
     for batch in scene.batches:

@@ -18,7 +18,7 @@ from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.scene import Batch, Geometry, Material
 from render.stage.assembly.instance_primvars import NONE_INHERITED, instance_colors
 from render.stage.assembly.inventory import Occurrence
-from render.stage.assembly.joining import join_geometry, place_shape
+from render.stage.assembly.joining import PlacedShape, place_shapes
 from render.stage.assembly.pieces import Piece, ShapeReader
 from render.stage.assembly.poses import (
     InstanceReader,
@@ -138,7 +138,7 @@ class RigidGroup(Group):
         if is_hidden(first.hiders, context.time):
             return ()
         if self._drawn is None:
-            self._drawn = _join([part for piece in self._pieces if (part := self._place(piece, context)) is not None])
+            self._drawn = _draw([part for piece in self._pieces if (part := self._place(piece, context)) is not None])
         if not self._drawn:
             return ()
         pose = np.eye(4)
@@ -151,8 +151,8 @@ class RigidGroup(Group):
         material = context.look(self._pieces[0].material).material
         return self._make_batches(self._drawn, material, _Places(pose[None]))
 
-    def _place(self, piece: Piece, context: DrawContext) -> _Drawn | None:
-        """A piece's geometry."""
+    def _place(self, piece: Piece, context: DrawContext) -> PlacedShape | None:
+        """A piece's triangles, where it stands."""
         shape = context.shapes.shape(piece)
         if shape is None:
             return None
@@ -165,11 +165,10 @@ class RigidGroup(Group):
         except PlaceError as problem:
             _note(problem, context.log)
             return None
-        if not is_placeable(shape.positions, matrix, piece.occurrence.path, context.log):
+        path = piece.occurrence.path
+        if not is_placeable(shape.positions, matrix, path, context.log):
             return None
-        material_id = context.material_id(piece.bound_material)
-        geometry = place_shape(shape, context.prim_id(piece.occurrence.path), material_id, matrix)
-        return geometry, _insides(shape, matrix)
+        return PlacedShape(shape, context.prim_id(path), context.material_id(piece.bound_material), matrix)
 
 
 class InstancedGroup(Group):
@@ -206,10 +205,7 @@ class InstancedGroup(Group):
         if not self._is_read or not _same_shape(shape, self._shape):
             first_id = context.prim_id(self._pieces[0].occurrence.path)
             to_metres = np.diag([*[context.scale] * 3, 1.0])
-            if shape is None:
-                self._drawn = None
-            else:
-                self._drawn = place_shape(shape, first_id, -1, to_metres), _insides(shape, to_metres)
+            self._drawn = None if shape is None else _draw([PlacedShape(shape, first_id, -1, to_metres)])[0]
             self._shape = shape if self._pieces[0].deforms else None
         self._is_read = True
         return self._drawn
@@ -264,24 +260,23 @@ def _note(problem: PlaceError, log: FindingLog) -> None:
     log.add(problem.code, problem.path, f"{problem.detail}: what depends on it is not drawn")
 
 
-def _join(parts: Sequence[_Drawn]) -> list[_Drawn]:
-    """Open geometries as one, and closed ones as one."""
-    open_parts = [geometry for geometry, insides in parts if insides is None]
-    closed = [(geometry, insides) for geometry, insides in parts if insides is not None]
-    drawn: list[_Drawn] = [(join_geometry(open_parts), None)] if open_parts else []
+def _draw(parts: Sequence[PlacedShape]) -> list[_Drawn]:
+    """Open shapes as one geometry, and closed ones as one."""
+    open_parts = [part for part in parts if part.shape.closed_box is None]
+    closed = [(part, part.shape.closed_box) for part in parts if part.shape.closed_box is not None]
+    drawn: list[_Drawn] = [(place_shapes(open_parts), None)] if open_parts else []
     if closed:
-        drawn.append((join_geometry([part for part, _ in closed]), np.concatenate([insides for _, insides in closed])))
+        insides = np.stack([_inside(box, part.matrix) for part, box in closed])
+        drawn.append((place_shapes([part for part, _ in closed]), insides))
     return drawn
 
 
-def _insides(shape: Shape, matrix: DoubleArray) -> DoubleArray | None:
-    """The box of a shape's surface ``(1, 2, 3)`` where a ``(4, 4)`` matrix puts it; None where it is open."""
-    if shape.closed_box is None:
-        return None
-    low, high = shape.closed_box.astype(np.float64)
+def _inside(box: FloatArray, matrix: DoubleArray) -> DoubleArray:
+    """The box ``(2, 3)`` around a box ``(2, 3)`` where a ``(4, 4)`` matrix puts it: least and greatest corners."""
+    low, high = box.astype(np.float64)
     middle = matrix[:3, :3] @ (low + high) / 2 + matrix[:3, 3]
     half = np.abs(matrix[:3, :3]) @ (high - low) / 2
-    return np.stack([middle - half, middle + half])[None]
+    return np.stack([middle - half, middle + half])
 
 
 def _shrink(context: DrawContext) -> DoubleArray:

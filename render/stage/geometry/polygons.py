@@ -86,12 +86,13 @@ def check(polygons: Polygons) -> None:
         raise BadGeometry(
             f"faceVertexIndices run from {corners.min()} to {corners.max()}, but there are {len(points)} points"
         )
+    if np.abs(points).max(initial=0) <= FARTHEST_POINT:
+        return
     if not np.isfinite(points).all():
         bad = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
         raise BadGeometry(f"point {bad} is not finite")
-    if (np.abs(points) > FARTHEST_POINT).any():
-        bad = int(np.flatnonzero((np.abs(points) > FARTHEST_POINT).any(axis=1))[0])
-        raise BadGeometry(f"point {bad} is out of range, {FARTHEST_POINT:g} units")
+    bad = int(np.flatnonzero((np.abs(points) > FARTHEST_POINT).any(axis=1))[0])
+    raise BadGeometry(f"point {bad} is out of range, {FARTHEST_POINT:g} units")
 
 
 def check_counts(counts: IntArray, corners: IntArray) -> None:

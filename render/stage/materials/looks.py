@@ -32,6 +32,7 @@ class LookReader:
         self._materialx = MaterialXFiles(stage, textures, log)
         self._looks: dict[str, BoundMaterial] = {_NO_PATH: DEFAULT_LOOK}
         self._representatives: dict[Hashable, str] = {_signature(DEFAULT_LOOK): _NO_PATH}
+        self._representative_of: dict[str, str] = {}
 
     def look(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
         """The look of the material at a path, or the default look for an empty path.
@@ -49,8 +50,12 @@ class LookReader:
 
     def representative(self, path: str, time: Usd.TimeCode) -> str:
         """The first material path whose look is the same as this one's, so that copies of an asset are drawn together."""
-        look = self.look(path, time)
-        return path if look.varies else self._representatives.setdefault(_signature(look), path)
+        if path not in self._representative_of:
+            look = self.look(path, time)
+            if look.varies:
+                return path
+            self._representative_of[path] = self._representatives.setdefault(_signature(look), path)
+        return self._representative_of[path]
 
     def _read(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
         material = UsdShade.Material(self._stage.GetPrimAtPath(path))

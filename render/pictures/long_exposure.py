@@ -206,7 +206,8 @@ class LongExposure:
         return min(max(math.ceil(travel), 2), MAX_MOMENTS)
 
     def _moment(self, time: float) -> Moment:
-        return make_moment(self.shot.scene_at(time), self._camera_at(time))
+        camera = self._camera_at(time)
+        return make_moment(self.shot.scene_at(time, camera.path), camera)
 
 
 def _match_exposure(color: FloatArray, camera: Camera, first: Camera) -> FloatArray:

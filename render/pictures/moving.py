@@ -70,9 +70,8 @@ def render_moving_frame(
 
     def moment_at(index: int) -> Moment:
         at = float(times[index])
-        return space.widen_moment(
-            Moment(shot.scene_at(at), shot.camera_at(camera_path, at, *size), parts[index, ..., None])
-        )
+        scene, moved = shot.scene_at(at, camera.path), shot.camera_at(camera_path, at, *size)
+        return space.widen_moment(Moment(scene, moved, parts[index, ..., None]))
 
     if settings.motion_by == "moments":
         return renderer.render_moving(
@@ -95,12 +94,17 @@ def _render_swept(
     """Render the frame from one peeling in the middle of ``span``, the time codes between which any place is exposed."""
     size = space.requested.width, space.requested.height
     middle = sum(span) / 2
-    scenes = ShutterScenes(shot.scene_at(middle), shot.scene_at(span[0]), shot.scene_at(span[1]))
+    drawn = shot.camera_at(camera_path, middle, *size)
+    scenes = ShutterScenes(*(shot.scene_at(at, drawn.path) for at in (middle, *span)))
     samples = [
         space.widen_moment(Moment(scenes.middle, shot.camera_at(camera_path, float(at), *size), part[..., None]))
         for at, part in zip(times, parts, strict=True)
     ]
-    camera = space.widen_camera(shot.camera_at(camera_path, middle, *size))
     return renderer.render_swept(
-        scenes, camera, samples, space.settings, on_progress, moments_per_pixel=moments_per_pixel(parts)
+        scenes,
+        space.widen_camera(drawn),
+        samples,
+        space.settings,
+        on_progress,
+        moments_per_pixel=moments_per_pixel(parts),
     )

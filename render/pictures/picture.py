@@ -136,21 +136,23 @@ def expose_frame(
         GraphicsError: OpenGL reports an error.
     """
     check_shutter(camera)
-    check_primvars(shot, time, settings)
-    _note_holdouts(shot, time, settings)
+    check_primvars(shot, camera.path, time, settings)
+    _note_holdouts(shot, camera.path, time, settings)
     space = ImageSpace.for_camera(camera, settings)
     if has_motion(camera, settings):
         frame = render_moving_frame(renderer, shot, camera_path, camera, time, space, on_progress)
     else:
-        frame = renderer.render(shot.scene_at(time), space.widen_camera(camera), space.settings, on_progress)
+        frame = renderer.render(
+            shot.scene_at(time, camera.path), space.widen_camera(camera), space.settings, on_progress
+        )
     return apply_lens_effects(renderer, shot, camera, time, space, frame)
 
 
-def _note_holdouts(shot: Shot, time: float, settings: FrameSettings) -> None:
+def _note_holdouts(shot: Shot, camera_path: str, time: float, settings: FrameSettings) -> None:
     """Note holdouts where the engine cannot leave them out of alpha."""
     if engine_class(settings).has_rays:
         return
-    if any(batch.camera_role == "holdout" for batch in shot.scene_at(time).batches):
+    if any(batch.camera_role == "holdout" for batch in shot.scene_at(time, camera_path).batches):
         message = f"holdouts of the render pass are black with alpha 1, since the engine {settings.engine} has no alpha"
         shot.note_asked([Finding("holdout_alpha", "/", f"{message}: take the engine lens")])
 
@@ -173,7 +175,7 @@ def apply_lens_effects(
     """
     frame = space.apply(renderer, add_primvars(shot, frame, space.settings))
     apply_vignetting(frame.color, camera, space.requested)
-    return add_flare(renderer, shot.scene_at(time), camera, space.requested, frame)
+    return add_flare(renderer, shot.scene_at(time, camera.path), camera, space.requested, frame)
 
 
 def apply_vignetting(radiance: FloatArray, camera: Camera, settings: FrameSettings) -> None:

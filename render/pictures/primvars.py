@@ -16,11 +16,11 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.shot.shot import Shot
 
 
-def check_primvars(shot: Shot, time: float, settings: FrameSettings) -> None:
-    """Check that prims which are drawn at a time have the primvars that settings name; raises as `add_primvars`."""
+def check_primvars(shot: Shot, camera_path: str, time: float, settings: FrameSettings) -> None:
+    """Check that prims which a camera has drawn at a time have the primvars that settings name; raises as `add_primvars`."""
     names = [primvar for name in settings.aovs if (primvar := primvar_of(name))]
     if names:
-        paths = shot.scene_at(time).prim_paths
+        paths = shot.scene_at(time, camera_path).prim_paths
         with read_quietly(shot.stage):
             for name in names:
                 find_numeric(shot.stage, name, paths)

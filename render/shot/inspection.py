@@ -67,7 +67,8 @@ def inspect_shot(shot: Shot) -> Inspection:
         StageError: the stage has numbers that no scene can have.
     """
     first = shot.frame_range.start
-    scene = shot.scene_at(first)
+    default = _default_camera(shot)
+    scene = shot.scene_at(first, default.path or "")
     surfaces = [batch for batch in scene.batches if not batch.material.unlit]  # without back plates
     readouts, exposures, unusable = _read_cameras(shot, first)
     problems = validate(shot.stage)
@@ -79,7 +80,7 @@ def inspect_shot(shot: Shot) -> Inspection:
         up_axis="Y" if is_y_up(shot.stage) else "Z",
         metres_per_unit=metres_per_unit(shot.stage),
         cameras=tuple(shot.cameras()),
-        default_camera=_default_camera(shot),
+        default_camera=default,
         readouts=readouts,
         exposures=exposures,
         back_plates=tuple(list_plates(shot.stage, shot.cameras(), first)),

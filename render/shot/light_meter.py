@@ -158,7 +158,7 @@ class LightMeter:
         settings = replace(self._settings, width=width, height=height)
         cache, key = self._shot.exposure.meter_cache, (time, metering.mode, settings, _pinhole_key(camera))
         if key not in cache:
-            picture = self._renderer.render(self._shot.scene_at(time), camera, settings).color
+            picture = self._renderer.render(self._shot.scene_at(time, self._path), camera, settings).color
             cache[key] = _mean(picture, mode)
         return cache[key]
 

@@ -182,9 +182,14 @@ class Shot:
         """List the features of the stage found so far that are not supported, and the values that cannot be used."""
         return self._findings.all()
 
-    def scene_at(self, time: float) -> Scene:
-        """Read the scene at a USD time code; what did not change since the last call is the same object."""
-        scene = self._reader.read(check_reading_time(time))
+    def scene_at(self, time: float, camera_path: str = "") -> Scene:
+        """Read the scene at a USD time code; what did not change since the last call is the same object.
+
+        Args:
+            time: USD time code.
+            camera_path: prim path of the camera that levels of detail are chosen for; empty for their default ones.
+        """
+        scene = self._reader.read(check_reading_time(time), camera_path)
         self._findings.note_lights(scene.lights)
         return scene
 

@@ -10,6 +10,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom
 from render.model.scene import Dome, Scene
 from render.stage.assembly.groups import DrawContext, Group
 from render.stage.assembly.inventory import Inventory, take_inventory
+from render.stage.assembly.level_choice import LevelChoice, LevelChooser
 from render.stage.assembly.pieces import ShapeReader
 from render.stage.assembly.plan import PieceCutter, plan_groups
 from render.stage.assembly.poses import InstanceReader
@@ -39,6 +40,7 @@ class _Plan:
     skeletons: Skeletons
     lights: LightReader
     plates: PlateReader
+    levels: LevelChooser
     binding_purposes: tuple[str, ...]
 
 
@@ -71,6 +73,8 @@ class StageReader:
         self._material_ids: dict[str, int] = {}
         self._plan: _Plan | None = None
         self._scene: Scene | None = None
+        self._key: tuple[Usd.TimeCode, str] | None = None
+        self._levels = LevelChoice()
         self._changes = 0
         self._listener = Tf.Notice.Register(Usd.Notice.ObjectsChanged, self._on_change, stage)
 
@@ -84,11 +88,12 @@ class StageReader:
         """Count of edits to anything but cameras; results read at an earlier count are out of date."""
         return self._changes
 
-    def read(self, time: float) -> Scene:
+    def read(self, time: float, camera_path: str = "") -> Scene:
         """Read the scene at a time.
 
         Args:
             time: USD time code.
+            camera_path: prim path of the camera that levels of detail are chosen for; empty for their default ones.
 
         Raises:
             StageError: a transform is not finite, or a file turns out to be damaged.
@@ -100,30 +105,38 @@ class StageReader:
                 skeletons, purposes = Skeletons(self._stage), binding_purposes(self._stage, self._log)
                 shapes = ShapeReader(skeletons, purposes, at, self._log)
                 self._plan = self._make_plan(skeletons, purposes, shapes)
-                self._scene = self._scene_at(self._plan, shapes)
-            elif self._scene is None or Usd.TimeCode(self._scene.time) != at:
+            else:
                 shapes = ShapeReader(self._plan.skeletons, self._plan.binding_purposes, at, self._log)
-                self._scene = self._scene_at(self._plan, shapes)
+            key = (at, camera_path if self._plan.inventory.level_roots else "")
+            if self._scene is None or self._key != key:
+                self._scene, self._key = self._scene_at(self._plan, shapes, camera_path), key
         return self._scene
 
-    def _scene_at(self, plan: _Plan, shapes: ShapeReader) -> Scene:
+    def _scene_at(self, plan: _Plan, shapes: ShapeReader, camera_path: str) -> Scene:
         time = shapes.time
-        transforms = UsdGeom.XformCache(time)
+        transforms, instances = UsdGeom.XformCache(time), InstanceReader(time, self._log)
+        levels = plan.levels.choose(camera_path, transforms, instances)
+        if self._scene is not None and Usd.TimeCode(self._scene.time) == time and levels.equals(self._levels):
+            return self._scene
+        self._levels = levels
         context = DrawContext(
             transforms=transforms,
             world=world_from_stage(self._stage),
             scale=metres_per_unit(self._stage),
             look=lambda path: plan.looks.look(path, time),
             shapes=shapes,
-            instances=InstanceReader(time, self._log),
+            instances=instances,
+            levels=levels,
             prim_id=self._prim_id,
             material_id=lambda path: self._material_ids.setdefault(path, len(self._material_ids)) if path else -1,
             log=self._log,
         )
-        shapes.prepare(piece for group in plan.groups for piece in group.unread(time))
+        unread = (piece for group in plan.groups for piece in group.unread(time))
+        shapes.prepare(piece for piece in unread if levels.may_show(piece.occurrence))
         batches = [batch for group in plan.groups for batch in group.batches(context)]
         batches += plan.plates.batches(transforms, context.world, context.scale)
-        lights, dome = plan.lights.read(plan.inventory.lights, transforms)
+        shining = [(prim, hiders) for prim, hiders, within in plan.inventory.lights if levels.shows(within).all()]
+        lights, dome = plan.lights.read(shining, transforms)
         if dome is not None and not self._sees_dome(dome):
             dome = replace(dome, visible=False)
         return Scene(
@@ -151,7 +164,8 @@ class StageReader:
         self._note_complexity(inventory)
         self._note_up_axis()
         lights = LightReader(self._stage, self._textures, self._log)
-        return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), purposes)
+        levels = LevelChooser(self._stage, inventory.level_roots, self._log)
+        return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), levels, purposes)
 
     def _plate_reader(self) -> PlateReader:
         """Reader of the plates of all cameras that the mask and the render pass leave."""
@@ -195,7 +209,9 @@ class StageReader:
         if not all(self._is_only_a_camera(path) for path in paths):
             self._plan = None
             self._changes += 1
-        elif self._plan is not None and any(self._plan.plates.is_camera(path.GetPrimPath()) for path in paths):
+        elif self._plan is not None and (
+            self._plan.inventory.level_roots or any(self._plan.plates.is_camera(path.GetPrimPath()) for path in paths)
+        ):
             self._scene = None
             self._changes += 1
 

@@ -190,7 +190,7 @@ def pick_at(
         position: x and y from its top left corner, px.
     """
     prepared = shot.camera_at(camera, time, *size)
-    return state.renderer.pick(shot.scene_at(time), prepared, *size, *position)
+    return state.renderer.pick(shot.scene_at(time, prepared.path), prepared, *size, *position)
 
 
 def anchor_of(pick: SurfacePick) -> Anchor:

@@ -134,7 +134,7 @@ class ProgressiveRenderer:
             stock=request.stock,
             choice=request.choice,
         )
-        scene = self._shot.scene_at(request.time)
+        scene = self._shot.scene_at(request.time, camera.path)
         clock.note("read")
         work = self._draw(_Job(request, scene, camera, finish, clock))
         try:

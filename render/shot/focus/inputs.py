@@ -153,7 +153,7 @@ def read_focus_inputs(
     anchors: AnchorReader,
     camera_path: str,
     times: Sequence[float],
-    scene_at: Callable[[float], Scene],
+    scene_at: Callable[[float, str], Scene],
 ) -> FocusInputs:
     """Read a camera and its focus points at several times.
 
@@ -162,7 +162,7 @@ def read_focus_inputs(
         anchors: finds focus points on that stage.
         camera_path: of a camera.
         times: rising USD time codes.
-        scene_at: the scene at a time; called only where hidden points count for less.
+        scene_at: the scene at a time as a camera has it drawn; called only where hidden points count for less.
 
     Raises:
         CameraError: it is no camera, or has impossible values.
@@ -225,13 +225,13 @@ def _visible_shares(
     focus: tuple[FocusData, ...],
     positions_m: DoubleArray,
     times: Sequence[float],
-    scene_at: Callable[[float], Scene],
+    scene_at: Callable[[float, str], Scene],
 ) -> DoubleArray:
     """``(n, k)`` share of the entrance pupil that sees each point; 1 where the camera ignores occlusion."""
     shares = np.ones(positions_m.shape[:2])
     for i, time in enumerate(times):
         if focus[i].occluded != "keep" and np.isfinite(positions_m[i]).any():
-            shares[i] = visible_shares(scene_at(time), cameras[i], positions_m[i])
+            shares[i] = visible_shares(scene_at(time, cameras[i].path), cameras[i], positions_m[i])
     return shares
 
 

@@ -75,10 +75,10 @@ class FocusTracker:
     Args:
         stage: the stage.
         anchors: finds focus points on it.
-        scene_at: the scene at a time.
+        scene_at: the scene at a time, as a camera has it drawn.
     """
 
-    def __init__(self, stage: Usd.Stage, anchors: AnchorReader, scene_at: Callable[[float], Scene]) -> None:
+    def __init__(self, stage: Usd.Stage, anchors: AnchorReader, scene_at: Callable[[float, str], Scene]) -> None:
         self._stage = stage
         self._anchors = anchors
         self._scene_at = scene_at

@@ -19,6 +19,7 @@ from render.model.scene import Batch, Geometry, Material
 from render.stage.assembly.instance_primvars import NONE_INHERITED, instance_colors
 from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.joining import PlacedShape, place_shapes
+from render.stage.assembly.level_choice import LevelChoice
 from render.stage.assembly.pieces import Piece, ShapeReader
 from render.stage.assembly.poses import (
     InstanceReader,
@@ -45,6 +46,7 @@ class DrawContext:
         look: the look of a material path at that time.
         shapes: reads the triangles of pieces at that time.
         instances: reads point instancers at that time.
+        levels: levels of detail that are drawn.
         prim_id: the number of a prim path in ``Scene.prim_paths``.
         material_id: the number of a material path in ``Scene.material_paths``, -1 for an empty path.
         log: notes surfaces too far away to be placed well.
@@ -56,6 +58,7 @@ class DrawContext:
     look: Callable[[str], BoundMaterial]
     shapes: ShapeReader
     instances: InstanceReader
+    levels: LevelChoice
     prim_id: Callable[[str], int]
     material_id: Callable[[str], int]
     log: FindingLog
@@ -135,7 +138,7 @@ class RigidGroup(Group):
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         first = self._pieces[0].occurrence
-        if is_hidden(first.hiders, context.time):
+        if is_hidden(first.hiders, context.time) or not context.levels.shows(first.levels).all():
             return ()
         if self._drawn is None:
             self._drawn = _draw([part for piece in self._pieces if (part := self._place(piece, context)) is not None])
@@ -181,19 +184,18 @@ class InstancedGroup(Group):
         self._is_read = False
         self._places: _Places | None = None
         self._moves = any(
-            piece.occurrence.moves or piece.occurrence.hiders or piece.inherited.varies for piece in pieces
+            piece.occurrence.moves or piece.occurrence.hiders or piece.occurrence.levels or piece.inherited.varies
+            for piece in pieces
         )
 
     def unread(self, time: Usd.TimeCode) -> Sequence[Piece]:
         return () if self._is_read and not self._pieces[0].deforms else self._pieces[:1]
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
-        drawn = self._drawn_at(context)
-        if drawn is None:
-            return ()
         if self._places is None or self._moves:
             self._places = self._places_at(context)
-        if not len(self._places.poses):
+        drawn = self._drawn_at(context) if len(self._places.poses) else None
+        if drawn is None:
             return ()
         material = context.look(self._pieces[0].material).material
         return self._make_batches([drawn], material, self._places)
@@ -224,14 +226,14 @@ class InstancedGroup(Group):
             except PlaceError as problem:
                 _note(problem, context.log)
                 continue
+            shown = context.levels.shows(occurrence.levels, len(here))
             if piece.inherited != NONE_INHERITED:
-                colors.append(
-                    instance_colors(occurrence.chain, piece.inherited, context.instances, context.time, context.log)
-                )
-            poses.append(here @ _shrink(context))
-            numbers.append(number)
-            prim_ids.append(np.full(len(here), context.prim_id(picked_as), np.int32))
-            material_ids.append(np.full(len(here), context.material_id(piece.bound_material), np.int32))
+                given = instance_colors(occurrence.chain, piece.inherited, context.instances, context.time, context.log)
+                colors.append(given[shown])
+            poses.append(here[shown] @ _shrink(context))
+            numbers.append(number[shown])
+            prim_ids.append(np.full(shown.sum(), context.prim_id(picked_as), np.int32))
+            material_ids.append(np.full(shown.sum(), context.material_id(piece.bound_material), np.int32))
         instanced = bool(self._pieces[0].occurrence.chain)
         return _Places(
             np.concatenate(poses),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from pxr import Sdf, Tf, Usd, UsdGeom, UsdLux, UsdProc, UsdShade
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdLod, UsdLux, UsdProc, UsdShade
 
 from render.errors import StageError
 from render.model.scene import CameraRole
@@ -40,6 +40,25 @@ class InstancerLink:
 
 
 @dataclass(frozen=True, eq=False)
+class LevelRoot:
+    """Prim whose children are levels of detail (UsdLodRootAPI).
+
+    Attributes:
+        prim: the prim; an instance proxy for native instances.
+        chain: point instancers from the outermost inwards, empty for a root that stands by itself.
+        count: number of its levels.
+    """
+
+    prim: Usd.Prim
+    chain: tuple[InstancerLink, ...]
+    count: int
+
+
+Levels = tuple[tuple[LevelRoot, int], ...]
+"""Roots of levels of detail above a prim, outermost first, each with the level that the prim is in."""
+
+
+@dataclass(frozen=True, eq=False)
 class Occurrence:
     """One surface at one place of the stage.
 
@@ -51,6 +70,7 @@ class Occurrence:
         chain: point instancers from the outermost inwards, empty for a surface that stands by itself.
         moves: whether its transform varies over time.
         camera_role: what the camera makes of it.
+        levels: levels of detail that it is in.
     """
 
     prim: Usd.Prim
@@ -60,6 +80,7 @@ class Occurrence:
     chain: tuple[InstancerLink, ...] = ()
     moves: bool = False
     camera_role: CameraRole = "seen"
+    levels: Levels = ()
 
     @property
     def path(self) -> str:
@@ -76,6 +97,7 @@ class _State:
     hiders: tuple[Usd.Prim, ...] = ()
     chain: tuple[InstancerLink, ...] = ()
     moves: bool = False
+    levels: Levels = ()
     predicate: object = field(default=_DRAWN)
 
 
@@ -85,11 +107,13 @@ class Inventory:
 
     Attributes:
         surfaces: surfaces that are drawn.
-        lights: UsdLux light prims with the prims that may hide them.
+        lights: UsdLux light prims with the prims that may hide them, and the levels of detail that they are in.
+        level_roots: prims whose children are levels of detail.
     """
 
     surfaces: list[Occurrence] = field(default_factory=list)
-    lights: list[tuple[Usd.Prim, tuple[Usd.Prim, ...]]] = field(default_factory=list)
+    lights: list[tuple[Usd.Prim, tuple[Usd.Prim, ...], Levels]] = field(default_factory=list)
+    level_roots: list[LevelRoot] = field(default_factory=list)
 
 
 def take_inventory(
@@ -124,7 +148,14 @@ class _Walk:
             self._visit(*self._waiting.pop())
 
     def _descend(self, prim: Usd.Prim, state: _State) -> None:
-        self._waiting.extend((child, state) for child in reversed(prim.GetFilteredChildren(state.predicate)))
+        children = prim.GetFilteredChildren(state.predicate)
+        if children and prim.HasAPI(UsdLod.RootAPI):
+            root = LevelRoot(prim, state.chain, len(children))
+            self.found.level_roots.append(root)
+            states = [replace(state, levels=(*state.levels, (root, index))) for index in range(root.count)]
+        else:
+            states = [state] * len(children)
+        self._waiting.extend(reversed(list(zip(children, states, strict=True))))
 
     def _visit(self, prim: Usd.Prim, state: _State) -> None:
         if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdGeom.Subset):
@@ -209,6 +240,7 @@ class _Walk:
                         state.chain,
                         state.moves,
                         self._camera_role(prim, state),
+                        state.levels,
                     )
                 )
         elif _is_geometry(prim) and state.purpose.purpose in self._purposes:
@@ -248,7 +280,7 @@ class _Walk:
         if state.chain:
             self._log.add("instanced_light", path, f"light {path} in a point instancer is not honoured")
             return
-        self.found.lights.append((prim, state.hiders))
+        self.found.lights.append((prim, state.hiders, state.levels))
 
     def _instancer(self, prim: Usd.Prim, state: _State) -> None:
         path = prim.GetPath()

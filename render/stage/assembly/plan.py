@@ -136,8 +136,10 @@ def _inherited_primvars(prim: Usd.Prim, primvars: PrimvarNames, time: Usd.TimeCo
 
 
 def _needs_its_size(pieces: list[Piece]) -> bool:
-    """Whether it depends on the triangles of a surface if it is drawn by instancing."""
-    return not pieces[0].occurrence.chain and not pieces[0].deforms and len(pieces) > 1
+    """Whether it depends on the triangles of a surface if it is drawn by instancing. Levels of detail do not: one root's level is
+    a rigid group of its own."""
+    first = pieces[0].occurrence
+    return not first.chain and not first.levels and not pieces[0].deforms and len(pieces) > 1
 
 
 def _pays_to_instance(pieces: list[Piece], shapes: ShapeReader) -> bool:
@@ -153,6 +155,7 @@ def _rigid_key(piece: Piece) -> Hashable:
         piece.material,
         piece.sides,
         piece.occurrence.camera_role,
+        piece.occurrence.levels,
         mover.GetPath() if mover is not None else None,
         tuple(prim.GetPath() for prim in hiders),
     )

@@ -92,8 +92,6 @@ NAMED_SCHEMAS = {
 IGNORED_SCHEMAS = {
     "ColorSpaceAPI": "colours are linear Rec. 709 where they do not say otherwise",
     "ColorSpaceDefinitionAPI": "colours are linear Rec. 709 where they do not say otherwise",
-    "LODOverrideAPI": "all levels of detail are drawn",
-    "LODRootAPI": "all levels of detail are drawn",
     "LightFilter": "light is not filtered",
     "PluginLightFilter": "light is not filtered",
     "VisibilityAPI": "visibility and purpose alone decide",
@@ -147,6 +145,11 @@ RULES = {
             "model:cardTextureZPos": "only with a draw mode, which is named"
         },
     ),
+    "LODRootAPI": Rules("lod:default:index lod:heuristics"),
+    "LODOverrideAPI": Rules("lod:override:mode lod:override:index"),
+    "LODHeuristic": Rules("lod:domain"),
+    "LODDistanceHeuristic": Rules("center boundingVolume thresholds blendThresholds"),
+    "LODScreenSizeHeuristic": Rules("extent boundingVolume projectionMethod thresholds blendThresholds"),
     "MotionAPI": Rules(
         ignored={
             "motion:blurScale": "motion is blurred as long as the shutter is open",

@@ -239,7 +239,8 @@ class ClusterIndex:
         return nearest_depths(self._all.low[clusters], self._all.high[clusters], view)
 
     def rectangles(self, clusters: IndexArray, view: PinholeView) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
-        """Rectangles of clusters in a view: low and high ``(n, 2)`` in pixels, and the least inverse depth ``(n,)``, 1/m.
+        """Rectangles of clusters in a view: low and high ``(n, 2)`` in pixels, and the least inverse depth ``(n,)`` from the
+        view's base, 1/m.
 
         All three err by a pixel, and by a little more than rounding, towards more that may be seen.
         """
@@ -256,7 +257,7 @@ class ClusterIndex:
         low_px[crosses], high_px[crosses] = 0, (view.width, view.height)
         w = 1 / np.maximum(farthest, view.near_m)
         range_w = 1 / np.maximum(nearest, view.near_m) - w
-        return low_px, high_px, w * (1 - 1e-5) - 0.02 * range_w
+        return low_px, high_px, w * (1 - 1e-5) - 0.02 * range_w - view.base_w
 
     def ranges(self, clusters: IndexArray) -> dict[int, list[DrawRange]]:
         """Ranges of each draw, by its index, that cover clusters (ascending), in the order of drawing.

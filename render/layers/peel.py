@@ -199,12 +199,12 @@ class Peeler:
         return not _any_translucent(seen_draws(self.index.draws))
 
     def nearest_w(self, view: PinholeView) -> float:
-        """Largest inverse depth of any surface in view, 1/m: at most ``1 / view.near_m``, 0 for an empty view.
+        """Largest inverse depth of any surface in view from its base, 1/m: at most ``view.nearest_w``, 0 for an empty view.
 
         It is found by a search through boxes without drawing (`render.layers.nearest`). It is never too small, and a little
         too large only where the nearest triangle is clipped by a corner of the view, is cut out or faces away.
         """
-        return 1.0 / nearest_depth_m(self.index, view)
+        return max(0.0, 1.0 / nearest_depth_m(self.index, view) - view.base_w)
 
     def peel(
         self,
@@ -278,7 +278,7 @@ class Peeler:
             if self.sketches.update():
                 self._renderer.upload()
             clusters = self._renderer.sketched_clusters(view)
-            nearest_w = 1.0 / nearest_drawn_depth_m(self.sketches, clusters, view)
+            nearest_w = max(0.0, 1.0 / nearest_drawn_depth_m(self.sketches, clusters, view) - view.base_w)
         draws = self._renderer.visible_draws(view, is_sketch=key.is_sketch)
         self._ctx.memory_barrier()  # after a peeling that was cancelled before its own
         layers = min(layers, MAX_LAYERS)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from render.layers.peel import Peeler
 from render.layers.surface_hits import SurfaceHits
 from render.layers.targets import SurfaceTargets
-from render.model.arrays import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray
 from render.model.scene import Batch, Scene
 from render.optics.view import PinholeView
 
@@ -26,7 +26,7 @@ class Pick:
         barycentric: weights of those corners.
         instance: number in `render.model.scene.Batch.instance_numbers`, or -1.
         prototype_path: the mesh inside the PointInstancer's prototype, or None.
-        depth_m: depth along the view axis, from the entrance pupil.
+        depth_m: depth along the view axis, from the entrance pupil; as `FrameRenderer.pick` returns it, from the camera's origin.
         position_m: position in the world.
     """
 
@@ -42,7 +42,7 @@ class Pick:
 
 def read_hits(peeler: Peeler, view: PinholeView) -> SurfaceHits:
     """Read the nearest surface at each pixel's centre: hits of ``(height, width)``."""
-    w, objects, triangles = _read(peeler.draw_surfaces(view))
+    w, objects, triangles = _read(peeler.draw_surfaces(view), view)
     first = np.array([draw.first_object for draw in peeler.index.draws])
     number = objects.astype(np.int64) - 1
     draws = np.searchsorted(first, number, side="right") - 1
@@ -55,7 +55,7 @@ def read_hits(peeler: Peeler, view: PinholeView) -> SurfaceHits:
 def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: float) -> Pick | None:
     """Pick the nearest surface at picture position (x, y): draw one pixel around it, then intersect its triangle exactly."""
     one = replace(view, width=1, height=1, cx=view.cx - x + 0.5, cy=view.cy - y + 0.5)
-    w, objects, triangles = _read(peeler.draw_surfaces(one))
+    w, objects, triangles = _read(peeler.draw_surfaces(one), one)
     if objects[0, 0] == 0:
         return None
     batch, pose = peeler.index.locate(int(objects[0, 0]) - 1)
@@ -108,8 +108,10 @@ def _barycentric(corners: DoubleArray, origin: DoubleArray, direction: DoubleArr
     return np.asarray(weights / weights.sum())
 
 
-def _read(surfaces: SurfaceTargets) -> tuple[FloatArray, NDArray[np.uint32], NDArray[np.uint32]]:
+def _read(surfaces: SurfaceTargets, view: PinholeView) -> tuple[DoubleArray, NDArray[np.uint32], NDArray[np.uint32]]:
+    """Inverse depths, 1/m, and ids; 0 where nothing is."""
     shape = (surfaces.height, surfaces.width)
-    w = np.abs(np.frombuffer(surfaces.w.read(), np.float32).reshape(shape))
     ids = np.frombuffer(surfaces.ids.read(), np.uint32).reshape(*shape, 2)
+    w = np.abs(np.frombuffer(surfaces.w.read(), np.float32).reshape(shape)).astype(np.float64)
+    w = np.where(ids[..., 0] > 0, w + view.base_w, 0.0)
     return w, ids[..., 0], ids[..., 1]

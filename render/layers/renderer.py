@@ -225,6 +225,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("packs"), 1 if layer.first is None or layer.first.w is previous.w else 2)
             GL.glUniform1i(program.location("own_channel"), own.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
+            GL.glUniform1f(program.location("base_w"), view.base_w)
             self._bind_draw(
                 draw, program, view.camera_from_world, clip, cull=not shows_backs, clip_planes=view.clip_planes
             )
@@ -245,6 +246,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
             GL.glUniform1i(program.location("is_holdout"), draw.batch.camera_role == "holdout")
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
+            GL.glUniform1f(program.location("base_w"), view.base_w)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
             self._bind_draw(

@@ -71,7 +71,7 @@ class SurfaceLighter:
         per_px = unshear @ np.diag([1 / view.fx, -1 / view.fy])
         first_slope = -per_px @ [view.cx, view.cy]
         set_uniforms(program, channel=slot.channel, slice=lit.slice, eye=(view.eye_x_m, view.eye_y_m, 0.0))
-        set_uniforms(program, slope_per_px=tuple(per_px.T.ravel()), first_slope=tuple(first_slope))
+        set_uniforms(program, slope_per_px=tuple(per_px.T.ravel()), first_slope=tuple(first_slope), base_w=view.base_w)
         lit.radiance.bind_to_image(0, read=True, write=True)
         rows = min(view.height, max(1, MOST_LISTED // (2 * view.width)) * 2)
         with Resources() as scope:

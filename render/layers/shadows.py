@@ -143,7 +143,9 @@ def shadow_region(camera: Camera) -> Sphere:
     """Region in which a distant light's shadows are resolved in a large scene: around a point near the focus, at least
     twelve metres. The point's distance is a power of two, so that shadows stand still, and are kept, while the focus is pulled.
     """
-    focus_m = camera.focus_distance_m if 0 < camera.focus_distance_m < 1000 else 10.0
+    stated_m, seen_m = camera.stated_focus_m, camera.covered_mm / 2000 if camera.orthographic else 0.0
+    focus_m = stated_m if 0 < stated_m < 1000 else 10.0
     distance_m = 2.0 ** round(np.log2(focus_m))
-    x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - distance_m * camera.world_from_camera[:3, 2])
-    return Sphere(x, y, z, max(12.0, 2.5 * distance_m))
+    ahead_m = camera.set_back_m + distance_m
+    x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - ahead_m * camera.world_from_camera[:3, 2])
+    return Sphere(x, y, z, max(12.0, 2.5 * distance_m, seen_m))

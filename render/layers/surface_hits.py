@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from render.layers.index import Draw
-from render.model.arrays import DoubleArray, FloatArray, IndexArray, IntArray, LongArray
+from render.model.arrays import DoubleArray, IndexArray, IntArray, LongArray
 from render.model.surface_points import SurfacePoints
 
 _AT_ONCE = 1 << 16
@@ -21,14 +21,14 @@ class SurfaceHits:
     """Nearest surfaces along rays.
 
     Attributes:
-        w: ``(height, width)`` float32 inverse depth, 1/m; 0 where nothing is.
+        w: ``(height, width)`` float64 inverse depth, 1/m; 0 where nothing is.
         draws: ``(height, width)`` int32 index in `SceneIndex.draws`; -1 where nothing is.
         objects: ``(height, width)`` int64 object number (`Draw.first_object`).
         triangles: ``(height, width)`` int32 index in the draw's geometry.
         slopes: ``(height, width, 2)`` float64 of the ray, right and up, per unit of depth.
     """
 
-    w: FloatArray
+    w: DoubleArray
     draws: IntArray
     objects: LongArray
     triangles: IntArray

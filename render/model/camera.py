@@ -14,6 +14,19 @@ from render.model.lens import THIN_LENS, IrisShape, Lens
 from render.model.shutter import GLOBAL_SHUTTER, Shutter
 
 
+@dataclass(frozen=True)
+class Orthographic:
+    """An orthographic camera as its prim states it, where the camera is a perspective one far away.
+
+    Attributes:
+        set_back_m: distance of the pupil behind the prim's origin. Focus distance and depths of the camera count from the pupil.
+        focal_length_mm: that of the prim, which has no meaning.
+    """
+
+    set_back_m: float
+    focal_length_mm: float
+
+
 @dataclass(frozen=True, eq=False)
 class Camera:
     """A camera at one time.
@@ -41,6 +54,7 @@ class Camera:
             ``a·x + b·y + c·z + d < 0`` in camera space, metres.
         whole_diagonal_mm: diagonal of the whole film gate, which the lens covers, where the picture shows another part of the
             film; None where the gate is the whole.
+        orthographic: of an orthographic camera, which is a perspective one far away here; None of any other.
         path: prim path.
     """
 
@@ -64,6 +78,7 @@ class Camera:
     breathing: bool = False
     clip_planes: tuple[tuple[float, float, float, float], ...] = ()
     whole_diagonal_mm: float | None = None
+    orthographic: Orthographic | None = None
     path: str = ""
 
     @property
@@ -71,3 +86,18 @@ class Camera:
         """Diameter of the film that the lens covers."""
         own = math.hypot(self.horizontal_aperture_mm, self.vertical_aperture_mm)
         return own if self.whole_diagonal_mm is None else self.whole_diagonal_mm
+
+    @property
+    def set_back_m(self) -> float:
+        """Distance of the pupil behind the prim's origin: 0 but for an orthographic camera."""
+        return 0.0 if self.orthographic is None else self.orthographic.set_back_m
+
+    @property
+    def stated_focus_m(self) -> float:
+        """Focus distance from the prim's origin, as the prim states it; infinite for infinity."""
+        return (self.focus_distance_m or math.inf) - self.set_back_m
+
+    @property
+    def stated_focal_length_mm(self) -> float:
+        """Focal length as the prim states it."""
+        return self.focal_length_mm if self.orthographic is None else self.orthographic.focal_length_mm

@@ -40,6 +40,8 @@ class PinholeView:
         shear: what slopes ``(X - eye_x, Y - eye_y)/z``, right and up, are multiplied by before they become pixels: ``(xx, xy, yx,
             yy)``; other than the identity for a view that keeps a tilted plane in place.
         clip_planes: as the camera's, in the space of ``camera_from_world``.
+        base_w: inverse depth from which layers and focus count theirs, 1/m: 0, or for a lens that stands so far back that all it
+            sees has nearly one inverse depth, that of a place behind it all. Rays are lines in w from any base.
     """
 
     width: int
@@ -55,6 +57,7 @@ class PinholeView:
     eye_y_m: float = 0.0
     shear: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)
     clip_planes: tuple[tuple[float, float, float, float], ...] = ()
+    base_w: float = 0.0
 
     @classmethod
     def from_camera(cls, camera: Camera, width: int, height: int) -> PinholeView:
@@ -83,7 +86,13 @@ class PinholeView:
             far_m=camera.far_m,
             camera_from_world=np.asarray(np.linalg.inv(camera.world_from_camera), np.float64),
             clip_planes=camera.clip_planes,
+            base_w=_base_w(camera),
         )
+
+    @property
+    def nearest_w(self) -> float:
+        """Inverse depth of the near plane from `base_w`, 1/m."""
+        return 1 / self.near_m - self.base_w
 
     @property
     def size(self) -> tuple[int, int]:
@@ -167,9 +176,10 @@ class PinholeView:
         )
 
     def across(self, plane: FocalPlane) -> tuple[float, float, float]:
-        """Inverse depth of a plane at the picture's top left corner, 1/m, and its change per pixel right and down."""
+        """Inverse depth of a plane at the picture's top left corner, from `base_w`, 1/m, and its change per pixel right and
+        down."""
         right, down = plane.slope_x / self.fx, -plane.slope_y / self.fy
-        return plane.w0 - right * self.cx - down * self.cy, right, down
+        return plane.w0 - self.base_w - right * self.cx - down * self.cy, right, down
 
     def projection_matrix(self) -> DoubleArray:
         """Projection matrix ``(4, 4)``, clip from camera space, for OpenGL with a zero-to-one depth range.
@@ -187,6 +197,13 @@ class PinholeView:
         matrix[2] = [0, 0, w_far / (w_near - w_far), 1 / (w_near - w_far)]
         matrix[3] = [0, 0, -1, 0]
         return matrix
+
+
+def _base_w(camera: Camera) -> float:
+    """`PinholeView.base_w` of a camera: where a lens stands far back, half as far behind what it sees as that is deep, in 1/m."""
+    if camera.set_back_m == 0 or camera.f_stop == 0:
+        return 0.0
+    return 1.5 / camera.far_m - 0.5 / camera.near_m
 
 
 def check_camera(camera: Camera) -> None:

@@ -108,11 +108,13 @@ class FrameMetadata:
     def exif_attributes(self) -> list[Attribute]:
         """The lens as photographs carry it (Exif 2.3), for PNG and JPEG."""
         camera = self.camera
-        named: list[Attribute] = [("Exif:FocalLength", "float", camera.focal_length_mm)]
+        named: list[Attribute] = []
+        if camera.orthographic is None:
+            named.append(("Exif:FocalLength", "float", camera.focal_length_mm))
         if camera.f_stop > 0:
             named.append(("FNumber", "float", camera.f_stop))
-        if camera.focus_distance_m > 0 and math.isfinite(camera.focus_distance_m):
-            named.append(("Exif:SubjectDistance", "float", camera.focus_distance_m))
+        if math.isfinite(camera.stated_focus_m):
+            named.append(("Exif:SubjectDistance", "float", camera.stated_focus_m))
         return named
 
 
@@ -166,12 +168,13 @@ def _film_attributes(film: FilmSettings | None) -> list[Attribute]:
 def _lens_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:
     """Attributes of the lens and the shutter."""
     image_distance_mm = view.fx / view.width * camera.horizontal_aperture_mm
-    named: list[Attribute] = [
-        ("nominalFocalLength", "float", camera.focal_length_mm),
-        ("effectiveFocalLength", "float", camera.focal_length_mm),
-        ("pinholeFocalLength", "float", image_distance_mm),
-        ("focus", "float", camera.focus_distance_m or math.inf),
-    ]
+    named: list[Attribute] = [("focus", "float", camera.stated_focus_m)]
+    if camera.orthographic is None:
+        named += [
+            ("nominalFocalLength", "float", camera.focal_length_mm),
+            ("effectiveFocalLength", "float", camera.focal_length_mm),
+            ("pinholeFocalLength", "float", image_distance_mm),
+        ]
     # OpenEXR wants a positive f-number, so a pinhole has none.
     if camera.f_stop > 0:
         named.append(("aperture", "float", camera.f_stop))
@@ -181,16 +184,18 @@ def _lens_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:
 
 
 def _view_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:
-    """Attributes of the camera's pose and frustum."""
-    width_at_one = view.width / view.fx
+    """Attributes of the camera's pose and frustum; the screen window of an orthographic camera is that at all distances."""
+    at_m = 1.0 if camera.orthographic is None else camera.focal_length_mm / 1000
+    own_from_world = view.camera_from_world.copy()
+    own_from_world[2, 3] += camera.set_back_m
     return [
-        ("worldToCamera", "matrix", _row_vector_matrix(np.diag([1.0, 1.0, -1.0, 1.0]) @ view.camera_from_world)),
+        ("worldToCamera", "matrix", _row_vector_matrix(np.diag([1.0, 1.0, -1.0, 1.0]) @ own_from_world)),
         ("worldToNDC", "matrix", _row_vector_matrix(_picture_from_camera(view) @ view.camera_from_world)),
-        ("screenWindowWidth", "float", width_at_one),
+        ("screenWindowWidth", "float", at_m * view.width / view.fx),
         (
             "screenWindowCenter",
             "float[2]",
-            ((view.width / 2 - view.cx) / view.fx, (view.cy - view.height / 2) / view.fy),
+            (at_m * (view.width / 2 - view.cx) / view.fx, at_m * (view.cy - view.height / 2) / view.fy),
         ),
         ("sensorOverallDimensions", "float[2]", (camera.horizontal_aperture_mm, camera.vertical_aperture_mm)),
         # Microns; positive values show more to the right and *below*.

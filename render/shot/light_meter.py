@@ -229,7 +229,9 @@ def _crop_to_spot(camera: Camera, place: Place) -> Camera:
     """Crop the film gate to the spot meter's angle around a position."""
     view = PinholeView.from_camera(camera, 1, 1)
     right, up = (place[0] - view.cx) / view.fx, (view.cy - place[1]) / view.fy
-    side_mm = 2 * math.tan(SPOT_ANGLE_RAD / 2) * camera.focal_length_mm
+    # a spot of an orthographic camera is as large in its picture as in that of a normal lens
+    seen_from_mm = camera.focal_length_mm if camera.orthographic is None else camera.covered_mm
+    side_mm = 2 * math.tan(SPOT_ANGLE_RAD / 2) * seen_from_mm
     return replace(
         camera,
         horizontal_aperture_mm=side_mm,

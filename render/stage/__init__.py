@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from render.stage.anchors.anchors import AnchorReader, anchor_position
 from render.stage.camera.camera_list import list_cameras
-from render.stage.camera.cameras import CameraChoice, conform_camera, default_camera, read_camera
+from render.stage.camera.cameras import (
+    CameraChoice,
+    conform_camera,
+    conform_to_stage,
+    default_camera,
+    read_camera,
+)
+from render.stage.camera.orthographic import stand_together
 from render.stage.camera.plate_list import BackPlate, list_plates
 from render.stage.findings import Finding
 from render.stage.honoured.walk import find_not_honoured
@@ -27,6 +34,7 @@ __all__ = [
     "anchor_position",
     "choose_settings",
     "conform_camera",
+    "conform_to_stage",
     "default_camera",
     "find_not_honoured",
     "find_pass",
@@ -38,5 +46,6 @@ __all__ = [
     "quiet_diagnostics",
     "read_camera",
     "stage_settings",
+    "stand_together",
     "world_from_stage",
 ]

@@ -56,6 +56,7 @@ class Measurer:
         hits: what each pixel's chief ray meets.
         surfaces: their description.
         stage_from_world: `Scene.stage_from_world`.
+        set_back_m: `Camera.set_back_m`; depths count from the camera's own origin.
     """
 
     view: PinholeView
@@ -64,6 +65,7 @@ class Measurer:
     hits: SurfaceHits
     surfaces: SurfaceDescription
     stage_from_world: DoubleArray
+    set_back_m: float = 0.0
 
     def measure(self, names: Collection[str]) -> Measurements:
         """Measure those AOVs of the names that are measured along chief rays."""
@@ -72,17 +74,18 @@ class Measurer:
 
     def depth(self) -> FloatArray:
         with np.errstate(divide="ignore"):
-            return (1.0 / np.maximum(self.hits.w.astype(np.float64), 0.0)).astype(np.float32)
+            return (1.0 / np.maximum(self.hits.w, 0.0) - self.set_back_m).astype(np.float32)
 
     def coc(self) -> FloatArray:
-        return (self.view.fx * self._sharp.pupil_m * (self._sharp.w - self.hits.w)).astype(np.float32)
+        w = np.maximum(self.hits.w, self.view.base_w)  # the background is as blurred as what is farthest
+        return (self.view.fx * self._sharp.pupil_m * (self._sharp.w - w)).astype(np.float32)
 
     def defocus(self) -> FloatArray:
         return (self.hits.w - self._sharp.w).astype(np.float32)
 
     def focus_depth(self) -> FloatArray:
         with np.errstate(divide="ignore"):
-            return (1.0 / np.maximum(self._sharp.w, 0.0)).astype(np.float32)
+            return (1.0 / np.maximum(self._sharp.w, 0.0) - self.set_back_m).astype(np.float32)
 
     def prim_id(self) -> NDArray[np.uint32]:
         return (self.surfaces.prim_ids + 1).astype(np.uint32)
@@ -100,9 +103,10 @@ class Measurer:
         return np.abs(self.eye_position()[..., 2])
 
     def eye_position(self) -> FloatArray:
-        w, slopes = self.hits.w.astype(np.float64)[..., None], self.hits.slopes
+        w, slopes = self.hits.w[..., None], self.hits.slopes
         directions = np.concatenate([slopes, np.full_like(w, -1.0)], axis=-1)
-        there = np.where(w > 0, directions / np.where(w > 0, w, 1.0), 0.0)
+        ahead = directions / np.where(w > 0, w, 1.0) + [0.0, 0.0, self.set_back_m]
+        there = np.where(w > 0, ahead, 0.0)
         positions: FloatArray = (there * np.linalg.norm(self.stage_from_world[:3, 0])).astype(np.float32)
         return positions
 
@@ -116,7 +120,8 @@ class Measurer:
 
     @cached_property
     def _sharp(self) -> Sharpness:
-        return measure_sharpness(self.bundle, self.focus, self.view)
+        sharp = measure_sharpness(self.bundle, self.focus, self.view)
+        return replace(sharp, w=sharp.w + self.view.base_w)
 
 
 _MEASURES: dict[str, Callable[[Measurer], NDArray[Any]]] = {

@@ -26,15 +26,15 @@ class FocalMaps:
         self._map: moderngl.Texture | None = None
 
     def draw(self, focus: PictureFocus, area: Area | None = None) -> moderngl.Texture:
-        """Draw w_f in 1/m and the pupil's radius relative to the lens's own, over an area of the picture or all of it; valid
-        until the next map."""
+        """Draw w_f from the view's base in 1/m, and the pupil's radius relative to the lens's own, over an area of the picture or
+        all of it; valid until the next map."""
         program = self._programs.compute("trace/focal_surface.comp", {})
         surface, view = focus.surface, focus.view
         left, top, width, height = area or (0, 0, view.width, view.height)
         texture = self._allocate((width, height))
         with Resources() as scope:
-            scope.keep(self._controls(program, "point", surface.controls, _POINTS))
-            scope.keep(self._controls(program, "bend", surface.bends, _BENDS))
+            scope.keep(self._controls(program, "point", surface.controls, _POINTS, view.base_w))
+            scope.keep(self._controls(program, "bend", surface.bends, _BENDS, 0.0))
             scope.keep(self._chief_rays(program, focus))
             plane = surface.plane
             set_uniforms(
@@ -42,7 +42,7 @@ class FocalMaps:
                 area_first=(left, top),
                 centre=(view.cx, view.cy),
                 focal_px=(view.fx, view.fy),
-                plane=(plane.w0, plane.slope_x, plane.slope_y),
+                plane=(plane.w0 - view.base_w, plane.slope_x, plane.slope_y),
                 blend=surface.blend,
             )
             self._halves(program, focus)
@@ -58,13 +58,14 @@ class FocalMaps:
             self._map = None
 
     def _controls(
-        self, program: moderngl.ComputeShader, name: str, controls: Controls | None, binding: int
+        self, program: moderngl.ComputeShader, name: str, controls: Controls | None, binding: int, base_w: float
     ) -> moderngl.Buffer:
         rows = np.zeros((1, 8), np.float32)
         if controls is not None and len(controls.places):
             rows = np.zeros((len(controls.places), 8), np.float32)
             rows[:, :2], rows[:, 2], rows[:, 3] = controls.places, controls.weights, controls.falloffs
             rows[:, 4 : 4 + controls.values.shape[1]] = controls.values
+            rows[:, 4] -= base_w
         set_uniforms(program, **{f"{name}_count": 0 if controls is None else len(controls.places)})
         set_uniforms(program, **{f"{name}_exponent": 3.0 if controls is None else controls.exponent})
         return self._buffer(rows, binding)
@@ -85,7 +86,7 @@ class FocalMaps:
         halves = focus.surface.halves
         edges, ws = np.zeros((MAX_HALVES, 4), np.float32), np.zeros(MAX_HALVES, np.float32)
         for i, half in enumerate(halves):
-            edges[i], ws[i] = (*half.direction, half.offset, half.width), half.w
+            edges[i], ws[i] = (*half.direction, half.offset, half.width), half.w - focus.view.base_w
         set_uniforms(program, half_count=len(halves))
         program["half_edges"].write(edges.tobytes())  # type: ignore[union-attr]
         program["half_w"].write(ws.tobytes())  # type: ignore[union-attr]

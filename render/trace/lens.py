@@ -268,7 +268,7 @@ class LensTracer:
     ) -> _LayerPlan:
         focus = picture_focus(camera, view)
         w_f, pupil = focus.over_picture()
-        widest = make_layer_view(view, bundle, focus, supersample, 1 / view.near_m, _MOST_SIDE_PX)
+        widest = make_layer_view(view, bundle, focus, supersample, view.nearest_w, _MOST_SIDE_PX)
         nearest_w = peeler.nearest_w(widest)
         wide = make_layer_view(view, bundle, focus, supersample, nearest_w, _MOST_SIDE_PX)
         wide = replace(wide, cx=wide.cx + texel_offset[0], cy=wide.cy + texel_offset[1])
@@ -330,7 +330,8 @@ class LensTracer:
         """Texels of layers that may be highlights at some focus: those that are with the focus at infinity or on the nearest
         surface. They are kept while the layers are, and the stop is not opened."""
         if self._searched is None or self._searched[0] is not peeled or bundle.reach_m > self._searched[1]:
-            distances_m = math.inf, 1 / max(nearest_w, 1e-6)
+            farthest_m = 1 / view.base_w if view.base_w > 0 else math.inf
+            distances_m = farthest_m, 1 / max(nearest_w + view.base_w, 1e-6)
             cameras = (replace(camera, focus_distance_m=metres, focal_surface=None) for metres in distances_m)
             focused = (picture_focus(one, view) for one in cameras)
             texels = self._highlights.search_focused(peeled, bundle, focused, view)
@@ -381,7 +382,8 @@ class LensTracer:
         bundle = self._bundles.make_bundle(camera, view, make_ray_pattern(1, IrisShape()))
         hits = without_holdouts(chief_hits(peeler, view, chief_rays(camera)), peeler.index.draws)
         surfaces = SurfaceDescription(peeler.index.draws, hits, view.camera_from_world)
-        return Measurer(view, bundle, picture_focus(camera, view), hits, surfaces, stage_from_world).measure(names)
+        focus = picture_focus(camera, view)
+        return Measurer(view, bundle, focus, hits, surfaces, stage_from_world, camera.set_back_m).measure(names)
 
     def release_window(self) -> None:
         """Release the layers and N-buffers of the last tile, so that a large picture can be developed in their place."""

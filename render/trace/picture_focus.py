@@ -42,10 +42,10 @@ class PictureFocus:
         return self.view.across(plane)
 
     def at(self, places_px: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """w_f ``(...)`` in 1/m and relative pupil radius ``(...)`` at positions ``(..., 2)`` in pixels."""
+        """w_f ``(...)`` from the view's base in 1/m, and relative pupil radius ``(...)``, at positions ``(..., 2)`` in pixels."""
         slopes = (places_px - [self.view.cx, self.view.cy]) / [self.view.fx, self.view.fy]
         seen = slopes if self.chief is None else self.chief.undistort_slopes(slopes)
-        return focused_at(self.surface, seen * [1.0, -1.0])
+        return self._focused_at(seen * [1.0, -1.0])
 
     def over_picture(self) -> tuple[DoubleArray, DoubleArray]:
         """`at` on a grid over the picture, and at the control points."""
@@ -53,8 +53,12 @@ class PictureFocus:
         w, pupil = self.at(np.stack([x, y], axis=-1).reshape(-1, 2))
         if self.surface.controls is None:
             return w, pupil
-        more_w, more_pupil = focused_at(self.surface, self.surface.controls.places)
+        more_w, more_pupil = self._focused_at(self.surface.controls.places)
         return np.concatenate([w, more_w]), np.concatenate([pupil, more_pupil])
+
+    def _focused_at(self, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        w, pupil = focused_at(self.surface, slopes)
+        return w - self.view.base_w, pupil
 
 
 def picture_focus(camera: Camera, view: PinholeView) -> PictureFocus:

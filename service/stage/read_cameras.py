@@ -53,13 +53,14 @@ def read_camera_state(shot: Shot, path: str | None, time: float) -> CameraState:
     """
     readout = shot.focus.read(path, time)
     authored = read_camera(shot.stage, readout.camera, time)
-    camera = replace(authored, focus_distance_m=readout.focus_distance_m, f_stop=readout.f_stop)
+    distance_m = readout.focus_distance_m + authored.set_back_m
+    camera = replace(authored, focus_distance_m=distance_m, f_stop=readout.f_stop)
     return _camera_state(camera, readout.camera, time, readout.focus_mode, camera_tag(shot, path))
 
 
 def _camera_state(camera: Camera, path: str | None, time: float, focus_mode: str, etag: str) -> CameraState:
     values = {name: getattr(camera, name) for name in CAMERA_FIELDS}
-    values["focus_distance_m"] = camera.focus_distance_m or math.inf  # 0 is infinity on a scene's camera
+    values |= {"focus_distance_m": camera.stated_focus_m, "focal_length_mm": camera.stated_focal_length_mm}
     lens = {"lens_name": camera.lens.name, "lens_model": camera.lens.model}
     return CameraState.model_validate(
         values | lens | {"path": path, "time": time, "focus_mode": focus_mode, "etag": etag}

@@ -16,6 +16,8 @@ in vec2 frag_uv;
 in vec4 frag_color;
 #endif
 
+#include "layers/fragment_w.glsl"
+
 #ifdef PEEL
 layout(binding = 8) uniform sampler2D previous_w;
 uniform int previous_channel;
@@ -63,7 +65,7 @@ layout(binding = 15) uniform sampler2D rest_light;
 void main()
 {
 #ifdef REACH
-    float w = gl_FragCoord.w, change = min(abs(dFdx(w)) + abs(dFdy(w)), 2.0 * LONGEST_REACH * w);   // before any discard
+    float w = fragment_w(), change = min(abs(dFdx(w)) + abs(dFdy(w)), 2.0 * LONGEST_REACH * w);   // before any discard
     float farthest = w - change - UNLIKE * w;   // of what a ray may take for this surface
 #endif
 #if defined(PEEL) || defined(FILL) || defined(REST) || defined(MAY_BE_TRANSPARENT)
@@ -75,7 +77,7 @@ void main()
 #ifdef MOTION
     shadowed *= max(0.0, 1.0 - parting(last_w));  // nor does one that moves away
 #endif
-    hidden = gl_FragCoord.w >= abs(last_w) - shadowed;
+    hidden = fragment_w() >= abs(last_w) - shadowed;
 #ifdef REACH
     hidden = hidden || farthest > texelFetch(reach, ivec2(gl_FragCoord.xy) / REACH_BLOCK, 0).x;
 #endif
@@ -90,7 +92,7 @@ void main()
 #endif
 #ifdef REST
     float last_held = texelFetch(own_w, ivec2(gl_FragCoord.xy), 0)[own_channel];
-    hidden = hidden || (last_held > 0.0 ? gl_FragCoord.w <= last_held : gl_FragCoord.w >= -last_held);
+    hidden = hidden || (last_held > 0.0 ? fragment_w() <= last_held : fragment_w() >= -last_held);
     hidden = hidden || texelFetch(rest_light, ivec2(gl_FragCoord.xy), 0).a >= OPAQUE;
 #endif
 #ifdef MAY_BE_TRANSPARENT

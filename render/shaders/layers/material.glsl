@@ -1,6 +1,8 @@
 // UsdPreviewSurface inputs at a fragment.
 // HAS_<INPUT> is defined for inputs that are read from a texture; their look-up is at LOOKUP_<INPUT> in `lookups`.
 
+#include "layers/fragment_w.glsl"
+
 struct Surface {
     vec3 base_color;
     vec3 emissive;
@@ -74,7 +76,7 @@ vec4 lookup(Lookup l, sampler2D map, vec2 uv, float bias)
 // Footprint of one ray of the finished picture, around this pixel.
 vec4 lookup_color(Lookup l, sampler2D map, vec2 uv)
 {
-    float patch_px = patch_px_m * (gl_FragCoord.w - focus.x - dot(focus.yz, gl_FragCoord.xy));
+    float patch_px = patch_px_m * (fragment_w() - focus.x - dot(focus.yz, gl_FragCoord.xy));
     return lookup(l, map, uv, 0.5 * log2(patch_px * patch_px + 1.0 / (detail * detail)));
 }
 

@@ -14,6 +14,7 @@ layout(rgba16f, binding = 0) uniform image2DArray radiance;
 layout(std430, binding = 0) readonly buffer Listed { uint quads; uint pixels; uint places[]; };
 
 uniform sampler2D w_map;
+uniform float base_w;           // inverse depth that w counts from, 1/m
 uniform int channel;            // the layer's channel of w
 uniform int slice;              // its slice of the radiance
 uniform bool by_quads;          // light the quads, or the pixels
@@ -48,7 +49,8 @@ void main()
     mean = Reflector(vec3(0.0), share * mean.f0, share * mean.roughness, share * mean.occlusion, share * mean.clearcoat,
                      share * mean.clearcoat_roughness, normalize(mean.normal));
     vec2 centre = vec2(first) + (by_quads ? 1.0 : 0.5);
-    vec3 p = vec3((first_slope + slope_per_px * centre) / w + eye.xy, -1.0 / w);
+    float depth = 1.0 / (w + base_w);
+    vec3 p = vec3((first_slope + slope_per_px * centre) * depth + eye.xy, -depth);
     Reflected light = reflected_light(mean, p, normalize(eye - p));
     for (int i = 0; i < count; ++i) {
         ivec3 pixel = ivec3(first + ivec2(i & 1, i >> 1), slice);

@@ -2,7 +2,7 @@
 // Colour pass of a peel: radiance, inverse depth and ids of the surfaces that layers/depth.frag found.
 // in:  surface.vert's outputs; OWN_LIGHT is defined where the surface shows what it emits alone
 // out: emitted radiance (scene-linear, not premultiplied; where UNLIT is defined, the base colour) and alpha (coverage.glsl); inverse depth
-//      w = 1/z in 1/m, negative where the surface is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl);
+//      w from the view's base in 1/m, negative where the surface is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl);
 //      where MOTION is defined, the surface's motion while the shutter is open (carried.glsl); where UNLIT is not, the surface
 //      that light falls on (reflector.glsl), for shade.comp
 // Shading: UsdPreviewSurface 2.6, without its opacityMode: opacity fades the whole surface, its highlights too.
@@ -37,7 +37,8 @@ uniform bool is_holdout;         // hides what is behind it, and gives neither l
 
 void main()
 {
-    vec2 slope = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w)) / gl_FragCoord.w;  // before any discard
+    float w = fragment_w();
+    vec2 slope = vec2(dFdx(w), dFdy(w)) / w;  // before any discard
     Surface s = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing);
 #ifdef MAY_BE_TRANSPARENT
     if (s.opacity < LEAST_OPACITY) discard;  // it may share its depth with an opaque surface
@@ -65,7 +66,7 @@ void main()
     bool opaque = s.opacity >= OPAQUE;
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), opaque ? 1.0 : s.opacity);
     if (is_holdout) out_radiance = vec4(vec3(0.0), opaque ? 0.0 : -s.opacity);
-    out_w = vec4(opaque ? gl_FragCoord.w : -gl_FragCoord.w);
+    out_w = vec4(opaque ? w : -w);
     out_slope = uvec4(packed_slope(slope));
 #ifdef MOTION
     out_motion = packed_motion(own_first(), own_second(), drifts());

@@ -103,8 +103,10 @@ def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     for rule in (two_drivers, counting):
         for fault in rule(camera.prim):
             yield Finding("contradictory_keys", str(fault.path), fault.message)
-    if UsdGeom.Camera(camera.prim).GetProjectionAttr().Get(Usd.TimeCode.EarliestTime()) == UsdGeom.Tokens.orthographic:
-        yield Finding("orthographic", path, f"{path} is orthographic: it has no lens, and all is sharp")
+    projection = UsdGeom.Camera(camera.prim).GetProjectionAttr().Get(Usd.TimeCode.EarliestTime())
+    if projection == UsdGeom.Tokens.orthographic and lens.model not in ("thin", "pinhole"):
+        message = f"{path} is orthographic: it has a thin lens of parallel rays in place of its {lens.model} one"
+        yield Finding("orthographic", path, message)
     planes = UsdGeom.Camera(camera.prim).GetClippingPlanesAttr().Get(Usd.TimeCode.EarliestTime())
     if isinstance(planes, Sized) and len(planes) > MAX_CLIP_PLANES:
         message = f"{path} has {len(planes)} clippingPlanes: only the first {MAX_CLIP_PLANES} clip"

@@ -45,16 +45,16 @@ def solve_curve(
         raise SettingsError("the frames of a focus curve must be finite and rise", code="bad_frames")
     cameras = solve(times.tolist())
     angles = np.array([lens_angles(c) for c in cameras])
-    fields = [c.depth_of_field for c in cameras]
+    fields = [c.stated_depth_of_field for c in cameras]
     time_codes_per_second = stage.GetTimeCodesPerSecond()
     return FocusCurve(
         camera=camera_path,
         frames_per_second=stage.GetFramesPerSecond(),
         time_codes_per_second=time_codes_per_second,
         time_codes=times,
-        focus_distance_m=np.array([c.camera.focus_distance_m for c in cameras]),
+        focus_distance_m=np.array([c.camera.stated_focus_m for c in cameras]),
         f_stop=np.array([c.camera.f_stop for c in cameras]),
-        focal_length_mm=np.array([c.camera.focal_length_mm for c in cameras]),
+        focal_length_mm=np.array([c.camera.stated_focal_length_mm for c in cameras]),
         near_m=np.array([f.near_m for f in fields]),
         far_m=np.array([f.far_m for f in fields]),
         hyperfocal_m=np.array([f.hyperfocal_m for f in fields]),
@@ -107,6 +107,7 @@ def _point_tracks(cameras: Sequence[FocusedCamera]) -> tuple[PointTrack, ...]:
     def column(values: Callable[[FocusedCamera], Iterable[float]]) -> DoubleArray:
         return np.array([list(values(c)) for c in cameras], np.float64).reshape(shape)
 
+    set_back_m = np.array([c.camera.set_back_m for c in cameras])
     depths_m = column(lambda c: (target.depth_m for target in c.targets))
     weights = column(lambda c: (target.weight for target in c.targets))
     shares = column(lambda c: c.solution.shares)
@@ -117,7 +118,7 @@ def _point_tracks(cameras: Sequence[FocusedCamera]) -> tuple[PointTrack, ...]:
     return tuple(
         PointTrack(
             name=name,
-            depth_m=depths_m[:, i],
+            depth_m=depths_m[:, i] - set_back_m,
             weight=weights[:, i],
             share=shares[:, i],
             coc_mm=cocs_mm[:, i],

@@ -78,6 +78,18 @@ class FocusedCamera:
         plane = focal_surface(self.camera).plane
         return self._depth_of_field(plane.w0, float(self.law.coc_slope_mm_m(np.array([plane.w0]))[0]))
 
+    @property
+    def stated_depth_of_field(self) -> DepthOfField:
+        """`depth_of_field`, from the camera prim's origin."""
+        return self.stated(self.depth_of_field)
+
+    def stated(self, field: DepthOfField) -> DepthOfField:
+        """Depth of field from the camera prim's origin, of one from its pupil; an orthographic camera is never hyperfocal."""
+        back_m = self.camera.set_back_m
+        if back_m == 0:
+            return field
+        return DepthOfField(field.near_m - back_m, field.far_m - back_m, math.inf)
+
     def depth_of_field_at(self, slope: tuple[float, float]) -> DepthOfField:
         """Depth of field about the focal surface at a place of the picture.
 
@@ -153,7 +165,7 @@ def focus_camera(inputs: FocusInputs, track: FocusTrack, index: int) -> FocusedC
     plane, solution = track.plane(index), track.solutions.at(index)
     requested_w, w0 = float(track.requested_w[index]), plane.w0
     if abs(requested_w - w0) > _SAME_W * max(requested_w, w0):
-        to = f"{1 / requested_w:.4g} m" if requested_w > 0 else "infinity"
+        to = f"{1 / requested_w - inputs.cameras[index].set_back_m:.4g} m" if requested_w > 0 else "infinity"
         solution = replace(solution, reason=f"{solution.reason}, on the way to {to}")
     own = inputs.cameras[index]
     distance_m = 1 / w0 if w0 > 0 else math.inf

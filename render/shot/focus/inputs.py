@@ -23,7 +23,7 @@ from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
 from render.shot.focus.checks import NUMBERS, PointNumbers, check_settings
 from render.shot.focus.visibility import visible_shares
-from render.stage import AnchorReader, read_camera
+from render.stage import AnchorReader, read_camera, stand_together
 from render.trace.field_focus import field_shifts_w
 from usd_schemas import FocusData, FocusPoint, FocusPointView, LensCamera, SchemaError, SplitDiopter, TiltShiftData
 from usd_schemas.units import metres_per_unit
@@ -167,7 +167,7 @@ def read_focus_inputs(
     Raises:
         CameraError: it is no camera, or has impossible values.
     """
-    cameras = tuple(read_camera(stage, camera_path, time) for time in times)
+    cameras = stand_together([read_camera(stage, camera_path, time) for time in times])
     try:
         lens_camera = LensCamera(stage.GetPrimAtPath(camera_path))
         focus = lens_camera.focus.read_over(times)

@@ -50,15 +50,19 @@ def read_place(focused: FocusedCamera, picture: Camera, screen: tuple[float, flo
         focused: the solved camera.
         picture: the same camera, its gate conformed to the picture's shape.
         screen: the place, from (0, 0) top left to (1, 1) bottom right.
-        depth_m: of the thing there; may be infinite.
+        depth_m: of the thing there, from the camera's origin; may be infinite.
 
     Raises:
         SettingsError: the place or the depth is no number, or the depth is not in front of the camera.
     """
     if not all(map(math.isfinite, screen)):
         raise SettingsError(f"a place in the picture must be two finite numbers, got {screen}", code="bad_place")
+    depth_m += picture.set_back_m
     if not depth_m > 0:
-        raise SettingsError(f"a depth to read off must be in front of the camera, got {depth_m:g} m", code="bad_place")
+        raise SettingsError(
+            f"a depth to read off must be in front of the camera, got {depth_m - picture.set_back_m:g} m",
+            code="bad_place",
+        )
     view = PinholeView.from_camera(picture, 1, 1)
     x, y = undistort_position(view, picture, *screen)
     return _read(focused, ((x - view.cx) / view.fx, -(y - view.cy) / view.fy), screen, depth_m)
@@ -93,11 +97,11 @@ def read_point(focused: FocusedCamera, picture: Camera, name: str) -> PlaceReado
 def _read(
     focused: FocusedCamera, slope: tuple[float, float], screen: tuple[float, float], depth_m: float
 ) -> PlaceReadout:
-    field = focused.depth_of_field_at(slope)
+    field, set_back_m = focused.stated(focused.depth_of_field_at(slope)), focused.camera.set_back_m
     return PlaceReadout(
         screen=screen,
-        depth_m=depth_m,
-        focus_distance_m=focused.focused_m_at(slope),
+        depth_m=depth_m - set_back_m,
+        focus_distance_m=focused.focused_m_at(slope) - set_back_m,
         near_m=field.near_m,
         far_m=field.far_m,
         hyperfocal_m=field.hyperfocal_m,

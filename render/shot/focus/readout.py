@@ -96,7 +96,7 @@ def place_points(focused: FocusedCamera, picture: Camera) -> list[PlacedPoint]:
             state=focused.solution.states[i],
             share=focused.solution.shares[i],
             position_m=None if point.name in focused.problems else _triple(focused.positions_m[i]),
-            depth_m=float(projected.depths_m[i]),
+            depth_m=float(projected.depths_m[i]) - picture.set_back_m,
             screen=(float(projected.screens[i, 0]), float(projected.screens[i, 1]))
             if projected.depths_m[i] > 0
             else None,
@@ -116,14 +116,14 @@ def make_readout(focused: FocusedCamera) -> Readout:
     Args:
         focused: the solved camera.
     """
-    field, camera = focused.depth_of_field, focused.camera
+    field, camera = focused.stated_depth_of_field, focused.camera
     tilt_rad, swing_rad = lens_angles(focused)
     return Readout(
         camera=camera.path,
         focus_mode=focused.focus.mode,
-        focus_distance_m=camera.focus_distance_m,
+        focus_distance_m=camera.stated_focus_m,
         f_stop=camera.f_stop,
-        focal_length_mm=camera.focal_length_mm,
+        focal_length_mm=camera.stated_focal_length_mm,
         near_m=field.near_m,
         far_m=field.far_m,
         hyperfocal_m=field.hyperfocal_m,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Protocol
 
 from pxr import Usd
@@ -14,7 +13,7 @@ from render.shot.edits.edit_layer import Edits
 from render.shot.focus.focused_camera import FocusedCamera, focus_without_points
 from render.shot.focus.tracker import FocusTracker
 from render.shot.times import check_reading_time
-from render.stage import conform_camera, read_camera
+from render.stage import conform_camera, conform_to_stage
 
 
 class FocusObserver(Protocol):
@@ -97,8 +96,4 @@ class FocusSolver:
             return focused.camera
         if not focused.camera.path:
             return conform_camera(focused.camera, aspect, conform or "expandAperture")
-        picture = read_camera(self._stage, focused.camera.path, time, aspect=aspect, conform=conform)
-        own = focused.camera
-        return replace(
-            picture, focus_distance_m=own.focus_distance_m, f_stop=own.f_stop, focal_surface=own.focal_surface
-        )
+        return conform_to_stage(focused.camera, self._stage, aspect, conform)

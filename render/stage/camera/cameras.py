@@ -117,6 +117,22 @@ def read_camera(
     with read_quietly(stage):
         camera = _read(UsdGeom.Camera(prim), stage, Usd.TimeCode(time))
     _check(camera)
+    return conform_to_stage(camera, stage, aspect, conform)
+
+
+def conform_to_stage(camera: Camera, stage: Usd.Stage, aspect: float | None, conform: str | None = None) -> Camera:
+    """Conform a camera's film gate to the picture's shape, by the stage's own policy unless another is given.
+
+    Args:
+        camera: the camera, with its own gate.
+        stage: its stage.
+        aspect: as in `read_camera`.
+        conform: as in `read_camera`.
+
+    Raises:
+        StageError: the render settings' conform policy is invalid.
+        SettingsError: as in `conform_camera`.
+    """
     return conform_camera(camera, aspect, conform or _stage_policy(stage))
 
 
@@ -127,15 +143,10 @@ def _read(usd: UsdGeom.Camera, stage: Usd.Stage, code: Usd.TimeCode) -> Camera:
     if projection != UsdGeom.Tokens.orthographic:
         message = f"projection of camera {path} must be perspective or orthographic, got {format_value(projection)}"
         raise CameraError(message, code="bad_projection", path=path)
-    gate = replace(
-        _gate(usd, stage, code),
-        exposure_scale=exposure_scale(usd, code),
-        shutter_open=camera_number(usd.GetShutterOpenAttr(), code),
-        shutter_close=camera_number(usd.GetShutterCloseAttr(), code),
-    )
-    _check(gate)
+    camera = _add_lens(_gate(usd, stage, code), usd, stage, code)
+    _check(camera)
     near, _ = read_clipping_range(usd, code)
-    return stand_back(gate, stage, code, metres_from_units(near, stage))
+    return stand_back(camera, stage, code, metres_from_units(near, stage))
 
 
 def conform_camera(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:

@@ -3,16 +3,23 @@
 Sizes then differ between the nearest and the farthest thing by a thousandth, which is less than half a pixel at the edges of a
 picture of 960 pixels. The layers' inverse depths need some distance to tell depths apart: what is a ten-thousandth of the whole
 depth apart may not be. A camera farther away would have the first error smaller and the second larger.
+
+Its lens is one of parallel rays, telecentric towards the scene, and its film is as large as what it sees, since USD gives the
+apertures of an orthographic camera in the scene's own length. At a magnification of one, what is ``d`` before or behind the
+plane of focus is blurred to a disc of the diameter ``d / N`` in the scene, wherever the focus lies; the focal length has no
+meaning. A thin lens of the same f-number N far back, of a focal length that is its distance, has such rays.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from render.model.camera import Camera
+from render.model.camera import Camera, Orthographic
 from render.model.lens import THIN_LENS
 from render.stage.camera.plate_places import plate_depths
 from render.stage.options import PURPOSES
@@ -26,10 +33,12 @@ _MARGIN = 1e-3  # of that depth, around it
 
 
 def stand_back(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode, near_m: float) -> Camera:
-    """Perspective camera that shows what an orthographic one does. All is sharp: parallel rays have no lens here.
+    """Perspective camera that shows what an orthographic one does, with its iris, f-number, squeeze and transmittance.
+
+    Focus at infinity, as of a camera without a focus distance, is that on the farthest thing.
 
     Args:
-        camera: the orthographic one. Its gate is in tenths of scene units, so that a millimetre of it is a metre of the scene.
+        camera: the orthographic one, its gate as large as what it sees.
         stage: the stage.
         time: when the stage's box is measured.
         near_m: near clipping distance, which may be negative: an orthographic camera sees what is behind it, too.
@@ -37,22 +46,51 @@ def stand_back(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode, near_m: flo
     first, last = _depths(camera, stage, time)
     first, last = max(first, near_m), min(last, camera.far_m)
     depth = last - first if first < last < np.inf else 1.0
-    distance = _DEPTHS_AWAY * depth
-    back = distance - first  # how far it steps back
+    stated = Orthographic(0.0, camera.focal_length_mm)
+    there = replace(
+        camera,
+        focal_length_mm=1000 * (first + depth / 2),
+        focus_distance_m=camera.focus_distance_m if 0 < camera.focus_distance_m < math.inf else first + depth,
+        near_m=first,
+        far_m=first + depth,
+        lens=replace(
+            THIN_LENS, name=camera.lens.name, squeeze=camera.lens.squeeze, transmittance=camera.lens.transmittance
+        ),
+        breathing=False,
+        orthographic=stated,
+    )
+    return _step_back(there, stated, _DEPTHS_AWAY * depth - first)
+
+
+def stand_together(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
+    """Return one camera at several times with its pupil as far behind it at all of them, if it is orthographic.
+
+    Then what is done with inverse depths over time, such as smoothing, means the same depths at all times.
+
+    Args:
+        cameras: from `stand_back`, or perspective ones, which stay as they are.
+    """
+    farthest_m = max(camera.set_back_m for camera in cameras)
+    return tuple(
+        camera
+        if camera.orthographic is None
+        else _step_back(camera, camera.orthographic, farthest_m - camera.set_back_m)
+        for camera in cameras
+    )
+
+
+def _step_back(camera: Camera, stated: Orthographic, by_m: float) -> Camera:
     pose = camera.world_from_camera.copy()
-    pose[:3, 3] += pose[:3, 2] * back
+    pose[:3, 3] += pose[:3, 2] * by_m
     return replace(
         camera,
         world_from_camera=pose,
-        focal_length_mm=1000 * (distance + depth / 2),
-        f_stop=0.0,
-        focus_distance_m=distance + depth / 2,
-        near_m=distance,
-        far_m=distance + depth,
-        lens=THIN_LENS,
-        focal_surface=None,
-        breathing=False,
-        clip_planes=tuple((a, b, c, d + c * back) for a, b, c, d in camera.clip_planes),
+        focal_length_mm=camera.focal_length_mm + 1000 * by_m,
+        focus_distance_m=camera.focus_distance_m + by_m,
+        near_m=camera.near_m + by_m,
+        far_m=camera.far_m + by_m,
+        clip_planes=tuple((a, b, c, d + c * by_m) for a, b, c, d in camera.clip_planes),
+        orthographic=replace(stated, set_back_m=stated.set_back_m + by_m),
     )
 
 

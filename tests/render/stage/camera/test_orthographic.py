@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom, UsdLux
 
+from render.film import Grade
 from render.frame import FrameRenderer
 from render.model.arrays import FloatArray
 from render.model.frame_settings import FrameSettings
 from render.optics.view import PinholeView
+from render.pictures.picture import make_picture
 from render.shot import Shot
 from render.stage import read_camera
 from tests.render.kits.stages import add_mesh, new_stage, read
+from usd_schemas import LensCamera, LensData, Seidel
 
 WIDTH, HEIGHT = 200, 100
+
+
+def export(stage: Usd.Stage, folder: Path) -> Shot:
+    """A shot of a stage, through a file."""
+    stage.Export(f"{folder}/ortho.usda")
+    return Shot.open(f"{folder}/ortho.usda")
 
 
 def ortho_stage(metres_per_unit: float = 1.0, up: str = "Y", **attributes: object) -> Usd.Stage:
@@ -75,11 +86,90 @@ def test_offsets_clipping_and_clip_planes_hold(renderer: FrameRenderer) -> None:
     assert (planes[50, 60], planes[50, 140]) == (0, 1)
 
 
-def test_all_is_sharp_and_said_so(tmp_path: object) -> None:
+def blurred_square(first_px: int, diameter_px: float) -> FloatArray:
+    """Closed form: coverage of a square of 40 pixels, its left side there, under discs of a diameter."""
+    fine = 8
+    square = np.zeros((HEIGHT * fine, WIDTH * fine))
+    square[30 * fine : 70 * fine, first_px * fine : (first_px + 40) * fine] = 1
+    x = (np.arange(WIDTH * fine) + 0.5) / fine
+    y = (np.arange(HEIGHT * fine) + 0.5) / fine
+    away = np.hypot(
+        np.minimum(x, WIDTH - x), np.minimum(y, HEIGHT - y)[:, None]
+    )  # around the corner, for the transform
+    disc = (away <= diameter_px / 2).astype(np.float64)
+    blurred = np.fft.irfft2(np.fft.rfft2(square) * np.fft.rfft2(disc / disc.sum()), square.shape)
+    return blurred.reshape(HEIGHT, fine, WIDTH, fine).mean(axis=(1, 3))
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("engine", ["lens", "accumulation"])
+@pytest.mark.parametrize("focus", [4.0, 25.0])
+def test_blur_is_the_distance_from_the_focus_over_n(renderer: FrameRenderer, engine: str, focus: float) -> None:
+    stage = ortho_stage(fStop=16.0, focusDistance=focus)
+    settings = FrameSettings(WIDTH, HEIGHT, engine=engine, rays=400, shading="unlit", adaptive=False)
+    color = renderer.render(read(stage), read_camera(stage, "/cam", 0, aspect=WIDTH / HEIGHT), settings).color
+    px_per_m = 20
+    blurs = [px_per_m * abs(depth - focus) / 16 for depth in (3, 30)]
+    expected = blurred_square(40, blurs[0]) + blurred_square(120, blurs[1])
+    assert np.abs(color[..., 3] - expected).max() < 0.12
+    assert np.sqrt(((color[..., 3] - expected) ** 2).mean()) < 0.012
+
+
+@pytest.mark.gl
+def test_single_image_engines_blur_alike(renderer: FrameRenderer) -> None:
+    stage = ortho_stage(fStop=16.0, focusDistance=12.0)
+    camera = read_camera(stage, "/cam", 0, aspect=WIDTH / HEIGHT)
+
+    def light(engine: str) -> FloatArray:
+        settings = FrameSettings(WIDTH, HEIGHT, engine=engine, rays=400, shading="unlit", adaptive=False)
+        return renderer.render(read(stage), camera, settings).color[..., :3]
+
+    exact = light("accumulation")
+    for engine in ("gather", "scatter", "flag", "linear", "importance"):
+        assert np.sqrt(((light(engine) - exact) ** 2).mean()) < 0.02
+
+
+@pytest.mark.gl
+def test_lit_cards_are_as_bright_as_those_of_a_pinhole(renderer: FrameRenderer) -> None:
+    stage = ortho_stage(fStop=16.0, focusDistance=12.0)
+    UsdLux.DistantLight.Define(stage, "/sun").CreateIntensityAttr(20000.0)
+    camera = read_camera(stage, "/cam", 0, aspect=2)
+    sharp, blurred = (
+        renderer.render(
+            read(stage), camera, FrameSettings(WIDTH, HEIGHT, engine=engine, rays=64, adaptive=False)
+        ).color[50, 60, :3]
+        for engine in ("pinhole", "lens")
+    )
+    assert sharp.min() > 0.1
+    assert blurred == pytest.approx(sharp, rel=2e-3)
+
+
+@pytest.mark.gl
+def test_what_moves_is_blurred_by_motion_and_focus(renderer: FrameRenderer, tmp_path: Path) -> None:
+    stage = ortho_stage(fStop=16.0, focusDistance=30.0)
+    card = UsdGeom.Xformable(stage.GetPrimAtPath("/at30")).AddTranslateOp()
+    for time, x in ((0, -1.0), (1, 1.0)):
+        card.Set(Gf.Vec3d(x, 0, 0), time)
+    camera = UsdGeom.Camera(stage.GetPrimAtPath("/cam"))
+    camera.CreateShutterOpenAttr(0.0)
+    camera.CreateShutterCloseAttr(1.0)
+    shot = export(stage, tmp_path)
+    for motion_by in ("moments", "velocities"):
+        settings = FrameSettings(WIDTH, HEIGHT, rays=64, motion=16, motion_by=motion_by, shading="unlit")
+        color = make_picture(renderer, shot, "/cam", 0, settings, Grade()).frame.color
+        assert color[50, 100:180, 3] == pytest.approx(np.interp(np.arange(80) + 0.5, (0, 40, 80), (0, 1, 0)), abs=0.07)
+
+
+def test_a_lens_with_errors_is_replaced_and_said_so(tmp_path: Path) -> None:
     stage = ortho_stage(fStop=1.4, focusDistance=3.0)
-    assert read_camera(stage, "/cam", 0).f_stop == 0
-    stage.Export(f"{tmp_path}/ortho.usda")
-    assert "orthographic" in {finding.code for finding in Shot.open(f"{tmp_path}/ortho.usda").findings()}
+    LensCamera(stage.GetPrimAtPath("/cam")).lens.author(LensData(model="seidel", seidel=Seidel(w040=2)))
+    assert read_camera(stage, "/cam", 0).lens.model == "thin"
+    assert "orthographic" in {finding.code for finding in export(stage, tmp_path).findings()}
+
+
+def test_without_a_focus_distance_the_farthest_is_sharp() -> None:
+    camera = read_camera(ortho_stage(fStop=4.0), "/cam", 0)
+    assert camera.stated_focus_m == pytest.approx(30, rel=1e-2)
 
 
 def test_a_stage_with_nothing_in_view_has_a_camera() -> None:

@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> None:
     _check_options(arguments, format)
     frames = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
     lens = shared.read_lens(arguments.lens)
-    shot = Shot.open(arguments.stage, edits=arguments.edits)
+    shot = shared.open_shot(arguments)
     if arguments.out is not None:
         shot.check_not_own(arguments.out)
         check_writable(arguments.out)

@@ -13,7 +13,7 @@ from render.cli.options import shared
 from render.cli.tables.exposure import exposure_json, exposure_line
 from render.errors import one_line
 from render.optics.photometry.exposure import ExposureSettings
-from render.shot import Readout, Shot
+from render.shot import Readout
 from render.shot.inspection import Inspection, inspect_shot
 
 _HEADER = {"format": "pullfocus.inspection", "version": 1}
@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> None:
     Raises:
         StageError: it cannot be read.
     """
-    inspection = inspect_shot(Shot.open(arguments.stage, edits=arguments.edits))
+    inspection = inspect_shot(shared.open_shot(arguments))
     if arguments.json:
         print_json({**_HEADER, "stage": arguments.stage, **inspection_json(inspection)})
     else:

@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
         _check_key(arguments.key)
     frames = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
     lens = shared.read_lens(arguments.lens)
-    shot = Shot.open(arguments.stage, edits=arguments.edits)
+    shot = shared.open_shot(arguments)
     if arguments.key is not None:
         shot.check_not_own(arguments.key)
     with shared.printed_findings(shot, arguments.stage):

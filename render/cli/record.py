@@ -348,6 +348,7 @@ def _open_shot(arguments: argparse.Namespace) -> Shot:
     options = StageOptions(
         purposes=purposes,
         mask=mask,
+        camera=shared.camera_path(arguments.camera),
         complexity=arguments.complexity,
         cull_backfaces=arguments.cull == "backfaces",
         camera_light=not arguments.disableCameraLight,
@@ -358,7 +359,7 @@ def _open_shot(arguments: argparse.Namespace) -> Shot:
         settings_prim=arguments.renderSettingsPrimPath,
         render_pass=arguments.renderPassPrimPath,
     )
-    shot = Shot.open(arguments.stage, edits=arguments.edits, options=options)
+    shot = shared.open_shot(arguments, options)
     missing = [path for path in mask or () if not shot.stage.GetPrimAtPath(path)]
     if missing:
         raise SettingsError(f"--mask names what {arguments.stage} does not hold: {', '.join(missing)}")

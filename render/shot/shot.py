@@ -44,6 +44,7 @@ from render.stage import (
 from render.stage.findings import FindingLog
 from render.stage.options import DEFAULT_OPTIONS, DRAWN_PURPOSES
 from render.stage.own_settings import read_own_settings
+from render.stage.population import Population
 from render.stage.render_products import Product, read_products
 
 _TRIAL_PX = (16, 9)
@@ -118,6 +119,9 @@ class Shot:
             edit_layer=layer.layer,
             session_layer=options.session_layer,
             resolver=options.resolver,
+            population=Population(
+                options.mask, options.camera, options.settings_prim, options.render_pass, options.unloaded
+            ),
             confined_to=confined_to,
         )
         render_pass = find_pass(stage, options.render_pass) if options.render_pass is not None else None

@@ -15,6 +15,7 @@ from render.errors import StageError
 from render.stage.confinement import check_confined
 from render.stage.findings import FindingLog
 from render.stage.options import Resolver
+from render.stage.population import EVERYTHING, Population, compose
 from usd_schemas import SchemaError
 from usd_schemas.units import metres_per_unit
 
@@ -58,15 +59,17 @@ def open_stage(
     edit_layer: Sdf.Layer | None = None,
     session_layer: Path | None = None,
     resolver: Resolver = "root",
+    population: Population = EVERYTHING,
     confined_to: Path | None = None,
 ) -> Usd.Stage:
-    """Open a stage, all payloads loaded. Where a referenced file is lost, the rest is opened: see `lost_files`.
+    """Open a stage. Where a referenced file is lost, the rest is opened: see `lost_files`.
 
     Args:
         path: a .usd, .usda, .usdc or .usdz file.
         edit_layer: goes strongest into the session layer and becomes the edit target, so that files are never written.
         session_layer: layer that goes into the session layer, below the edits.
         resolver: ``root`` finds assets from the folder of the root layer, ``inherit`` from the environment alone.
+        population: prims that are composed.
         confined_to: the folder that everything the stage refers to must lie in, after links and ``..`` are followed.
 
     Raises:
@@ -85,7 +88,7 @@ def open_stage(
             _add_session(session, _read_layer(session_layer, str(session_layer), confined_to))
         if confined_to is not None:
             session.customLayerData = {_CONFINED_TO: str(Path(confined_to).resolve())}
-        stage = _compose(root, name, session, resolver)
+        stage = _compose(root, name, session, resolver, population)
     _check_unit(stage, name)
     _check_times(stage, name)
     if edit_layer is not None:
@@ -180,12 +183,12 @@ def _add_session(session: Sdf.Layer, layer: Sdf.Layer) -> None:
             session.pseudoRoot.SetInfo(field, layer.pseudoRoot.GetInfo(field))
 
 
-def _compose(root: Sdf.Layer, name: str, session: Sdf.Layer, resolver: Resolver) -> Usd.Stage:
+def _compose(root: Sdf.Layer, name: str, session: Sdf.Layer, resolver: Resolver, population: Population) -> Usd.Stage:
     context = Ar.GetResolver().CreateDefaultContext()
     if resolver == "root":
         context = Ar.GetResolver().CreateDefaultContextForAsset(root.identifier)
     with _unreadable(name, Path(root.realPath).parent):
-        return Usd.Stage.Open(root, session, context)
+        return compose(root, session, context, population)
 
 
 @contextlib.contextmanager

@@ -21,7 +21,10 @@ class StageOptions:
     Attributes:
         purposes: which of `PURPOSES` are drawn; None for the included purposes of the settings prim where ``settings_prim`` or
             ``render_pass`` names one, else `DRAWN_PURPOSES`.
-        mask: only what lies at, below or above these prim paths is drawn and lights; None for everything.
+        mask: only what lies at, below or above these prim paths is drawn and lights, and with what that needs it is all that is
+            composed (`render.stage.population`); None for everything.
+        camera: prim path of the camera that a mask keeps in any case; None keeps those that may be the default one.
+        unloaded: payloads are not loaded, and a finding counts them.
         complexity: one of `COMPLEXITIES`. Subdivision surfaces are drawn as their cage at all; above low that is a finding.
         cull_backfaces: leave out back faces of what is not ``doubleSided``; as in usdrecord, both sides are drawn otherwise.
         camera_light: a stage without lights is lit by one at the camera.
@@ -35,6 +38,8 @@ class StageOptions:
 
     purposes: tuple[str, ...] | None = None
     mask: tuple[str, ...] | None = None
+    camera: str | None = None
+    unloaded: bool = False
     complexity: str = "low"
     cull_backfaces: bool = False
     camera_light: bool = True

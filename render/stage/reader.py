@@ -25,6 +25,7 @@ from render.stage.materials.looks import LookReader
 from render.stage.materials.textures import TextureCache
 from render.stage.opening import composition_findings, confinement, read_quietly
 from render.stage.options import DEFAULT_OPTIONS, StageOptions
+from render.stage.population import note_unloaded
 from render.stage.render_pass import RenderPass
 from render.stage.world import world_from_stage
 from usd_schemas.units import metres_per_unit
@@ -68,6 +69,7 @@ class StageReader:
         self._stage, self._options, self._pass = stage, options, render_pass
         self._log = FindingLog()
         composition_findings(stage, self._log)
+        note_unloaded(stage, self._log)
         self._textures = TextureCache(max_texture, confined_to=confinement(stage))
         self._prim_ids: dict[str, int] = {}
         self._material_ids: dict[str, int] = {}

@@ -105,6 +105,12 @@ def stage_settings(stage: Usd.Stage) -> RenderSettings | None:
     return RenderSettings(settings) if settings else None
 
 
+def settings_at(stage: Usd.Stage, path: str) -> RenderSettings | None:
+    """The RenderSettings prim at a path; None where there is none."""
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    return RenderSettings(UsdRender.Settings(prim)) if prim and prim.IsA(UsdRender.Settings) else None
+
+
 def choose_settings(stage: Usd.Stage, path: str) -> None:
     """Choose the settings prim of an opened stage, in its session layer, in place of the one that the stage names.
 
@@ -115,8 +121,7 @@ def choose_settings(stage: Usd.Stage, path: str) -> None:
     Raises:
         SettingsError: there is no such prim.
     """
-    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
-    if not prim or not prim.IsA(UsdRender.Settings):
+    if settings_at(stage, path) is None:
         known = ", ".join(str(found.GetPath()) for found in stage.Traverse() if found.IsA(UsdRender.Settings))
         raise SettingsError(f"there is no RenderSettings prim at {path!r}; the stage has: {known or 'none'}")
     stage.GetSessionLayer().pseudoRoot.SetInfo(_STAGE_FIELD, path)

@@ -6,6 +6,7 @@ import argparse
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from render.cli.console import print_findings, print_message
@@ -13,14 +14,35 @@ from render.errors import NotFoundError, PullfocusError, SettingsError
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
 from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice, choose_lens
+from render.stage import StageOptions
+from render.stage.options import DEFAULT_OPTIONS
 
 
 def add_stage(parser: argparse.ArgumentParser) -> None:
-    """Add STAGE and --edits, which `Shot.open` takes."""
+    """Add STAGE, --edits and --unloaded, for `open_shot`."""
     parser.add_argument("stage", metavar="STAGE", help="the shot: a .usda, .usdc, .usd or .usdz file")
     parser.add_argument(
         "--edits", metavar="LAYER", type=Path, help="put a layer of edits over the shot, as the page downloads them"
     )
+    parser.add_argument("--unloaded", action="store_true", help="do not load payloads; a warning counts them")
+
+
+def open_shot(arguments: argparse.Namespace, options: StageOptions = DEFAULT_OPTIONS) -> Shot:
+    """Open the shot that the arguments of `add_stage` name.
+
+    Args:
+        arguments: of the command line.
+        options: how the stage is opened and read otherwise.
+
+    Raises:
+        PullfocusError: as `Shot.open` does.
+    """
+    return Shot.open(arguments.stage, edits=arguments.edits, options=replace(options, unloaded=arguments.unloaded))
+
+
+def camera_path(typed: str | None) -> str | None:
+    """Path of a camera that is typed as one, with or without the first slash; None for its name alone."""
+    return f"/{typed.lstrip('/')}" if typed is not None and "/" in typed else None
 
 
 @contextmanager
@@ -69,8 +91,9 @@ def choose_camera(shot: Shot, typed: str | None) -> str | None:
 
 def _camera_called(shot: Shot, typed: str) -> str:
     """Path of the camera that is typed: by its path, with or without the first slash, or by its name alone, as in usdrecord."""
-    if "/" in typed:
-        return f"/{typed.lstrip('/')}"
+    path = camera_path(typed)
+    if path is not None:
+        return path
     found = [path for path in shot.cameras() if path.rpartition("/")[2] == typed]
     if not found:
         return typed

@@ -40,7 +40,9 @@ def framing_camera(
     with read_quietly(stage):
         if mask is not None:
             population = Usd.StagePopulationMask([Sdf.Path(path) for path in mask])
-            stage = Usd.Stage.OpenMasked(stage.GetRootLayer(), stage.GetSessionLayer(), population)
+            unloaded = stage.GetLoadRules() != Usd.StageLoadRules.LoadAll()
+            layers = stage.GetRootLayer(), stage.GetSessionLayer(), stage.GetPathResolverContext()
+            stage = Usd.Stage.OpenMasked(*layers, population, Usd.Stage.LoadNone if unloaded else Usd.Stage.LoadAll)
         boxes = UsdGeom.BBoxCache(Usd.TimeCode(time), list(purposes), useExtentsHint=True)
         box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
     if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():

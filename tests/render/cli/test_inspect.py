@@ -63,6 +63,16 @@ def _keys(value: object, path: str = "") -> set[str]:
     return set().union(*(_keys(each, f"{path}.{name}".lstrip(".")) for name, each in value.items()))
 
 
+def test_payloads_are_left_out_where_that_is_asked_for(pullfocus: Command, tmp_path: Path) -> None:
+    (tmp_path / "asset.usda").write_text('#usda 1.0\n(\n    defaultPrim = "A"\n)\ndef Sphere "A" {}\n')
+    loads = '\n    def "Lamp" (payload = @./asset.usda@) {}\n'
+    shot = write_shot(tmp_path / "shot.usda", SQUARE, loads, CAMERA)
+    loaded, unloaded = (json.loads(pullfocus("inspect", shot, "--json", *more).out) for more in ((), ("--unloaded",)))
+    assert loaded["primCount"] == unloaded["primCount"] + 1
+    assert [note["code"] for note in unloaded["notes"]] == ["unloaded_payloads"]
+    assert loaded["notes"] == []
+
+
 def test_every_key_is_in_the_reference(pullfocus: Command, tmp_path: Path) -> None:
     odd = CAMERA.replace("main_cam", "odd").replace(
         '"odd"\n    {',

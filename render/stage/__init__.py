@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from render.stage.anchors.anchors import AnchorReader, anchor_position
-from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.cameras import (
     CameraChoice,
     conform_camera,
@@ -13,6 +12,7 @@ from render.stage.camera.cameras import (
 )
 from render.stage.camera.orthographic import stand_together
 from render.stage.camera.plate_list import BackPlate, list_plates
+from render.stage.camera_list import list_cameras
 from render.stage.findings import Finding
 from render.stage.honoured.walk import find_not_honoured
 from render.stage.opening import open_stage, quiet_diagnostics

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pxr import Ar, Sdf, Usd
 
-from render.stage.camera.camera_list import list_cameras
+from render.stage.camera_list import list_cameras
 from render.stage.findings import FindingLog
 from render.stage.render_settings import RenderSettings, settings_at, stage_settings
 

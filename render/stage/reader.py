@@ -15,8 +15,8 @@ from render.stage.assembly.pieces import ShapeReader
 from render.stage.assembly.plan import PieceCutter, plan_groups
 from render.stage.assembly.poses import InstanceReader
 from render.stage.camera.back_plates import PlateReader
-from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.plate_places import plate_names
+from render.stage.camera_list import list_cameras
 from render.stage.findings import Finding, FindingLog
 from render.stage.geometry.skinning import Skeletons
 from render.stage.lights import LightReader

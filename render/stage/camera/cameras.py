@@ -15,11 +15,11 @@ from render.model.camera import Camera
 from render.model.shutter import Shutter
 from render.stage.assembly.poses import world_pose
 from render.stage.camera.camera_exposure import camera_number, exposure_scale
-from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.clipping import read_clip_planes, read_clipping_range
 from render.stage.camera.framing import framing_camera
 from render.stage.camera.lenses import make_iris, make_lens
 from render.stage.camera.orthographic import stand_back
+from render.stage.camera_list import list_cameras
 from render.stage.opening import confinement, read_quietly
 from render.stage.options import DRAWN_PURPOSES
 from render.stage.render_settings import stage_settings

@@ -96,8 +96,9 @@ def _lines(stage: str, inspection: Inspection) -> Iterator[str]:
 def _lens(readout: Readout) -> str:
     stop = f"f/{readout.f_stop:g}" if readout.f_stop > 0 else "pinhole"
     glass = f"{readout.lens_name or readout.lens_model}  " if readout.lens_name or readout.lens_model != "thin" else ""
+    field = "orthographic" if readout.orthographic else f"{readout.focal_length_mm:g} mm"
     return (
-        f"{glass}{readout.focal_length_mm:g} mm  {stop}  focus {_metres(readout.focus_distance_m)} ({readout.focus_mode}), "
+        f"{glass}{field}  {stop}  focus {_metres(readout.focus_distance_m)} ({readout.focus_mode}), "
         f"sharp from {_metres(readout.near_m)} to {_metres(readout.far_m)}"
     )
 

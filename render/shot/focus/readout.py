@@ -62,6 +62,7 @@ class Readout:
         swing_rad: turn of the lens before the tilt, positive looks left.
         lens_name: engraved on the lens; empty where it has no name.
         lens_model: model of the lens: pinhole, thin, seidel, spherical, heightField or prescription.
+        orthographic: whether its rays are parallel, so that its focal length has no meaning.
     """
 
     camera: str
@@ -80,6 +81,7 @@ class Readout:
     swing_rad: float = 0.0
     lens_name: str = ""
     lens_model: str = "thin"
+    orthographic: bool = False
 
 
 def place_points(focused: FocusedCamera, picture: Camera) -> list[PlacedPoint]:
@@ -135,6 +137,7 @@ def make_readout(focused: FocusedCamera) -> Readout:
         swing_rad=swing_rad,
         lens_name=camera.lens.name,
         lens_model=camera.lens.model,
+        orthographic=camera.orthographic is not None,
     )
 
 

@@ -157,3 +157,8 @@ def test_each_command_has_its_own_help(command: str, pullfocus: Command) -> None
     ended = pullfocus(command, "--help")
     assert ended.status == 0
     assert f"pullfocus {command}" in ended.out
+
+
+def test_an_orthographic_camera_has_no_focal_length(pullfocus: Command, tmp_path: Path) -> None:
+    parallel = CAMERA.replace("focalLength = 0.5", 'focalLength = 0.5\n        token projection = "orthographic"')
+    assert "main_cam  orthographic  " in pullfocus("inspect", write_shot(tmp_path / "shot.usda", SQUARE, parallel)).out

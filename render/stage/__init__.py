@@ -12,6 +12,7 @@ from render.stage.camera.cameras import (
 )
 from render.stage.camera.orthographic import stand_together
 from render.stage.camera.plate_list import BackPlate, list_plates
+from render.stage.camera.stereo import EYES, Eye, StereoPair, list_pairs, pair_of, stereo_role
 from render.stage.camera_list import list_cameras
 from render.stage.findings import Finding
 from render.stage.honoured.walk import find_not_honoured
@@ -23,14 +24,17 @@ from render.stage.render_settings import RenderSettings, choose_settings, stage_
 from render.stage.world import FrameRange, frame_range, is_y_up, world_from_stage
 
 __all__ = [
+    "EYES",
     "AnchorReader",
     "BackPlate",
     "CameraChoice",
+    "Eye",
     "Finding",
     "FrameRange",
     "RenderSettings",
     "StageOptions",
     "StageReader",
+    "StereoPair",
     "anchor_position",
     "choose_settings",
     "conform_camera",
@@ -41,11 +45,14 @@ __all__ = [
     "frame_range",
     "is_y_up",
     "list_cameras",
+    "list_pairs",
     "list_plates",
     "open_stage",
+    "pair_of",
     "quiet_diagnostics",
     "read_camera",
     "stage_settings",
     "stand_together",
+    "stereo_role",
     "world_from_stage",
 ]

@@ -136,7 +136,7 @@ class StageReader:
         unread = (piece for group in plan.groups for piece in group.unread(time))
         shapes.prepare(piece for piece in unread if levels.may_show(piece.occurrence))
         batches = [batch for group in plan.groups for batch in group.batches(context)]
-        batches += plan.plates.batches(transforms, context.world, context.scale)
+        batches += plan.plates.batches(transforms, context.world, context.scale, self._prim_id)
         shining = [(prim, hiders) for prim, hiders, within in plan.inventory.lights if levels.shows(within).all()]
         lights, dome = plan.lights.read(shining, transforms)
         if dome is not None and not self._sees_dome(dome):
@@ -176,7 +176,7 @@ class StageReader:
         roles = ["seen" if self._pass is None else self._pass.camera_role(camera.GetPath()) for camera in shown]
         confined_to, culls_backs = confinement(self._stage), self._options.cull_backfaces
         plated = dict(zip(shown, roles, strict=True))
-        return PlateReader(plated, confined_to, culls_backs, self._prim_id, self._log)
+        return PlateReader(plated, confined_to, culls_backs, self._log)
 
     def _shows(self, path: Sdf.Path) -> bool:
         """Whether the mask and the render pass leave a prim."""

@@ -87,9 +87,9 @@ class _Plate:
         """Key of the plate on its stage."""
         return self.prim.GetPath(), self.name
 
-    def geometry(self, prim_id: Callable[[str], int]) -> Geometry:
-        """Its square, which is picked as the camera."""
-        return Geometry(
+    def blank(self, prim_id: Callable[[str], int], culls_backs: bool, role: CameraRole) -> Batch:
+        """Its square at the origin, without an image; it is picked as the camera."""
+        geometry = Geometry(
             positions=CORNERS.astype(np.float32),
             normals=np.tile(np.array([0, 0, 1], np.float32), (4, 1)),
             triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32),
@@ -98,6 +98,7 @@ class _Plate:
             fan_ids=np.arange(2, dtype=np.int32),
             uvs=(CORNERS[:, :2] + 0.5).astype(np.float32),
         )
+        return Batch(geometry, Material(unlit=True), np.eye(4)[None], culls_backs=culls_backs, camera_role=role)
 
 
 class PlateReader:
@@ -115,11 +116,10 @@ class PlateReader:
         cameras: Mapping[Usd.Prim, CameraRole],
         confined_to: Path | None,
         culls_backs: bool,
-        prim_id: Callable[[str], int],
         log: FindingLog,
     ) -> None:
         self._cameras, self._roles = {prim.GetPath(): prim for prim in cameras}, cameras
-        self._culls_backs, self._prim_id, self._log = culls_backs, prim_id, log
+        self._culls_backs, self._log = culls_backs, log
         self._images = TextureCache(_MAX_SIDE, confined_to, most=_MOST_IMAGES)
         self._drawn: dict[tuple[Sdf.Path, str], tuple[_Pictures, Batch]] = {}
 
@@ -127,13 +127,16 @@ class PlateReader:
         """Whether a path is one of the cameras'."""
         return path in self._cameras
 
-    def batches(self, transforms: UsdGeom.XformCache, world: DoubleArray, scale: float) -> list[Batch]:
+    def batches(
+        self, transforms: UsdGeom.XformCache, world: DoubleArray, scale: float, prim_id: Callable[[str], int]
+    ) -> list[Batch]:
         """The plates at a time.
 
         Args:
             transforms: transforms at that time.
             world: ``(4, 4)`` world from stage.
             scale: metres in a stage unit.
+            prim_id: number of a prim path in ``Scene.prim_paths``.
         """
         drawn, time = [], transforms.GetTime()
         for plate in self._plates():
@@ -152,7 +155,9 @@ class PlateReader:
             pose = frame @ np.diag([scale, scale, scale, 1.0]) @ place
             if is_placeable(CORNERS.astype(np.float32), pose, plate.at, self._log) and np.linalg.det(pose) != 0:
                 seen_by = str(plate.prim.GetPath()) if visibility == "solo" else None
-                drawn.append(self._batch(plate, pose, seen_by, time))
+                known = self._drawn.get(plate.key)
+                first = plate.blank(prim_id, self._culls_backs, self._roles[plate.prim]) if known is None else known[1]
+                drawn.append(self._update(plate, first, pose, seen_by, time))
         return drawn
 
     def _plates(self) -> Iterator[_Plate]:
@@ -172,18 +177,14 @@ class PlateReader:
         self._log.add("bad_back_plate", attribute.GetPath(), f"{expected}, got {format_value(value)}: solo is used")
         return "solo"
 
-    def _batch(self, plate: _Plate, pose: DoubleArray, seen_by: str | None, time: Usd.TimeCode) -> Batch:
+    def _update(self, plate: _Plate, batch: Batch, pose: DoubleArray, seen_by: str | None, time: Usd.TimeCode) -> Batch:
+        """Give a batch its images, place and visibility at a time; the same object where nothing changes."""
         pictures = _PlateImages(self._images, plate, time, self._log).pictures()
         known = self._drawn.get(plate.key)
-        if known is None:
-            batch = Batch(plate.geometry(self._prim_id), pictures.material(plate.at), pose[None], seen_by=seen_by)
-            batch = replace(batch, culls_backs=self._culls_backs, camera_role=self._roles[plate.prim])
-        else:
-            batch = known[1]
-            if known[0] != pictures:
-                batch = replace(batch, material=pictures.material(plate.at))
-            if batch.seen_by != seen_by or not np.array_equal(batch.poses[0], pose):
-                batch = replace(batch, poses=pose[None], seen_by=seen_by)
+        if known is None or known[0] != pictures:
+            batch = replace(batch, material=pictures.material(plate.at))
+        if batch.seen_by != seen_by or not np.array_equal(batch.poses[0], pose):
+            batch = replace(batch, poses=pose[None], seen_by=seen_by)
         self._drawn[plate.key] = pictures, batch
         return batch
 

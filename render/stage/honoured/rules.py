@@ -160,10 +160,7 @@ RULES = {
     "Camera": Rules(
         "clippingPlanes clippingRange exposure exposure:fStop exposure:iso exposure:responsivity exposure:time fStop "
         "focalLength focusDistance horizontalAperture horizontalApertureOffset projection shutter:close shutter:open "
-        "verticalAperture verticalApertureOffset",
-        ignored={
-            "stereoRole": "each camera is drawn by itself",
-        },
+        "stereoRole verticalAperture verticalApertureOffset",
     ),
     "LensCamera": Rules(),
     "BackPlateAPI": Rules(

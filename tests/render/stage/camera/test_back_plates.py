@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdRender
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdRender
 
 from render.colour import to_working
 from render.errors import SettingsError, StageError
@@ -314,10 +314,8 @@ def test_an_image_outside_the_shot_is_refused_where_it_is_confined(tmp_path: Pat
         with pytest.raises(StageError, match="lies outside what was given"):
             Shot.open(tmp_path / "shot" / "shot.usda", confined_to=tmp_path / "shot")
     stage = plated(red)
-    reader = PlateReader(
-        {stage.GetPrimAtPath("/cam"): "seen"}, tmp_path / "shot", False, lambda path: 0, log := FindingLog()
-    )
-    (batch,) = reader.batches(UsdGeom.XformCache(), np.eye(4), 1.0)
+    reader = PlateReader({stage.GetPrimAtPath("/cam"): "seen"}, tmp_path / "shot", False, log := FindingLog())
+    (batch,) = reader.batches(UsdGeom.XformCache(), np.eye(4), 1.0, lambda path: 0)
     assert batch.material.lookups == {}
     assert "lies outside what was given: it is black" in log.as_list()[0].message
 
@@ -338,6 +336,14 @@ def test_a_change_of_the_focus_moves_the_plate_and_reads_nothing_else(tmp_path: 
 
 def _plate(shot: Shot) -> Batch:
     return next(batch for batch in shot.scene_at(0).batches if batch.seen_by == "/cam")
+
+
+def test_files_are_closed_with_the_shot(tmp_path: Path, red: str) -> None:
+    plated(red).Export(f"{tmp_path}/shot.usda")
+    shot = Shot.open(f"{tmp_path}/shot.usda")
+    shot.scene_at(0)
+    del shot  # without a cycle of references, which would keep it until it is collected
+    assert Sdf.Layer.Find(f"{tmp_path}/shot.usda") is None
 
 
 def test_plates_come_and_go_with_their_schema(red: str) -> None:

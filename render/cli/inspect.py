@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, astuple
 from typing import Any
 
 from render.cli.console import camel_case_keys, finite, print_json
@@ -58,6 +58,8 @@ def inspection_json(inspection: Inspection) -> dict[str, Any]:
         "readouts": [finite(camel_case_keys(asdict(readout))) for readout in inspection.readouts],
         "exposures": [{"camera": read.camera, **exposure_json(read)} for read in inspection.exposures],
         "backPlates": [camel_case_keys(asdict(plate)) for plate in inspection.back_plates],
+        "stereoRoles": [{"camera": path, "role": role} for path, role in inspection.stereo_roles.items()],
+        "stereoPairs": [asdict(pair) for pair in inspection.stereo_pairs],
         "primCount": inspection.prim_count,
         "triangleCount": inspection.triangle_count,
         "lightCount": inspection.light_count,
@@ -83,6 +85,8 @@ def _lines(stage: str, inspection: Inspection) -> Iterator[str]:
         yield f"  {path}  {described.get(path, 'cannot be used')}{' (default)' if path == default.path else ''}"
         if path in exposed:
             yield f"    exposed {exposed[path]}"
+        if path in inspection.stereo_roles:
+            yield f"    {_eye(path, inspection)}"
         for plate in inspection.back_plates:
             if plate.camera == path:
                 place = "nowhere" if plate.depth_m is None else f"at {_metres(plate.depth_m)}"
@@ -91,6 +95,14 @@ def _lines(stage: str, inspection: Inspection) -> Iterator[str]:
     yield from _section("not honoured", [note.message for note in inspection.notes])
     problems = [f"{problem.severity}: {problem.path}: {problem.message}" for problem in inspection.validation]
     yield from _section("validation", problems)
+
+
+def _eye(path: str, inspection: Inspection) -> str:
+    others = [
+        pair.right if path == pair.left else pair.left for pair in inspection.stereo_pairs if path in astuple(pair)
+    ]
+    role = inspection.stereo_roles[path]
+    return f"{role} eye, with {others[0]}" if others else f"{role} eye, of no pair"
 
 
 def _lens(readout: Readout) -> str:

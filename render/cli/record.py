@@ -14,7 +14,17 @@ from pxr import Sdf
 
 from render.cli.console import camel_case_keys, finite, print_json
 from render.cli.options import camera as camera_options
-from render.cli.options import contact_sheet, flare, grade, long_exposure, picture, progressive, shared, usdrecord
+from render.cli.options import (
+    contact_sheet,
+    flare,
+    grade,
+    long_exposure,
+    picture,
+    progressive,
+    shared,
+    stereo,
+    usdrecord,
+)
 from render.cli.recording.frames import record_frames
 from render.cli.recording.job import RecordJob
 from render.errors import OutputError, SettingsError
@@ -79,6 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         " with --products a folder",
     )
     shared.add_camera(parser)
+    stereo.add_arguments(parser)
     shared.add_lens(parser)
     parser.add_argument(
         "--film",
@@ -145,6 +156,9 @@ def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
     if arguments.products:
         _run_products(arguments, options, shot)
         return
+    if arguments.stereo:
+        _run_stereo(arguments, options, shot)
+        return
     first = shot.frame_range.start if options.long_exposure is None else options.long_exposure.begin
     frames = options.frames or [first]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
@@ -165,6 +179,32 @@ def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
         )
 
 
+def _run_stereo(arguments: argparse.Namespace, options: RecordOptions, shot: Shot) -> None:
+    """Record both eyes of a stereo pair."""
+    from render.cli.recording.stereo import record_stereo_frames
+
+    frames = options.frames or [shot.frame_range.start]
+    files = stereo.view_files(arguments.out, frames)
+    traced = [arguments.traceToFile] if arguments.traceToFile else []
+    _check_files(shot, [*(file for each in files for file in each.values()), *traced])
+    grade.warn_of_unapplied(arguments)
+    with shared.printed_findings(shot, arguments.stage):
+        pair = stereo.choose_pair(shot, arguments.camera)
+        _set_camera(shot, pair.right, options)
+        job = _set_up(shot, pair.left, options, frames[0])
+        written = record_stereo_frames(job, pair, list(zip(frames, files, strict=True)))
+    if arguments.json:
+        print_json(
+            {
+                "stage": arguments.stage,
+                "cameras": asdict(pair),
+                "settings": camel_case_keys(asdict(job.settings)),
+                "frames": [finite(entry) for entry in written],
+                "findings": [asdict(finding) for finding in shot.findings()],
+            }
+        )
+
+
 def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: Shot) -> None:
     """Record each product of the stage's render settings into the folder OUT."""
     from render.cli.recording.products import ProductRun, product_files, record_products
@@ -174,13 +214,16 @@ def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: S
     with shared.printed_findings(shot, arguments.stage):
         runs, set_up = [], set()
         for product in shot.products():
-            files = product_files(product, folder, frames)
             camera = shared.choose_camera(shot, product.camera_path)
-            if camera not in set_up:
-                _set_camera(shot, camera, options)
-                set_up.add(camera)
+            pair = stereo.pair_with(shot, camera) if arguments.stereo else None
+            files = product_files(product, folder, frames, is_stereo=pair is not None)
+            cameras = (camera,) if pair is None else (pair.left, pair.right)
+            for each in cameras:
+                if each not in set_up:
+                    _set_camera(shot, each, options)
+                    set_up.add(each)
             aovs = tuple(dict.fromkeys(("color", *(var.aov for var in product.vars))))
-            if format_of(files[0].name) != "exr":
+            if format_of(files[0][0].name) != "exr":
                 _note_dropped(shot, product, aovs[1:])
                 aovs = ("color",)
             given = {**picture.merge(product.own, options.given), "aovs": aovs}
@@ -188,12 +231,11 @@ def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: S
             if not product.has_motion or math.isnan(frames[0]):
                 settings = replace(settings, motion=1)
             with shot.framed(product.framing):
-                shot.camera_at(
-                    camera, frames[0], product.width, product.height
-                )  # errors come before anything is rendered
-            job = RecordJob(shot, camera, settings, options.stock, options.grade, options.camera.draw_guides)
-            runs.append(ProductRun(product, job, files))
-        all_files = [file for run in runs for file in run.files]
+                for each in cameras:  # errors come before anything is rendered
+                    shot.camera_at(each, frames[0], product.width, product.height)
+            job = RecordJob(shot, cameras[0], settings, options.stock, options.grade, options.camera.draw_guides)
+            runs.append(ProductRun(product, job, files, pair))
+        all_files = [file for run in runs for each in run.files for file in each]
         _make_folders(all_files)
         _check_files(shot, all_files)
         written = record_products(runs, frames)
@@ -229,6 +271,7 @@ def _make_folders(files: Sequence[Path]) -> None:
 def _read_options(arguments: argparse.Namespace) -> RecordOptions:
     progressive.check_progressive(arguments)
     usdrecord.check_arguments(arguments)
+    stereo.check_arguments(arguments)
     axes = contact_sheet.read_axes(arguments)
     if arguments.products:
         _check_products(arguments)

@@ -3,6 +3,6 @@
 from render.output.encode import FrameArrays, encode
 from render.output.formats import Format, format_of
 from render.output.metadata import FrameMetadata
-from render.output.write import write_frame
+from render.output.write import write_frame, write_views
 
-__all__ = ["Format", "FrameArrays", "FrameMetadata", "encode", "format_of", "write_frame"]
+__all__ = ["Format", "FrameArrays", "FrameMetadata", "encode", "format_of", "write_frame", "write_views"]

@@ -12,7 +12,8 @@ readers look for them.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
@@ -52,6 +53,46 @@ def encode_exr(
         SettingsError: an AOV has no place in a file, or not the picture's size.
         OutputError: the encoder failed.
     """
+    return file_bytes(".exr", _frame_parts(color, aovs, metadata, layout, is_first=True))
+
+
+def encode_views(
+    views: Sequence[tuple[FloatArray, Mapping[str, NDArray[Any]], FrameMetadata]], layout: FileLayout = PLAIN_LAYOUT
+) -> bytes:
+    """Encode the frames of several views as one EXR file: all parts of the first view, then those of the next.
+
+    A part is called as in a file of its own, with a dot and its view's name behind, and has the standard attribute ``view``. The
+    manifests of mattes have the names of all views, since some readers look for them in the first part alone.
+
+    Args:
+        views: colour, measurements and metadata of each as in `encode_exr`, all of one size.
+        layout: parts of each view, and the place of each in a larger picture.
+
+    Raises:
+        SettingsError: an AOV has no place in a file, or not the picture's size.
+        OutputError: the encoder failed.
+    """
+    names = {
+        matte: tuple(dict.fromkeys(chain.from_iterable(each.matte_names.get(matte, ()) for _, _, each in views)))
+        for matte in MATTES
+    }
+    parts: list[Part] = []
+    for color, aovs, metadata in views:
+        own = tuple(replace(part, name=f"{part.name}.{metadata.view}") for part in layout.parts_for(list(aovs)))
+        named = replace(metadata, matte_names=names)
+        parts += _frame_parts(color, aovs, named, replace(layout, parts=own), is_first=not parts)
+    return file_bytes(".exr", parts)
+
+
+def _frame_parts(
+    color: FloatArray,
+    aovs: Mapping[str, NDArray[Any]],
+    metadata: FrameMetadata,
+    layout: FileLayout,
+    *,
+    is_first: bool,
+) -> list[Part]:
+    """Parts of one frame; the first part of a file has attributes of later ones too."""
     _check_arrays(color, aovs)
     height, width = color.shape[:2]
     camera = metadata.exr_attributes(width, height, layout.framing)
@@ -66,13 +107,13 @@ def encode_exr(
         else:
             own, pixels, channels, kind = _measured(part.aov, aovs[part.aov], metadata)
             kind = _kind_of(kind, part.kind)
-        if _is_colour(part.aov) or not parts:  # OpenEXR wants in the first part what a later one has
+        if _is_colour(part.aov) or (is_first and not parts):  # OpenEXR wants in the first part what a later one has
             own = [*own, *primaries]
         theirs = mattes.get(part.aov, []) if parts else list(chain.from_iterable(mattes.values()))
         channels = channels[: part.channels]
         spec = _spec(part.name, (width, height), list(channels), kind, layout.framing)
         parts.append((describe(spec, [*camera, *theirs, *own]), np.ascontiguousarray(pixels[..., : len(channels)])))
-    return file_bytes(".exr", parts)
+    return parts
 
 
 def _is_colour(aov: str) -> bool:

@@ -39,6 +39,7 @@ class FrameMetadata:
         exposure_time_s: UsdGeomCamera's ``exposure:time`` where it is authored.
         iso: UsdGeomCamera's ``exposure:iso`` where it is authored.
         matte_names: names in the picture of each matte among its AOVs.
+        view: eye that the frame is for, as OpenEXR's standard attribute ``view``; empty for none.
         color_space: linear colour space that colours are written in; empty for the working space.
     """
 
@@ -53,6 +54,7 @@ class FrameMetadata:
     exposure_time_s: float | None = None
     iso: float | None = None
     matte_names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    view: str = ""
     color_space: str = ""
 
     @property
@@ -91,6 +93,8 @@ class FrameMetadata:
         ]
         if not math.isnan(self.time):
             named += [("imageCounter", "int", math.floor(self.time)), ("pullfocus:timeCode", "float", self.time)]
+        if self.view:
+            named.append(("view", "string", self.view))
         if self.stage:
             named.append(("pullfocus:stage", "string", self.stage))
         if self.camera.path:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 
 from render.files import write_atomic
 from render.model.arrays import FloatArray
 from render.output.encode import FrameArrays, encode
+from render.output.exr import encode_views
 from render.output.formats import format_of
 from render.output.layout import PLAIN_LAYOUT, FileLayout
 from render.output.metadata import FrameMetadata
@@ -33,3 +35,21 @@ def write_frame(
         OutputError: the file cannot be written; an existing file is unchanged.
     """
     write_atomic(path, encode(format_of(path), frame, graded, metadata, layout))
+
+
+def write_views(
+    path: str | os.PathLike[str],
+    views: Sequence[tuple[FrameArrays, FrameMetadata]],
+    layout: FileLayout = PLAIN_LAYOUT,
+) -> None:
+    """Write the frames of several views into one EXR file (`render.output.exr.encode_views`).
+
+    Args:
+        path: the file. Its folder must exist; a file there is replaced.
+        views: frame and metadata of each; the metadata name it.
+        layout: parts of each view.
+
+    Raises:
+        OutputError: the file cannot be written; an existing file is unchanged.
+    """
+    write_atomic(path, encode_views([(frame.color, frame.aovs, metadata) for frame, metadata in views], layout))

@@ -14,7 +14,17 @@ from render.shot.exposure.readout import ExposureReadout
 from render.shot.findings.finish_findings import finish_findings
 from render.shot.focus.readout import Readout
 from render.shot.shot import Shot
-from render.stage import BackPlate, CameraChoice, Finding, FrameRange, is_y_up, list_plates
+from render.stage import (
+    EYES,
+    BackPlate,
+    CameraChoice,
+    Finding,
+    FrameRange,
+    StereoPair,
+    is_y_up,
+    list_plates,
+    stereo_role,
+)
 from usd_schemas.units import metres_per_unit
 from usd_schemas.validation import Problem, validate
 
@@ -35,6 +45,8 @@ class Inspection:
         readouts: the lens of each camera whose numbers are possible.
         exposures: of each camera whose exposure makes sense.
         back_plates: of all cameras.
+        stereo_roles: of cameras that are an eye, by path.
+        stereo_pairs: cameras of two eyes that belong together.
         prim_count: prims with geometry that are drawn.
         triangle_count: drawn, instances counted.
         light_count: lights, a dome among them.
@@ -50,6 +62,8 @@ class Inspection:
     readouts: tuple[Readout, ...]
     exposures: tuple[ExposureReadout, ...]
     back_plates: tuple[BackPlate, ...]
+    stereo_roles: dict[str, str]
+    stereo_pairs: tuple[StereoPair, ...]
     prim_count: int
     triangle_count: int
     light_count: int
@@ -83,6 +97,8 @@ def inspect_shot(shot: Shot) -> Inspection:
         default_camera=default,
         readouts=readouts,
         exposures=exposures,
+        stereo_roles={path: role for path in shot.cameras() if (role := _role(shot, path)) in EYES},
+        stereo_pairs=tuple(shot.stereo_pairs()),
         back_plates=tuple(list_plates(shot.stage, shot.cameras(), first)),
         prim_count=_count_prims(surfaces),
         triangle_count=sum(len(batch.geometry.triangles) * len(batch.poses) for batch in surfaces),
@@ -98,6 +114,10 @@ def _default_camera(shot: Shot) -> CameraChoice:
         return shot.default_camera()
     except StageError as error:
         return CameraChoice(None, error.detail)
+
+
+def _role(shot: Shot, camera_path: str) -> str:
+    return stereo_role(shot.stage.GetPrimAtPath(camera_path))
 
 
 def _read_cameras(

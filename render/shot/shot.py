@@ -35,9 +35,11 @@ from render.stage import (
     RenderSettings,
     StageOptions,
     StageReader,
+    StereoPair,
     choose_settings,
     find_pass,
     frame_range,
+    list_pairs,
     open_stage,
     stage_settings,
 )
@@ -177,6 +179,10 @@ class Shot:
     def cameras(self) -> list[str]:
         """List the prim paths of all cameras."""
         return self._cameras.paths()
+
+    def stereo_pairs(self) -> list[StereoPair]:
+        """List the pairs of stereo cameras."""
+        return list_pairs(self.stage, self.cameras())
 
     def default_camera(self) -> CameraChoice:
         """Choose the camera that is used when none is named, and say why."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from render.shot.camera.attributes import CameraAttribute, author_settings, set_focus_mode, setting_label
 from render.shot.camera.lookup import CameraLookup
+from render.shot.camera.sharing import give_settings, lacks_settings
 from render.shot.edits.edit_layer import Edits
 from render.shot.lens.lens_choice import LensChoice
 from render.shot.times import check_time
@@ -104,6 +105,24 @@ class ShotCamera:
         attribute = CameraAttribute(camera, name)
         with self._edits.transaction(f"remove the key of {setting_label(name)} of {camera.prim.GetName()} at {time:g}"):
             attribute.remove_key(time)
+
+    def share_settings(self, one_path: str, other_path: str) -> tuple[str, ...]:
+        """Give each of two cameras of a stereo rig the settings of lens, focus and film that the other alone has authored.
+
+        Args:
+            one_path: of a camera.
+            other_path: of another.
+
+        Returns:
+            Paths of cameras that lack settings of the other and keep their own values, since they lie in an instance.
+        """
+        prims = [self._cameras.camera(path).prim for path in (one_path, other_path)]
+        lacking = [(giver, taker) for giver, taker in (prims, prims[::-1]) if lacks_settings(giver, taker)]
+        with self._edits.transaction("share the settings of two cameras"):
+            for giver, taker in lacking:
+                if not taker.IsInstanceProxy():
+                    give_settings(giver, taker)
+        return tuple(str(taker.GetPath()) for _, taker in lacking if taker.IsInstanceProxy())
 
     def mount_lens(self, camera_path: str | None, choice: LensChoice) -> Mounted:
         """Put another lens on a camera, for all time: its glass, its focal length, and no wider an f-number than it has.

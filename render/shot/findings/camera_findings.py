@@ -15,7 +15,8 @@ from render.near_names import hint
 from render.optics.prescription.mounting import PRESCRIBED, nearer_than_marked
 from render.shot.findings.topology_findings import topology_findings
 from render.shot.focus.focused_camera import FocusedCamera
-from render.stage import Finding
+from render.stage import Finding, stereo_role
+from render.stage.camera.stereo import ROLES
 from usd_schemas import LensCamera
 
 
@@ -107,6 +108,11 @@ def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     if projection == UsdGeom.Tokens.orthographic and lens.model not in ("thin", "pinhole"):
         message = f"{path} is orthographic: it has a thin lens of parallel rays in place of its {lens.model} one"
         yield Finding("orthographic", path, message)
+    role = stereo_role(camera.prim)
+    if role not in ROLES:
+        yield Finding(
+            "bad_stereo_role", path, f"stereoRole of {path} must be {' or '.join(ROLES)}, got {role}: it is mono"
+        )
     planes = UsdGeom.Camera(camera.prim).GetClippingPlanesAttr().Get(Usd.TimeCode.EarliestTime())
     if isinstance(planes, Sized) and len(planes) > MAX_CLIP_PLANES:
         message = f"{path} has {len(planes)} clippingPlanes: only the first {MAX_CLIP_PLANES} clip"

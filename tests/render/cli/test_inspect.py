@@ -78,7 +78,14 @@ def test_every_key_is_in_the_reference(pullfocus: Command, tmp_path: Path) -> No
         '"odd"\n    {',
         '"odd" (\n        prepend apiSchemas = ["ApertureAPI", "BackPlateAPI:sky"]\n    )\n    {\n        int aperture:blades = 2',
     )
-    shot = write_shot(tmp_path / "shot.usda", SQUARE, HAIR, odd, CAMERA)
+    eyes = [
+        CAMERA.replace("main_cam", role).replace(
+            "float fStop", f'uniform token stereoRole = "{role}"\n        float fStop'
+        )
+        for role in ("left", "right")
+    ]
+    plated = CAMERA.replace('"main_cam"', '"main_cam" (\n        prepend apiSchemas = ["BackPlateAPI:sky"]\n    )')
+    shot = write_shot(tmp_path / "shot.usda", SQUARE, HAIR, odd, plated, *eyes)
     inspection = json.loads(pullfocus("inspect", shot, "--json").out)
     assert (inspection["format"], inspection["version"]) == ("pullfocus.inspection", 1)
     written = {key for key in _keys(inspection) if not key.endswith("]")}

@@ -76,7 +76,7 @@ def test_payloads_are_left_out_where_that_is_asked_for(pullfocus: Command, tmp_p
 def test_every_key_is_in_the_reference(pullfocus: Command, tmp_path: Path) -> None:
     odd = CAMERA.replace("main_cam", "odd").replace(
         '"odd"\n    {',
-        '"odd" (\n        prepend apiSchemas = ["ApertureAPI", "BackPlateAPI:sky"]\n    )\n    {\n        int aperture:blades = 2',
+        '"odd" (\n        prepend apiSchemas = ["ApertureAPI"]\n    )\n    {\n        int aperture:blades = 2',
     )
     eyes = [
         CAMERA.replace("main_cam", role).replace(

@@ -14,7 +14,7 @@ import numpy as np
 from pxr import Usd
 
 from render import colour
-from render.model.arrays import FloatArray
+from render.model.arrays import FloatArray, IntArray
 from render.stage.assembly.inventory import InstancerLink, Occurrence
 from render.stage.assembly.poses import InstanceReader
 from render.stage.findings import FindingLog
@@ -85,12 +85,12 @@ def instance_colors(
     for link in chain:
         _, indices, count = instances.prototype_instances(link)
         own = np.repeat(colors[:, None], len(indices), axis=1)
-        color = _rows(link, inherited.color, 3, count, time, log)
+        color = _rows(link, inherited.color, 3, indices, count, time, log)
         if color is not None:
-            own[..., :3] = colour.to_working(color[indices])
-        opacity = _rows(link, inherited.opacity, 1, count, time, log)
+            own[..., :3] = colour.to_working(color)
+        opacity = _rows(link, inherited.opacity, 1, indices, count, time, log)
         if opacity is not None:
-            own[..., 3] = opacity[indices, 0]
+            own[..., 3] = opacity[:, 0]
         colors = own.reshape(-1, 4)
     return np.nan_to_num(colors)
 
@@ -105,9 +105,25 @@ def _is_theirs(surface: Occurrence, name: str) -> bool:
 
 
 def _rows(
-    link: InstancerLink, name: str | None, width: int, count: int, time: Usd.TimeCode, log: FindingLog
+    link: InstancerLink,
+    name: str | None,
+    width: int,
+    indices: IntArray,
+    count: int,
+    time: Usd.TimeCode,
+    log: FindingLog,
 ) -> FloatArray | None:
-    """Values ``(count, width)`` of a primvar for all instances of an instancer; None where it has none that can be used."""
+    """Values ``(k, width)`` of a primvar for some instances of an instancer; None where it has none that can be used.
+
+    Args:
+        link: the instancer.
+        name: of the primvar; None for none.
+        width: numbers of each value.
+        indices: ``(k,)`` of the instances.
+        count: of all instances, which must all have a value.
+        time: when.
+        log: for findings.
+    """
     found = find_primvar(link.instancer, name) if name else None
     if found is None:
         return None
@@ -116,13 +132,12 @@ def _rows(
         message = f"primvar {name} of {path} is not used: it does not hold {width} numbers for each element"
         log.add(f"bad_primvar_{name}", path, message)
         return None
-    elements = np.arange(count) if values.interpolation in _PER_INSTANCE else np.zeros(count, np.int64)
-    try:
-        index = elements if values.indices is None else values.indices[elements]
-        if len(index) and index.min() < 0:
-            raise IndexError
-        return values.values[index]
-    except IndexError:
+    is_own = values.interpolation in _PER_INSTANCE
+    needed = count if is_own else min(count, 1)
+    listed = np.arange(len(values.values)) if values.indices is None else values.indices
+    used = listed[:needed]
+    if len(used) < needed or used.min(initial=0) < 0 or used.max(initial=0) >= len(values.values):
         message = f"primvar {name} of {path} is not used: it has {len(values.values)} values for {count} instances"
         log.add(f"bad_primvar_{name}", path, message)
         return None
+    return values.values[used[indices] if is_own else used[np.zeros(len(indices), np.int64)]]

@@ -58,8 +58,15 @@ def test_exponents_are_those_of_power_laws() -> None:
 
 
 def test_stages_are_of_the_size_that_is_asked_for(tmp_path: Path) -> None:
-    size = SceneSize(triangles=6_000, prims=12, instances=50, lights=3)
-    scene = Shot.open(write_stage(tmp_path, size)).scene_at(1.0)
-    assert scene.triangle_count == pytest.approx(6_000 + 4 * 50, rel=0.05)
+    size = SceneSize(triangles=6_000, prims=12, instances=50, natives=70, movers=30, lights=3)
+    shot = Shot.open(write_stage(tmp_path, size))
+    scene = shot.scene_at(1.0)
+    (tmp_path / "plain").mkdir()
+    plain = Shot.open(write_stage(tmp_path / "plain", SceneSize(triangles=6_000, prims=12, lights=3))).scene_at(1.0)
+    assert plain.triangle_count == pytest.approx(6_000, rel=0.05)
+    assert scene.triangle_count - plain.triangle_count == 4 * (50 + 70 + 30)
+    assert len([prim for prim in shot.stage.Traverse() if prim.IsInstance()]) == 70
+    later = shot.scene_at(2.0)
+    assert sum(one is not other for one, other in zip(scene.batches, later.batches, strict=True)) == 30
     assert len(scene.lights) == 3
     assert len({path for path in scene.prim_paths if "/meshes/" in path}) == 12

@@ -17,6 +17,8 @@ class SceneSize:
         triangles: triangles of all meshes together.
         prims: meshes, all of one size.
         instances: point instances of one small prototype.
+        natives: native instances of one small prim.
+        movers: small meshes that move, each by itself.
         lights: sphere lights that cast shadows.
         width: picture width in pixels; pictures are 16:9.
     """
@@ -24,6 +26,8 @@ class SceneSize:
     triangles: int = 100_000
     prims: int = 100
     instances: int = 0
+    natives: int = 0
+    movers: int = 0
     lights: int = 4
     width: int = 480
 
@@ -35,6 +39,8 @@ AXES: dict[str, tuple[SceneSize, tuple[int, ...]]] = {
     "triangles": (BASE, (100_000, 300_000, 1_000_000, 3_000_000, 10_000_000, 20_000_000)),
     "prims": (PRIMS_BASE, (100, 1_000, 10_000, 100_000)),
     "instances": (BASE, (1_000, 10_000, 100_000, 1_000_000)),
+    "natives": (BASE, (100, 1_000, 10_000, 100_000)),
+    "movers": (BASE, (100, 1_000, 10_000)),
     "lights": (BASE, (1, 4, 16, 64, 250, 500)),
     "width": (BASE, (480, 960, 1920, 3840, 7680)),
 }
@@ -44,6 +50,8 @@ QUICK_AXES: dict[str, tuple[SceneSize, tuple[int, ...]]] = {
     "triangles": (QUICK_BASE, (4_000, 16_000)),
     "prims": (QUICK_BASE, (10, 40)),
     "instances": (QUICK_BASE, (100, 1_000)),
+    "natives": (QUICK_BASE, (10, 100)),
+    "movers": (QUICK_BASE, (10, 40)),
     "lights": (QUICK_BASE, (1, 4)),
     "width": (QUICK_BASE, (96, 192)),
 }

@@ -1,4 +1,4 @@
-"""Scale bench: seconds and memory against triangles, prims, instances, lights and picture width, and their growth.
+"""Scale bench: seconds and memory against triangles, prims, instances, moving meshes, lights and picture width, and their growth.
 
 pullfocus bench scale
 """

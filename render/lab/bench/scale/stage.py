@@ -44,6 +44,8 @@ def write_stage(folder: Path, size: SceneSize) -> Path:
     _write_meshes(stage, size, looks, random)
     if size.instances:
         _write_instances(stage, size.instances, random)
+    _write_natives(stage, size.natives, random)
+    _write_movers(stage, size.movers, random)
     _write_lights(stage, size.lights)
     _write_camera(stage)
     stage.Save()
@@ -126,17 +128,70 @@ def _grid_faces(around: int, along: int) -> np.ndarray[tuple[int], np.dtype[np.i
 def _write_instances(stage: Usd.Stage, count: int, random: np.random.Generator) -> None:
     """Write tetrahedra all over the field."""
     instancer = UsdGeom.PointInstancer.Define(stage, "/World/blades")
-    blade = UsdGeom.Mesh.Define(stage, "/World/blades/prototypes/blade")
+    instancer.CreatePrototypesRel().AddTarget(_write_blade(stage, "/World/blades/prototypes/blade"))
+    positions = _scatter(count, random).astype(np.float32)
+    instancer.CreatePositionsAttr(Vt.Vec3fArray.FromNumpy(positions))
+    instancer.CreateProtoIndicesAttr(Vt.IntArray.FromNumpy(np.zeros(count, np.int32)))
+
+
+def _write_blade(stage: Usd.Stage, path: str) -> Sdf.Path:
+    """Write a tetrahedron; returns its path."""
+    blade = UsdGeom.Mesh.Define(stage, path)
     blade.CreatePointsAttr([Gf.Vec3f(*point) for point in _BLADE])
     blade.CreateFaceVertexCountsAttr([3] * len(_BLADE_FACES))
     blade.CreateFaceVertexIndicesAttr([i for face in _BLADE_FACES for i in face])
     blade.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     blade.CreateDisplayColorAttr([Gf.Vec3f(0.2, 0.5, 0.1)])
-    instancer.CreatePrototypesRel().AddTarget(blade.GetPath())
+    return blade.GetPath()
+
+
+def _scatter(count: int, random: np.random.Generator) -> DoubleArray:
+    """Points ``(count, 3)`` all over the field, metres."""
     places = random.uniform(-_FIELD_M / 2, _FIELD_M / 2, (count, 2))
-    positions = np.stack([places[:, 0], np.zeros(count), places[:, 1]], axis=1).astype(np.float32)
-    instancer.CreatePositionsAttr(Vt.Vec3fArray.FromNumpy(positions))
-    instancer.CreateProtoIndicesAttr(Vt.IntArray.FromNumpy(np.zeros(count, np.int32)))
+    return np.stack([places[:, 0], np.zeros(count), places[:, 1]], axis=1)
+
+
+def _write_natives(stage: Usd.Stage, count: int, random: np.random.Generator) -> None:
+    """Write native instances of a tetrahedron all over the field."""
+    stage.CreateClassPrim("/Blade")
+    _write_blade(stage, "/Blade/blade")
+    parent = _group(stage, "/World/natives")
+    with Sdf.ChangeBlock():
+        for number, place in enumerate(_scatter(count, random)):
+            prim = Sdf.PrimSpec(parent, f"blade{number}", Sdf.SpecifierDef, "Xform")
+            prim.instanceable = True
+            prim.inheritPathList.prependedItems = ["/Blade"]
+            _translate(prim).default = Gf.Vec3d(*place)
+
+
+def _write_movers(stage: Usd.Stage, count: int, random: np.random.Generator) -> None:
+    """Write tetrahedra all over the field that go up over the frames, each at its own speed."""
+    values = {
+        name: stage.GetAttributeAtPath(_write_blade(stage, "/Mover").AppendProperty(name)).Get()
+        for name, _ in _MESH_ATTRIBUTES
+    }
+    stage.RemovePrim("/Mover")
+    parent = _group(stage, "/World/movers")
+    with Sdf.ChangeBlock():
+        for number, (place, speed) in enumerate(zip(_scatter(count, random), random.uniform(0, 1, count), strict=True)):
+            mesh = Sdf.PrimSpec(parent, f"blade{number}", Sdf.SpecifierDef, "Mesh")
+            for name, kind in _MESH_ATTRIBUTES:
+                Sdf.AttributeSpec(mesh, name, kind).default = values[name]
+            track = _translate(mesh).path
+            for time, height in zip(FRAMES, (0.0, speed), strict=True):
+                stage.GetRootLayer().SetTimeSample(track, time, Gf.Vec3d(place[0], height, place[2]))
+
+
+def _group(stage: Usd.Stage, path: str) -> Sdf.PrimSpec:
+    stage.DefinePrim(path)
+    return stage.GetRootLayer().GetPrimAtPath(path)
+
+
+def _translate(prim: Sdf.PrimSpec) -> Sdf.AttributeSpec:
+    """Add a translation to a prim, without a value."""
+    order = Sdf.AttributeSpec(prim, "xformOpOrder", Sdf.ValueTypeNames.TokenArray, Sdf.VariabilityUniform)
+    order.default = Vt.TokenArray(["xformOp:translate"])
+    return Sdf.AttributeSpec(prim, "xformOp:translate", Sdf.ValueTypeNames.Double3)
 
 
 def _write_lights(stage: Usd.Stage, count: int) -> None:

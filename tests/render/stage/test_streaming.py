@@ -26,7 +26,7 @@ def instanced(count: int) -> Usd.Stage:
     with Sdf.ChangeBlock():
         for number in range(count):
             prim = Sdf.PrimSpec(parent, f"i{number}", Sdf.SpecifierDef, "Xform")
-            prim.instanceable = True
+            prim.SetInfo("instanceable", True)
             prim.inheritPathList.prependedItems = ["/asset"]
             place = Sdf.AttributeSpec(prim, "xformOp:translate", Sdf.ValueTypeNames.Double3)
             place.default = Gf.Vec3d(number, 0, 0)

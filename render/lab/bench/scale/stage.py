@@ -159,7 +159,7 @@ def _write_natives(stage: Usd.Stage, count: int, random: np.random.Generator) ->
     with Sdf.ChangeBlock():
         for number, place in enumerate(_scatter(count, random)):
             prim = Sdf.PrimSpec(parent, f"blade{number}", Sdf.SpecifierDef, "Xform")
-            prim.instanceable = True
+            prim.SetInfo("instanceable", True)
             prim.inheritPathList.prependedItems = ["/Blade"]
             _translate(prim).default = Gf.Vec3d(*place)
 

@@ -14,7 +14,7 @@ from tests.render.kits.stages import add_mesh, dense_grid, new_stage, only_batch
 
 INSTANCES = 2_000
 FRAMES, POINTS = 40, 60_000
-"""Of the animation: 29 MB of points."""
+"""Size of the animation: 29 MB of points."""
 
 
 def instanced(count: int) -> Usd.Stage:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLod
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLod, Vt
 
 from render.model.arrays import DoubleArray, IntArray
 from render.stage.assembly.inventory import LevelRoot, Levels, Occurrence
@@ -138,17 +138,18 @@ class _Heuristics:
         """
         if self._frustum is None:
             return None
+        matrices = list(Vt.Matrix4dArray.FromNumpy(np.ascontiguousarray(places.transpose(0, 2, 1))))
         for path in UsdLod.RootAPI(root.prim).GetLodHeuristicsRel().GetForwardedTargets():
             query = self._query(path)
             view = self._frustum.GetPosition() if isinstance(query, UsdLod.DistanceHeuristicQuery) else self._frustum
             if query is None:
                 continue
             try:
-                found = np.array([query.ComputeLOD(view, Gf.Matrix4d(*place.T.ravel())) for place in places])
+                found = np.array([query.ComputeLOD(view, matrix) for matrix in matrices])
             except Tf.ErrorException:
                 continue
             if np.isfinite(found).all():
-                return np.array([_nearest(level, root.count) for level in found], np.int32)
+                return np.clip(np.floor(found + 0.5), 0, root.count - 1).astype(np.int32)
         return None
 
     def _query(self, path: Sdf.Path) -> UsdLod.HeuristicQuery | None:

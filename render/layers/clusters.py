@@ -257,7 +257,7 @@ class ClusterIndex:
         low_px[crosses], high_px[crosses] = 0, (view.width, view.height)
         w = 1 / np.maximum(farthest, view.near_m)
         range_w = 1 / np.maximum(nearest, view.near_m) - w
-        return low_px, high_px, w * (1 - 1e-5) - 0.02 * range_w - view.base_w
+        return low_px, high_px, (w - view.base_w) * (1 - 1e-5) - 0.02 * range_w
 
     def ranges(self, clusters: IndexArray) -> dict[int, list[DrawRange]]:
         """Ranges of each draw, by its index, that cover clusters (ascending), in the order of drawing.

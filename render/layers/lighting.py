@@ -8,6 +8,7 @@ import numpy as np
 
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
+from render.layers.drawing_space import DrawingSpace
 from render.layers.index import Draw
 from render.layers.lights import dome_irradiance, pack_lights, select_lights, unit_axes
 from render.layers.materials import HalfTexture
@@ -53,9 +54,9 @@ class Lighting:
         return self._maps.cast(self._plan.clip_from_world, draws)
 
     def bind(self, view: PinholeView) -> None:
-        """Bind the lighting of surfaces, in the space of a view's camera."""
+        """Bind the lighting of surfaces, in the space that they are drawn in."""
         dome_map = self._dome_map
-        world_from_camera = np.asarray(np.linalg.inv(view.camera_from_world), np.float64)
+        world_from_camera = np.asarray(np.linalg.inv(DrawingSpace.of_view(view).from_world), np.float64)
         mips = int(np.log2(max(dome_map.width, dome_map.height)))
         block = pack_lights(self._lights, self._dome, self._harmonics, mips, world_from_camera, self._plan.slots)
         self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera)

@@ -14,6 +14,7 @@ from render.errors import GraphicsError
 from render.gl.compat import GL
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
+from render.layers.drawing_space import DrawingSpace
 from render.layers.index import Draw, SceneIndex
 from render.layers.levels.sketch_index import SketchIndex
 from render.layers.lighting import Lighting
@@ -286,7 +287,7 @@ class Peeler:
         if not faded and not any(id(draw.batch) in moves for draw in draws):
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view) if nearest_w is None else nearest_w))
         sheets = max(layers, min(key.sheets, MAX_LAYERS)) if faded else layers
-        with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
+        with MovingDraws(self._ctx, draws, moves, DrawingSpace.of_view(view).from_world) as moving:
             targets = self._allocate_targets(view, sheets, cache_slot, motion=moving.any, lit=not unlit, ids=key.ids)
             self._lighting.draw_background(view, targets)
             slots = targets.slots

@@ -15,6 +15,7 @@ from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyr
 from render.gl.shaders import SHADER_DIR, ProgramCache, load_source
 from render.layers.clusters import DrawRange
 from render.layers.draw_splitter import DrawSplitter
+from render.layers.drawing_space import DrawingSpace
 from render.layers.hidden import HiddenMeasurer
 from render.layers.index import Draw, SceneIndex
 from render.layers.instance_colors import InstanceColors
@@ -25,7 +26,7 @@ from render.layers.selection import ClusterSelection, DrawnRanges
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import MOST_RADIANCE, Slot
-from render.model.arrays import DoubleArray, FloatArray, IndexArray
+from render.model.arrays import DoubleArray, IndexArray
 from render.model.limits import MAX_CLIP_PLANES
 from render.optics.view import PinholeView
 
@@ -193,7 +194,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self, layer: LayerPass, drawn: list[DrawnRanges], least_opacity: float, *, fill: bool = False
     ) -> None:
         view = layer.view
-        clip = view.projection_matrix().astype(np.float32)
+        space = DrawingSpace.of_view(view)
         previous = layer.previous or layer.slot  # the first layer's programs do not read it
         previous.w.use(_PREVIOUS_UNIT)
         own = layer.slot if layer.rest is None else layer.rest.last
@@ -225,16 +226,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("packs"), 1 if layer.first is None or layer.first.w is previous.w else 2)
             GL.glUniform1i(program.location("own_channel"), own.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
-            GL.glUniform1f(program.location("base_w"), view.base_w)
-            self._bind_draw(
-                draw, program, view.camera_from_world, clip, cull=not shows_backs, clip_planes=view.clip_planes
-            )
+            self._bind_draw(draw, program, space, cull=not shows_backs)
             for share in self._splitter.split_depth(ranges):
                 self._draw_range(program, share)
 
     def _draw_colours(self, layer: LayerPass, drawn: list[DrawnRanges], least_opacity: float) -> None:
         view = layer.view
-        clip = view.projection_matrix().astype(np.float32)
+        space = DrawingSpace.of_view(view)
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
         for draw, ranges, shows_backs in drawn:
@@ -246,12 +244,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
             GL.glUniform1i(program.location("is_holdout"), draw.batch.camera_role == "holdout")
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
-            GL.glUniform1f(program.location("base_w"), view.base_w)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
-            self._bind_draw(
-                draw, program, view.camera_from_world, clip, cull=not shows_backs, clip_planes=view.clip_planes
-            )
+            self._bind_draw(draw, program, space, cull=not shows_backs)
             for share in self._splitter.split(draw, ranges, view):
                 self._draw_range(program, share)
 
@@ -270,13 +265,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     def draw_shadow(self, side_px: int, clip_from_world: DoubleArray, draws: Sequence[Draw]) -> None:
         """Draw the depth of draws into the bound shadow map; fragments of at most half opacity cast no shadow."""
         self._begin(side_px, side_px)
-        clip = clip_from_world.astype(np.float32)
+        space = DrawingSpace(np.eye(4), clip_from_world, (0.0, 0.0, 0.0), ())
         try:
             for draw, ranges, shows_backs in self._selection.shadow_ranges(clip_from_world, draws):
                 program = self._depth_program(draw, 0.5, peel=False)
                 GL.glUseProgram(program._program_id)
                 GL.glUniform1f(program.location("detail"), 1.0)
-                self._bind_draw(draw, program, np.eye(4), clip, cull=not shows_backs)
+                self._bind_draw(draw, program, space, cull=not shows_backs)
                 for share in self._splitter.split_depth(ranges):
                     self._draw_range(program, share)
         finally:
@@ -296,24 +291,17 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     def __del__(self) -> None:
         """Do nothing: pyrender's own would free names that may belong to another renderer by now. The owner calls `delete`."""
 
-    def _bind_draw(
-        self,
-        draw: Draw,
-        program: SourceProgram,
-        camera_from_world: DoubleArray,
-        clip: FloatArray,
-        *,
-        cull: bool,
-        clip_planes: Sequence[tuple[float, float, float, float]] = (),
-    ) -> None:
+    def _bind_draw(self, draw: Draw, program: SourceProgram, space: DrawingSpace, *, cull: bool) -> None:
         """Prepare one primitive for drawing. Its pose is multiplied in float64, for precision far from the origin."""
         primitive = draw.node.mesh.primitives[0]
-        camera_from_node = (camera_from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
+        camera_from_node = (space.from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
         GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
-        GL.glUniformMatrix4fv(program.location("clip_from_camera"), 1, GL.GL_TRUE, clip)
+        GL.glUniformMatrix4fv(program.location("clip_from_camera"), 1, GL.GL_TRUE, space.clip.astype(np.float32))
+        GL.glUniform2f(program.location("w_of_depth"), *space.w_of_depth)
+        GL.glUniform1f(program.location("eye_z"), space.eye[2])
         self._instance_colors.bind(draw)
-        if clip_planes:
-            planes = np.array(clip_planes, np.float32)
+        if space.clip_planes:
+            planes = np.array(space.clip_planes, np.float32)
             GL.glUniform4fv(program.location("clip_planes"), len(planes), planes)
         self._bind_material(primitive.material)
         GL.glUniform1i(program.location("double_sided"), draw.batch.double_sided)

@@ -14,6 +14,7 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.limits import make_storage
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.drawing_space import DrawingSpace
 from render.layers.lights import MAX_LIGHTS
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.targets import MOST_RADIANCE, Slot
@@ -70,7 +71,8 @@ class SurfaceLighter:
         unshear = np.linalg.inv(np.reshape(view.shear, (2, 2)))
         per_px = unshear @ np.diag([1 / view.fx, -1 / view.fy])
         first_slope = -per_px @ [view.cx, view.cy]
-        set_uniforms(program, channel=slot.channel, slice=lit.slice, eye=(view.eye_x_m, view.eye_y_m, 0.0))
+        space = DrawingSpace.of_view(view)
+        set_uniforms(program, channel=slot.channel, slice=lit.slice, eye=space.eye, far=space.far)
         set_uniforms(program, slope_per_px=tuple(per_px.T.ravel()), first_slope=tuple(first_slope), base_w=view.base_w)
         lit.radiance.bind_to_image(0, read=True, write=True)
         rows = min(view.height, max(1, MOST_LISTED // (2 * view.width)) * 2)

@@ -40,8 +40,9 @@ class PinholeView:
         shear: what slopes ``(X - eye_x, Y - eye_y)/z``, right and up, are multiplied by before they become pixels: ``(xx, xy, yx,
             yy)``; other than the identity for a view that keeps a tilted plane in place.
         clip_planes: as the camera's, in the space of ``camera_from_world``.
-        base_w: inverse depth from which layers and focus count theirs, 1/m: 0, or for a lens that stands so far back that all it
-            sees has nearly one inverse depth, that of a place behind it all. Rays are lines in w from any base.
+        base_w: inverse depth from which layers and focus count theirs, 1/m: 0, or for a camera that stands so far back that all
+            it sees has nearly one inverse depth, that of a place behind it all. Rays are lines in w from any base.
+        set_back_m: as the camera's.
     """
 
     width: int
@@ -58,6 +59,7 @@ class PinholeView:
     shear: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)
     clip_planes: tuple[tuple[float, float, float, float], ...] = ()
     base_w: float = 0.0
+    set_back_m: float = 0.0
 
     @classmethod
     def from_camera(cls, camera: Camera, width: int, height: int) -> PinholeView:
@@ -87,6 +89,7 @@ class PinholeView:
             camera_from_world=np.asarray(np.linalg.inv(camera.world_from_camera), np.float64),
             clip_planes=camera.clip_planes,
             base_w=_base_w(camera),
+            set_back_m=camera.set_back_m,
         )
 
     @property
@@ -200,8 +203,8 @@ class PinholeView:
 
 
 def _base_w(camera: Camera) -> float:
-    """`PinholeView.base_w` of a camera: where a lens stands far back, half as far behind what it sees as that is deep, in 1/m."""
-    if camera.set_back_m == 0 or camera.f_stop == 0:
+    """`PinholeView.base_w` of a camera: where it stands far back, half as far behind what it sees as that is deep, in 1/m."""
+    if camera.orthographic is None:
         return 0.0
     return 1.5 / camera.far_m - 0.5 / camera.near_m
 

@@ -73,8 +73,8 @@ def render_moving_frame(
         scene, moved = shot.scene_at(at, camera.path), shot.camera_at(camera_path, at, *size)
         return space.widen_moment(Moment(scene, moved, parts[index, ..., None]))
 
-    # surfaces that move are carried by their depth from the pupil, which is far away from an orthographic camera's lens
-    if settings.motion_by == "moments" or (camera.orthographic is not None and camera.f_stop > 0):
+    # surfaces that move are carried by their depth from the pupil, which is far behind an orthographic camera
+    if settings.motion_by == "moments" or camera.orthographic is not None:
         return renderer.render_moving(
             count, moment_at, space.settings, on_progress, moments_per_pixel=moments_per_pixel(parts)
         )

@@ -31,6 +31,7 @@ layout(std140, binding = 1) uniform MaterialBlock {
     Lookup lookups[8];
 } material;
 
+uniform float eye_z;       // of the eye in the space of positions, m: 0 but for a camera that stands far back
 uniform bool double_sided; // turn the normals of back faces towards the eye
 uniform float detail;      // times finer than this pass's pixels that the finished picture samples surfaces
 uniform float patch_px_m;  // side of one ray's patch per 1/m of w from the plane of focus (surface_sampling.py)
@@ -162,7 +163,7 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     }
     // a normal of length 0, as of a flattened instance, is replaced by the triangle's own
     vec3 facet = cross(dFdx(position), dFdy(position));
-    facet = dot(facet, position) > 0.0 ? -facet : facet;
+    facet = dot(facet, position - vec3(0.0, 0.0, eye_z)) > 0.0 ? -facet : facet;
     vec3 n = dot(normal, normal) > 1e-20 ? normalize(normal) : (front ? 1.0 : -1.0) * facet * inversesqrt(max(dot(facet, facet), 1e-30));
     float shortening = 0.0;
     s.normal = front || !double_sided ? n : -n;

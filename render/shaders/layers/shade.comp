@@ -20,7 +20,8 @@ uniform int slice;              // its slice of the radiance
 uniform bool by_quads;          // light the quads, or the pixels
 uniform uint first_number;      // of those of this dispatch
 uniform uint end_number;        // one past their last
-uniform vec3 eye;               // camera space, m
+uniform vec3 eye;               // m
+uniform vec3 far;               // w, depth and z of the far plane where the camera stands far back (drawing_space.py); else 0
 uniform mat2 slope_per_px;      // change of a ray's slope from pixel to pixel: right and up per metre ahead
 uniform vec2 first_slope;       // slope at the corner
 
@@ -50,7 +51,8 @@ void main()
                      share * mean.clearcoat_roughness, normalize(mean.normal));
     vec2 centre = vec2(first) + (by_quads ? 1.0 : 0.5);
     float depth = 1.0 / (w + base_w);
-    vec3 p = vec3((first_slope + slope_per_px * centre) * depth + eye.xy, -depth);
+    float z = far.y > 0.0 ? far.z + (w - far.x) * depth * far.y : -depth;
+    vec3 p = vec3((first_slope + slope_per_px * centre) * depth + eye.xy, z);
     Reflected light = reflected_light(mean, p, normalize(eye - p));
     for (int i = 0; i < count; ++i) {
         ivec3 pixel = ivec3(first + ivec2(i & 1, i >> 1), slice);

@@ -1,8 +1,7 @@
-"""Orthographic cameras, as perspective ones that stand far back: a thousand times as far as what they see is deep.
+"""Orthographic cameras, as perspective ones that stand far back: ten thousand times as far as what they see is deep.
 
-Sizes then differ between the nearest and the farthest thing by a thousandth, which is less than half a pixel at the edges of a
-picture of 960 pixels. The layers' inverse depths need some distance to tell depths apart: what is a ten-thousandth of the whole
-depth apart may not be. A camera farther away would have the first error smaller and the second larger.
+Sizes then differ between the nearest and the farthest thing by a ten-thousandth, which is a twentieth of a pixel at the edges of
+a picture of 960 pixels. `render.layers.drawing_space` keeps positions and depths exact in single precision.
 
 Its lens is one of parallel rays, telecentric towards the scene, and its film is as large as what it sees, since USD gives the
 apertures of an orthographic camera in the scene's own length. At a magnification of one, what is ``d`` before or behind the
@@ -26,7 +25,7 @@ from render.stage.options import PURPOSES
 from render.stage.world import world_from_stage
 from usd_schemas.units import metres_per_unit
 
-_DEPTHS_AWAY = 1000
+_DEPTHS_AWAY = 10_000
 """Distance of the camera, in depths of what it sees."""
 _BOXED = list(PURPOSES)  # whatever is drawn lies in the box
 _MARGIN = 1e-3  # of that depth, around it

@@ -58,7 +58,7 @@ def test_points_stay_in_place_at_every_depth(unit: float, up: str) -> None:
     points = np.array([(x, y, -depth, 1) for x in (-5, 0, 2.5) for y in (-2.5, 1) for depth in (3, 12, 30)]) @ world.T
     pixels, _ = view.project(points[:, :3] * unit)
     expected = [(100 + 20 * x, 50 - 20 * y) for x in (-5, 0, 2.5) for y in (-2.5, 1) for _ in range(3)]
-    np.testing.assert_allclose(pixels, expected, atol=0.06)
+    np.testing.assert_allclose(pixels, expected, atol=0.006)
 
 
 @pytest.mark.gl
@@ -179,3 +179,22 @@ def test_a_stage_with_nothing_in_view_has_a_camera() -> None:
     for clipping in (Gf.Vec2f(1, 100), Gf.Vec2f(1, float("inf"))):
         UsdGeom.Camera(stage.GetPrimAtPath("/cam")).GetClippingRangeAttr().Set(clipping)
         assert np.isfinite(read_camera(stage, "/cam", 0).focal_length_mm)
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("engine", ["pinhole", "lens"])
+def test_a_hundred_thousandth_of_the_depth_is_told_apart(renderer: FrameRenderer, engine: str) -> None:
+    stage = ortho_stage(fStop=16.0, focusDistance=3.0)
+    step = 1e-5 * 27
+    for name, depth in (("behind", 3 + step), ("before", 3 - step)):
+        points = [(-2.5, -0.5, -depth), (-1.5, -0.5, -depth), (-1.5, 0.5, -depth), (-2.5, 0.5, -depth)]
+        add_mesh(stage, f"/{name}", points).CreateDisplayColorAttr([(1, 0, 0) if name == "behind" else (0, 1, 0)])
+    stage.GetPrimAtPath("/at3").GetAttribute("primvars:displayColor").Set([(0, 0, 1)])
+    settings = FrameSettings(WIDTH, HEIGHT, engine=engine, rays=16, shading="unlit", adaptive=False)
+    color = renderer.render(read(stage), read_camera(stage, "/cam", 0, aspect=2), settings).color
+    assert (color[42:58, 52:68, :3].argmax(axis=-1) == 1).all()
+    assert np.ptp(color[42:58, 52:68, :3], axis=(0, 1)).max() < 1e-3
+    stage.RemovePrim("/before")
+    color = renderer.render(read(stage), read_camera(stage, "/cam", 0, aspect=2), settings).color
+    assert (color[42:58, 52:68, :3].argmax(axis=-1) == 2).all()
+    assert np.ptp(color[42:58, 52:68, :3], axis=(0, 1)).max() < 1e-3

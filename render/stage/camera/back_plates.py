@@ -1,104 +1,54 @@
-"""Back plates of cameras (UsdGeomBackPlateAPI) as quads that show a picture as radiance, whatever the lights.
-
-As in usdview, a picture's own alpha is the plate's opacity where ``alpha:image`` names no other. The image's numbers are made
-linear, then graded (`luma`), then brought into the working space.
-"""
+"""Back plates of cameras (UsdGeomBackPlateAPI) as surfaces that show a picture as radiance, whatever the lights."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
-from render.errors import InputError
 from render.model.arrays import DoubleArray
-from render.model.scene import Batch, CameraRole, Geometry, Image, Material, TextureLookup
+from render.model.scene import Batch, CameraRole, Geometry
 from render.stage.assembly.poses import world_pose
-from render.stage.camera.plate_places import CORNERS, PlateError, plate_names, read_numbers, read_plate_place
+from render.stage.camera.plate_images import Pictures, Plate, PlateImages
+from render.stage.camera.plate_places import CORNERS, PlateError, plate_names, read_plate_place
+from render.stage.camera.plate_relief import DepthImages, make_relief
 from render.stage.findings import FindingLog
 from render.stage.geometry.distances import is_placeable
 from render.stage.limits import PlaceError
-from render.stage.materials.textures import TextureCache, TextureError
+from render.stage.materials.textures import TextureCache
 from render.stage.values import format_value
 from render.stage.world import rigid_frame
 
 _MAX_SIDE = 4096  # a plate fills the picture
 _MOST_IMAGES = 8  # kept; a sequence has one for each frame
-_OPAQUE = 0.999
 _VISIBILITIES = ("solo", "all", "mute")
-
-
-@dataclass(frozen=True)
-class _Pictures:
-    """Images of a plate.
-
-    Attributes:
-        color: its colour; None for black.
-        opacity: image of its opacity; None for opaque.
-        channel: channel of that image.
-    """
-
-    color: Image | None
-    opacity: Image | None
-    channel: int = 3
-
-    def material(self, name: str) -> Material:
-        """Material that shows them, whatever the lights."""
-        lookups = {} if self.color is None else {"emissive": _lookup(self.color)}
-        if self.opacity is not None and float(self.opacity.pixels[..., self.channel].min(initial=1.0)) < _OPAQUE:
-            lookups["opacity"] = _lookup(self.opacity, self.channel)
-        return Material(name, (0.0, 0.0, 0.0), unlit=True, lookups=lookups)
+_SQUARE = (
+    CORNERS.astype(np.float32),
+    (CORNERS[:, :2] + 0.5).astype(np.float32),
+    np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+)
+"""Positions, texture coordinates and triangles of a flat plate."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Plate:
-    """One back plate.
+class _Drawn:
+    """What a plate was drawn with last.
 
     Attributes:
-        prim: its camera.
-        name: its name.
-        number: number among the camera's plates, which picking gives for its face.
+        square: its flat surface.
+        depths: ``(h, w)`` depths of its relief, and the plate's place; None where it is flat.
+        pictures: its images.
+        batch: the draw.
     """
 
-    prim: Usd.Prim
-    name: str
-    number: int
-
-    @property
-    def schema(self) -> UsdGeom.BackPlateAPI:
-        """The plate as USD has it."""
-        return UsdGeom.BackPlateAPI(self.prim, self.name)
-
-    @property
-    def at(self) -> str:
-        """Path of the plate for findings."""
-        return f"{self.prim.GetPath()}.backPlate:{self.name}"
-
-    @property
-    def words(self) -> str:
-        """Words for messages."""
-        return f"back plate {self.name} of {self.prim.GetPath()}"
-
-    @property
-    def key(self) -> tuple[Sdf.Path, str]:
-        """Key of the plate on its stage."""
-        return self.prim.GetPath(), self.name
-
-    def blank(self, prim_id: Callable[[str], int], culls_backs: bool, role: CameraRole) -> Batch:
-        """Its square at the origin, without an image; it is picked as the camera."""
-        geometry = Geometry(
-            positions=CORNERS.astype(np.float32),
-            normals=np.tile(np.array([0, 0, 1], np.float32), (4, 1)),
-            triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32),
-            prim_ids=np.full(2, prim_id(str(self.prim.GetPath())), np.int32),
-            face_ids=np.full(2, self.number, np.int32),
-            fan_ids=np.arange(2, dtype=np.int32),
-            uvs=(CORNERS[:, :2] + 0.5).astype(np.float32),
-        )
-        return Batch(geometry, Material(unlit=True), np.eye(4)[None], culls_backs=culls_backs, camera_role=role)
+    square: Geometry
+    depths: tuple[DoubleArray, DoubleArray] | None
+    pictures: Pictures
+    batch: Batch
 
 
 class PlateReader:
@@ -121,7 +71,8 @@ class PlateReader:
         self._cameras, self._roles = {prim.GetPath(): prim for prim in cameras}, cameras
         self._culls_backs, self._log = culls_backs, log
         self._images = TextureCache(_MAX_SIDE, confined_to, most=_MOST_IMAGES)
-        self._drawn: dict[tuple[Sdf.Path, str], tuple[_Pictures, Batch]] = {}
+        self._depths = DepthImages(confined_to)
+        self._drawn: dict[tuple[Sdf.Path, str], _Drawn] = {}
 
     def is_camera(self, path: Sdf.Path) -> bool:
         """Whether a path is one of the cameras'."""
@@ -152,23 +103,25 @@ class PlateReader:
             except PlaceError as problem:
                 self._note(plate, problem.detail)
                 continue
-            pose = frame @ np.diag([scale, scale, scale, 1.0]) @ place
-            if is_placeable(CORNERS.astype(np.float32), pose, plate.at, self._log) and np.linalg.det(pose) != 0:
-                seen_by = str(plate.prim.GetPath()) if visibility == "solo" else None
-                known = self._drawn.get(plate.key)
-                first = plate.blank(prim_id, self._culls_backs, self._roles[plate.prim]) if known is None else known[1]
-                drawn.append(self._update(plate, first, pose, seen_by, time))
+            seen_by = str(plate.prim.GetPath()) if visibility == "solo" else None
+            from_camera = frame @ np.diag([scale, scale, scale, 1.0])
+            now = self._update(plate, from_camera, place, prim_id(str(plate.prim.GetPath())), time)
+            batch = now.batch if now.batch.seen_by == seen_by else replace(now.batch, seen_by=seen_by)
+            self._drawn[plate.key] = now if batch is now.batch else replace(now, batch=batch)
+            has_size = now.depths is not None or np.linalg.det(batch.poses[0]) != 0
+            if has_size and is_placeable(batch.geometry.positions, batch.poses[0], plate.at, self._log):
+                drawn.append(batch)
         return drawn
 
-    def _plates(self) -> Iterator[_Plate]:
+    def _plates(self) -> Iterator[Plate]:
         for prim in self._cameras.values():
             for number, name in enumerate(plate_names(prim)):
-                yield _Plate(prim, name, number)
+                yield Plate(prim, name, number)
 
-    def _note(self, plate: _Plate, reason: str) -> None:
+    def _note(self, plate: Plate, reason: str) -> None:
         self._log.add("bad_back_plate", plate.at, f"{plate.words} is not drawn: {reason}")
 
-    def _visibility(self, plate: _Plate, time: Usd.TimeCode) -> str:
+    def _visibility(self, plate: Plate, time: Usd.TimeCode) -> str:
         attribute = plate.schema.GetPlateVisibilityAttr()
         value = attribute.Get(time)
         if value in _VISIBILITIES:
@@ -177,68 +130,40 @@ class PlateReader:
         self._log.add("bad_back_plate", attribute.GetPath(), f"{expected}, got {format_value(value)}: solo is used")
         return "solo"
 
-    def _update(self, plate: _Plate, batch: Batch, pose: DoubleArray, seen_by: str | None, time: Usd.TimeCode) -> Batch:
-        """Give a batch its images, place and visibility at a time; the same object where nothing changes."""
-        pictures = _PlateImages(self._images, plate, time, self._log).pictures()
-        known = self._drawn.get(plate.key)
-        if known is None or known[0] != pictures:
+    def _update(
+        self, plate: Plate, from_camera: DoubleArray, place: DoubleArray, prim_id: int, time: Usd.TimeCode
+    ) -> _Drawn:
+        """Images, surface and place of a plate at a time, the same objects where nothing changes.
+
+        Args:
+            plate: the plate.
+            from_camera: ``(4, 4)`` world from camera space in scene units.
+            place: ``(4, 4)`` camera space from the plate's own.
+            prim_id: number of its camera.
+            time: USD time code.
+        """
+        images = PlateImages(self._images, plate, time, self._log)
+        pictures, depths, known = images.pictures(), images.depths(self._depths), self._drawn.get(plate.key)
+        square = plate.surface(prim_id, *_SQUARE) if known is None else known.square
+        relief = None if depths is None else (depths, place)
+        if relief is None:
+            geometry = square
+        elif known is None or not _same_relief(known.depths, relief):
+            geometry = plate.surface(prim_id, *make_relief(*relief))
+        else:
+            geometry = known.batch.geometry
+        pose = from_camera if relief is not None else from_camera @ place
+        if known is None:
+            material, role = pictures.material(plate.at), self._roles[plate.prim]
+            batch = Batch(geometry, material, pose[None], culls_backs=self._culls_backs, camera_role=role)
+            return _Drawn(square, relief, pictures, batch)
+        batch = known.batch
+        if known.pictures != pictures:
             batch = replace(batch, material=pictures.material(plate.at))
-        if batch.seen_by != seen_by or not np.array_equal(batch.poses[0], pose):
-            batch = replace(batch, poses=pose[None], seen_by=seen_by)
-        self._drawn[plate.key] = pictures, batch
-        return batch
+        if batch.geometry is not geometry or not np.array_equal(batch.poses[0], pose):
+            batch = replace(batch, geometry=geometry, poses=pose[None])
+        return _Drawn(square, relief, pictures, batch)
 
 
-class _PlateImages:
-    """Images of one plate at a time."""
-
-    def __init__(self, cache: TextureCache, plate: _Plate, time: Usd.TimeCode, log: FindingLog) -> None:
-        self._cache, self._plate, self._time, self._log = cache, plate, time, log
-
-    def pictures(self) -> _Pictures:
-        """The plate's colour and its opacity."""
-        schema = self._plate.schema
-        color = self._image(schema.GetImageAttr(), "it is black", self._grade())
-        if not getattr(schema.GetAlphaImageAttr().Get(self._time), "path", ""):
-            return _Pictures(color, color)
-        alpha = self._image(schema.GetAlphaImageAttr(), "it is opaque", ())
-        return _Pictures(color, alpha, 0 if alpha is not None and alpha.channels == 1 else 3)
-
-    def _image(self, attribute: Usd.Attribute, instead: str, grade: tuple[tuple[float, ...], ...]) -> Image | None:
-        """Image of an attribute: graded colour, or numbers as they are where there is no grade."""
-        asset, at = attribute.Get(self._time), attribute.GetPath()
-        if not isinstance(asset, Sdf.AssetPath) or not asset.path:
-            self._log.add("texture_missing", at, f"{self._plate.words} names no image: {instead}")
-            return None
-        space, purpose = (attribute.GetColorSpace() or "auto", "color") if grade else ("raw", "data")
-        try:
-            return self._cache.image(str(asset.resolvedPath), space, purpose, *grade)
-        except (TextureError, InputError) as problem:
-            self._log.add("texture_unreadable", at, f"{asset.path} of {self._plate.words} {problem}: {instead}")
-            return None
-
-    def _grade(self) -> tuple[tuple[float, ...], ...]:
-        """Slope, offset and power of the image's linear numbers, each ``rgba``."""
-        schema = self._plate.schema
-        slope = self._numbers(schema.GetLumaSlopeAttr(), 1.0)
-        offset = self._numbers(schema.GetLumaOffsetAttr(), 0.0)
-        power = self._numbers(schema.GetLumaPowerAttr(), 1.0)
-        if min(power) <= 0:
-            attribute = schema.GetLumaPowerAttr()
-            message = f"{attribute.GetName()} of {self._plate.prim.GetPath()} must be more than 0: 1 is used"
-            self._log.add("bad_back_plate", attribute.GetPath(), message)
-            power = (1.0, 1.0, 1.0)
-        return (*slope, 1.0), (*offset, 0.0), (*power, 1.0)
-
-    def _numbers(self, attribute: Usd.Attribute, fallback: float) -> tuple[float, ...]:
-        try:
-            return tuple(read_numbers(attribute, self._time, 3).tolist())
-        except PlateError as problem:
-            self._log.add(
-                "bad_back_plate", attribute.GetPath(), f"{self._plate.words}: {problem}; {fallback:g} is used"
-            )
-            return (fallback,) * 3
-
-
-def _lookup(image: Image, channel: int = -1) -> TextureLookup:
-    return TextureLookup(image, wrap_s="clamp", wrap_t="clamp", channel=channel)
+def _same_relief(one: tuple[DoubleArray, DoubleArray] | None, other: tuple[DoubleArray, DoubleArray]) -> bool:
+    return one is not None and all(map(partial(np.array_equal, equal_nan=True), one, other))

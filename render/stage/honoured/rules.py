@@ -163,14 +163,7 @@ RULES = {
         "stereoRole verticalAperture verticalApertureOffset",
     ),
     "LensCamera": Rules(),
-    "BackPlateAPI": Rules(
-        "backPlate:alpha:image backPlate:image backPlate:luma:offset backPlate:luma:power backPlate:luma:slope "
-        "backPlate:plateVisibility backPlate:rotateXYZ:tweak backPlate:scale:tweak backPlate:translate:tweak",
-        ignored={
-            "backPlate:depth:cameraSpaceOffset backPlate:depth:image backPlate:depth:minOffset "
-            "backPlate:depth:normalizingFactor": "the plate is flat",
-        },
-    ),
+    "BackPlateAPI": Rules(EVERYTHING),
     "ApertureAPI": Rules(EVERYTHING),
     "FilmAPI": Rules(EVERYTHING),
     "FocusAPI": Rules(EVERYTHING),

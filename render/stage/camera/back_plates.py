@@ -36,7 +36,7 @@ _SQUARE = (
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """What a plate was drawn with last.
+    """Last state of a plate that was drawn.
 
     Attributes:
         square: its flat surface.

@@ -37,6 +37,7 @@ from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import shadow_region
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
+from render.model.deep import DeepSamples
 from render.model.frame_settings import FrameSettings
 from render.model.mattes import MATTES, MatteSum, make_matte_sum
 from render.model.moment import Moment, ShutterScenes
@@ -62,6 +63,7 @@ class Frame:
         points: what the pixels see, where the settings name primvars (`render.pictures.primvars` reads them).
         time: USD time code of ``points``.
         matte_names: names in the picture of each matte among the AOVs.
+        deep: samples in depth, where the settings ask for them.
     """
 
     color: FloatArray
@@ -70,6 +72,7 @@ class Frame:
     points: SurfacePoints | None = None
     time: float = 0.0
     matte_names: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    deep: DeepSamples | None = None
 
 
 class FrameRenderer:
@@ -110,7 +113,7 @@ class FrameRenderer:
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with self.on_device():
             camera = self.load(scene, camera, settings)
-            mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+            mattes = make_matte_sum(settings.width, settings.height, settings.aovs, deep=settings.deep)
             request = DrawRequest(view, camera, settings, on_progress=on_progress, mattes=mattes)
             frame = self.measure(self.engine(settings).draw(request), scene, request)
         if mattes is not None:
@@ -149,7 +152,7 @@ class FrameRenderer:
         settings = replace(settings, rays=max(settings.rays, ray_parts))
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         frame = Frame(total)
-        mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+        mattes = make_matte_sum(settings.width, settings.height, settings.aovs, deep=settings.deep)
         for i in range(count):
             moment = moment_at(i)
             view = PinholeView.from_camera(moment.camera, settings.width, settings.height)
@@ -202,7 +205,7 @@ class FrameRenderer:
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         with self.on_device():
             camera = self.load(scenes.middle, middle_camera, settings)
-            mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+            mattes = make_matte_sum(settings.width, settings.height, settings.aovs, deep=settings.deep)
             request = DrawRequest(view, camera, settings, on_progress=on_progress, mattes=mattes)
             with closing(self.engine(settings).draw_swept(request, samples, movements)) as pictures:
                 for moment, picture in zip(moments, pictures, strict=True):
@@ -328,9 +331,12 @@ class FrameRenderer:
 
 
 def add_mattes(frame: Frame, mattes: MatteSum | None, settings: FrameSettings) -> Frame:
-    """Return a frame with the mattes that settings name; ``mattes`` has their sum, whose moments have ended."""
+    """Return a frame with the mattes that settings name, or its samples in depth; ``mattes`` has their sum, whose moments have
+    ended."""
     if mattes is None:
         return frame
+    if mattes.is_deep:
+        return replace(frame, deep=mattes.layer(frame.color))
     ranked = {name: mattes.rank(name) for name in MATTES if name in settings.aovs}
     aovs = frame.aovs | {name: pixels for name, (pixels, _) in ranked.items()}
     return replace(frame, aovs=aovs, matte_names={name: names for name, (_, names) in ranked.items()})

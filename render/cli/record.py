@@ -227,6 +227,8 @@ def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: S
                 _note_dropped(shot, product, aovs[1:])
                 aovs = ("color",)
             given = {**picture.merge(product.own, options.given), "aovs": aovs}
+            if product.is_deep:
+                given |= {"deep": True, "connections": False}
             settings = picture.make_settings(given, width=product.width, height=product.height)
             if not product.has_motion or math.isnan(frames[0]):
                 settings = replace(settings, motion=1)

@@ -23,15 +23,17 @@ Settings:
     tiled       True gives neighbouring pixels different rays: noise in place of repeated images (True).
     motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
     aovs        mattes (cryptoObject, cryptoMaterial) note which surfaces the rays of each pixel meet, up to 16, in the same pass.
+    deep        True notes their light and depth too (False).
 
 Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 19 s on two CPU cores under
 llvmpipe, most of it for drawing and lighting the layers. What the rays take is proportional to their number, not to
 that of the lens surfaces.
 
-Memory: layers take some 104 bytes for each layer pixel, with mattes 32 more and 128 for each pixel of the picture. Above 1 GiB
-the picture is traced in tiles, whose number does not change the pixels (`render.trace.tiling.plan`), but that adaptive rays are
-distributed over each tile by itself. Highlights have a share of the connections in each strip of the layers, whose cut follows
-from their size. Above 1 GiB textures are held as finely as the view shows them, in all engines (`render.layers.texture_budget`).
+Memory: layers take some 104 bytes for each layer pixel, with mattes 32 more and 128 for each pixel of the picture, 384 where
+it is deep. Above 1 GiB the picture is traced in tiles, whose number does not change the pixels (`render.trace.tiling.plan`),
+but that adaptive rays are distributed over each tile by itself. Highlights have a share of the connections in each strip of
+the layers, whose cut follows from their size. Above 1 GiB textures are held as finely as the view shows them, in all engines
+(`render.layers.texture_budget`).
 
 Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes. Shading
 is that of the view from the pupil's centre, so that glints do not change over the pupil.

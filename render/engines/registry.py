@@ -64,12 +64,17 @@ def check_settings(settings: FrameSettings) -> None:
     """Check that an engine exists that can draw these settings. Loads no OpenGL: call it before anything slow.
 
     Raises:
-        SettingsError: no engine has that name, it does not draw motion from velocities, or it has no mattes.
+        SettingsError: no engine has that name, it does not draw motion from velocities, it has no mattes or deep pictures,
+            or both are asked for at once.
     """
     engine = engine_class(settings)
     if settings.motion > 1 and settings.motion_by == "velocities" and not engine.takes_velocities:
         raise SettingsError(f"the {engine.name} engine draws every moment by itself: ask for motion by moments")
     mattes = [name for name in settings.aovs if name in MATTES]
+    if settings.deep and mattes:
+        raise SettingsError(f"a deep picture has no {' and '.join(mattes)}: make them in a picture of their own")
+    if settings.deep:
+        mattes = ["deep pictures"]
     if mattes and not engine.draws_mattes:
         able = ", ".join(other.name for other in all_engines() if other.draws_mattes)
         raise SettingsError(f"the {engine.name} engine has no {' and '.join(mattes)}: take one of {able}")

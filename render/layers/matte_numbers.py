@@ -22,10 +22,12 @@ class MatteNumbers:
         objects: ``(n, 2)`` uint32 for each object number of the index: where its numbers begin, and 1 where each triangle has
             one, 0 where there is one for all.
         surfaces: ``(m,)`` uint32 numbers of `MatteSum.number`.
+        is_deep: `MatteSum.is_deep`.
     """
 
     objects: NDArray[np.uint32]
     surfaces: NDArray[np.uint32]
+    is_deep: bool = False
 
 
 def number_surfaces(draws: Sequence[Draw], scene: Scene, mattes: MatteSum) -> MatteNumbers:
@@ -50,7 +52,7 @@ def number_surfaces(draws: Sequence[Draw], scene: Scene, mattes: MatteSum) -> Ma
         objects.append(np.stack([first, np.full(count, each_triangle)], axis=1).astype(np.uint32))
         surfaces.append(numbers)
         used += len(numbers)
-    return MatteNumbers(np.concatenate(objects), np.concatenate(surfaces))
+    return MatteNumbers(np.concatenate(objects), np.concatenate(surfaces), mattes.is_deep)
 
 
 def _ids(batch: Batch) -> tuple[IntArray, IntArray, bool]:

@@ -44,6 +44,8 @@ class FrameSettings:
         motion_by: one of `MOTIONS`: ``moments`` peels the scene at each of them, which is exact; ``velocities`` peels it once and
             moves surfaces along straight paths, which is many times faster.
         aovs: names of `render.model.aovs`; ``color`` is always there.
+        deep: make samples in depth (`render.model.deep`), in place of mattes. Light that is carried by connections is that of the
+            background then.
     """
 
     width: int = 960
@@ -62,6 +64,7 @@ class FrameSettings:
     motion: int = 1
     motion_by: str = "moments"
     aovs: tuple[str, ...] = ("color",)
+    deep: bool = False
 
     def __post_init__(self) -> None:
         check_picture_size(self.width, self.height)

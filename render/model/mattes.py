@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from render.model.area import Area
 from render.model.arrays import DoubleArray, FloatArray, IndexArray, LongArray
+from render.model.deep import DeepSamples, layer_samples
 
 OBJECT, MATERIAL = "cryptoObject", "cryptoMaterial"
 MATTES = (OBJECT, MATERIAL)
@@ -29,14 +30,20 @@ class MatteSum:
     Args:
         width: of the picture in pixels.
         height: of the picture in pixels.
+        is_deep: whether the light and the depth of surfaces are summed too, and surfaces at depths apart are kept apart. There
+            are no mattes then: a number stands for a surface at a depth.
+
+    Attributes:
+        is_deep: as given.
     """
 
-    def __init__(self, width: int, height: int) -> None:
+    def __init__(self, width: int, height: int, *, is_deep: bool = False) -> None:
         self._width, self._height = width, height
+        self.is_deep = is_deep
         self._numbers: dict[tuple[str, str], int] = {}
         self._new: list[tuple[LongArray, LongArray, DoubleArray]] = []
         self._pixels, self._surfaces = np.zeros(0, np.int64), np.zeros(0, np.int64)
-        self._weights = np.zeros(0)
+        self._values = np.zeros((0, 5 if is_deep else 1))
 
     def number(self, prim: str, material: str) -> int:
         """Return the number of the surfaces of a prim with a material, from 1 on.
@@ -47,19 +54,23 @@ class MatteSum:
         """
         return self._numbers.setdefault((prim, material or NO_MATERIAL), len(self._numbers) + 1)
 
-    def put(self, area: Area, surfaces: NDArray[np.uint32], weights: FloatArray) -> None:
+    def put(self, area: Area, surfaces: NDArray[np.uint32], values: FloatArray, base_w: float = 0.0) -> None:
         """Add the coverage of a part of the picture.
 
         Args:
             area: left, top, width and height in pixels.
             surfaces: ``(slots, height, width)`` numbers; 0 in slots that are not used.
-            weights: ``(slots, height, width)`` coverage.
+            values: ``(slots, height, width, 1)`` coverage; of a deep sum ``(slots, height, width, 5)`` coverage, red, green and
+                blue, and inverse depth in 1/m times coverage.
+            base_w: inverse depth that those of the values count from, 1/m.
         """
         left, top, _, _ = area
         slot, row, column = np.nonzero(surfaces)
         place = slot, row, column
         pixels = (top + row.astype(np.int64)) * self._width + left + column
-        self._new.append((pixels, surfaces[place].astype(np.int64), weights[place].astype(np.float64)))
+        entries = values[place].astype(np.float64)
+        entries[:, 4:] += base_w * entries[:, :1]
+        self._new.append((pixels, surfaces[place].astype(np.int64), entries))
 
     def end_moment(self, share: float | FloatArray) -> None:
         """Weigh what was put since the last moment.
@@ -68,10 +79,14 @@ class MatteSum:
             share: of the picture's light, that broadcasts to ``(height, width, 1)``.
         """
         shares = np.broadcast_to(share, (self._height, self._width, 1)).reshape(-1)
-        weighed = [(pixels, surfaces, weights * shares[pixels]) for pixels, surfaces, weights in self._new]
-        columns = zip((self._pixels, self._surfaces, self._weights), *weighed, strict=True)
-        self._pixels, self._surfaces, self._weights = _gather(*(np.concatenate(column) for column in columns))
+        weighed = [(pixels, surfaces, values * shares[pixels, None]) for pixels, surfaces, values in self._new]
+        columns = zip((self._pixels, self._surfaces, self._values), *weighed, strict=True)
+        self._pixels, self._surfaces, self._values = _gather(*(np.concatenate(column) for column in columns))
         self._new = []
+
+    def layer(self, color: FloatArray) -> DeepSamples:
+        """Samples of a deep sum, for the flat picture ``(height, width, 4)`` that they belong to."""
+        return layer_samples(self._pixels, self._values, color)
 
     def rank(self, matte: str) -> tuple[FloatArray, tuple[str, ...]]:
         """Rank what covers each pixel.
@@ -87,7 +102,8 @@ class MatteSum:
         names = sorted({key[of] for key in self._numbers})
         rank_of_name = {name: i for i, name in enumerate(names)}
         name_of_surface = np.array([0, *(rank_of_name[key[of]] for key in self._numbers)], np.int64)
-        pixels, numbers, weights = _gather(self._pixels, name_of_surface[self._surfaces], self._weights)
+        pixels, numbers, values = _gather(self._pixels, name_of_surface[self._surfaces], self._values)
+        weights = values[:, 0]
         ids = np.array([id_of(name) for name in names], np.float32)
         order = np.lexsort((numbers, -weights, pixels))
         pixels, numbers, weights = pixels[order], numbers[order], weights[order]
@@ -101,9 +117,9 @@ class MatteSum:
         return ranked.reshape(self._height, self._width, 2 * RANKS), present
 
 
-def make_matte_sum(width: int, height: int, aovs: tuple[str, ...]) -> MatteSum | None:
-    """Make a sum for a picture, where its AOVs include a matte."""
-    return MatteSum(width, height) if set(aovs) & set(MATTES) else None
+def make_matte_sum(width: int, height: int, aovs: tuple[str, ...], *, deep: bool = False) -> MatteSum | None:
+    """Make a sum for a picture, where it is deep or its AOVs include a matte."""
+    return MatteSum(width, height, is_deep=deep) if deep or set(aovs) & set(MATTES) else None
 
 
 def murmur3(text: str) -> int:
@@ -137,12 +153,12 @@ def id_of(name: str) -> np.float32:
     return np.float32(np.array(id_bits(name), np.uint32).view(np.float32))
 
 
-def _gather(pixels: LongArray, numbers: LongArray, weights: DoubleArray) -> tuple[LongArray, LongArray, DoubleArray]:
-    """Add the weights of entries of the same pixel and number; sorted by pixel, then number."""
+def _gather(pixels: LongArray, numbers: LongArray, values: DoubleArray) -> tuple[LongArray, LongArray, DoubleArray]:
+    """Add the values ``(n, k)`` of entries of the same pixel and number; sorted by pixel, then number."""
     if not len(pixels):
-        return pixels, numbers, weights
+        return pixels, numbers, values
     count = int(numbers.max()) + 1
     keys, inverse = np.unique(pixels * count + numbers, return_inverse=True)
     which: IndexArray = inverse
-    sums = np.bincount(which, weights, len(keys)).astype(np.float64)
-    return keys // count, keys % count, sums
+    sums = [np.bincount(which, column, len(keys)) for column in values.T]
+    return keys // count, keys % count, np.stack(sums, axis=1).astype(np.float64)

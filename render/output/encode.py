@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from render.errors import SettingsError
 from render.model.arrays import FloatArray
+from render.model.deep import DeepSamples
+from render.output.deep_exr import encode_deep_exr
 from render.output.exr import encode_exr
 from render.output.formats import check_format
 from render.output.image_file import describe, file_bytes
@@ -26,6 +28,10 @@ class FrameArrays(Protocol):
     @property
     def color(self) -> FloatArray:
         """``(height, width, 4)`` scene-linear radiance, not exposed; coverage in alpha, which the colour is times."""
+
+    @property
+    def deep(self) -> DeepSamples | None:
+        """Samples in depth; None for a flat picture."""
 
     @property
     def aovs(self) -> Mapping[str, NDArray[Any]]:
@@ -54,6 +60,8 @@ def encode(
     """
     match check_format(file_format):
         case "exr":
+            if layout.is_deep and frame.deep is not None:
+                return encode_deep_exr([(frame.deep, metadata)], layout)
             return encode_exr(frame.color, frame.aovs, metadata, layout)
         case "png":
             return encode_png(graded, metadata)

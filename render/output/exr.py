@@ -97,7 +97,7 @@ def _frame_parts(
     height, width = color.shape[:2]
     camera = metadata.exr_attributes(width, height, layout.framing)
     layout_parts = layout.parts_for(list(aovs))
-    primaries = _primaries(metadata) if any(_is_colour(part.aov) for part in layout_parts) else []
+    shared = primaries(metadata) if any(_is_colour(part.aov) for part in layout_parts) else []
     mattes = {name: _cryptomatte(name, metadata.matte_names.get(name, ())) for name in MATTES if name in aovs}
     parts: list[Part] = []
     for part in layout_parts:
@@ -108,10 +108,10 @@ def _frame_parts(
             own, pixels, channels, kind = _measured(part.aov, aovs[part.aov], metadata)
             kind = _kind_of(kind, part.kind)
         if _is_colour(part.aov) or (is_first and not parts):  # OpenEXR wants in the first part what a later one has
-            own = [*own, *primaries]
+            own = [*own, *shared]
         theirs = mattes.get(part.aov, []) if parts else list(chain.from_iterable(mattes.values()))
         channels = channels[: part.channels]
-        spec = _spec(part.name, (width, height), list(channels), kind, layout.framing)
+        spec = file_spec(part.name, (width, height), list(channels), kind, layout.framing)
         parts.append((describe(spec, [*camera, *theirs, *own]), np.ascontiguousarray(pixels[..., : len(channels)])))
     return parts
 
@@ -126,10 +126,10 @@ def _colour(color: FloatArray, metadata: FrameMetadata) -> tuple[list[Attribute]
     pixels = np.empty_like(color, np.float32)
     pixels[..., :3] = expose(color[..., :3], metadata.camera.exposure_scale)
     pixels[..., 3] = np.clip(np.nan_to_num(color[..., 3]), 0, 1)
-    return _colour_space_attributes(metadata), _converted(pixels, metadata)
+    return colour_space_attributes(metadata), to_written_space(pixels, metadata)
 
 
-def _converted(pixels: FloatArray, metadata: FrameMetadata) -> FloatArray:
+def to_written_space(pixels: FloatArray, metadata: FrameMetadata) -> FloatArray:
     """Colours in the space that they are written in."""
     if not metadata.color_space:
         return pixels
@@ -144,8 +144,8 @@ def _measured(
     pixels = measured.reshape(*measured.shape[:2], -1)
     aov = find_aov(name, pixels.shape[2])
     if aov.is_color:
-        colours = _converted(pixels.astype(np.float32), metadata)
-        return _colour_space_attributes(metadata), colours, aov.channels, aov.kind
+        colours = to_written_space(pixels.astype(np.float32), metadata)
+        return colour_space_attributes(metadata), colours, aov.channels, aov.kind
     own: list[Attribute] = [("colorInteropID", "string", "data")]
     if name in _PRIM_IDS:
         paths = _manifest(measured - _PRIM_IDS[name], metadata.prim_paths, _PRIM_IDS[name])
@@ -158,7 +158,7 @@ def _kind_of(kind: Kind, wanted: Kind | None) -> Kind:
     return kind if wanted is None or "uint" in (kind, wanted) else wanted
 
 
-def _colour_space_attributes(metadata: FrameMetadata) -> list[Attribute]:
+def colour_space_attributes(metadata: FrameMetadata) -> list[Attribute]:
     """Name of the working space, and of the space that is written, with its interop id as far as it is known."""
     own: list[Attribute] = [("pullfocus:workingSpace", "string", metadata.grade.working_space)]
     if space := metadata.color_space:
@@ -173,14 +173,17 @@ def _space_id(metadata: FrameMetadata) -> str:
     return interop_id(metadata.color_space) if metadata.color_space else metadata.grade.working_space_id
 
 
-def _primaries(metadata: FrameMetadata) -> list[Attribute]:
+def primaries(metadata: FrameMetadata) -> list[Attribute]:
     """Primaries of the space that colours are written in, as far as they are known."""
     space_id = _space_id(metadata)
     found = OpenImageIO.ColorConfig("ocio://default").get_chromaticities(space_id) if space_id else None
     return [("chromaticities", "float[8]", tuple(found))] if found else []
 
 
-def _spec(name: str, size: tuple[int, int], channels: list[str], kind: str, framing: Framing) -> OpenImageIO.ImageSpec:
+def file_spec(
+    name: str, size: tuple[int, int], channels: list[str], kind: str, framing: Framing
+) -> OpenImageIO.ImageSpec:
+    """Specification of a part of a file, ``size`` being width and height, without its attributes."""
     spec = OpenImageIO.ImageSpec(*size, len(channels), kind)
     spec.channelnames = tuple(channels)
     spec.attribute("oiio:subimagename", name)

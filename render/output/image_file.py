@@ -16,7 +16,7 @@ from render.output.metadata import Attribute
 
 _LAST_BYTES = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9"}
 
-Part: TypeAlias = "tuple[OpenImageIO.ImageSpec, NDArray[Any]]"
+Part: TypeAlias = "tuple[OpenImageIO.ImageSpec, NDArray[Any] | OpenImageIO.DeepData]"
 
 
 def describe(spec: OpenImageIO.ImageSpec, attributes: Iterable[Attribute]) -> OpenImageIO.ImageSpec:
@@ -33,7 +33,7 @@ def file_bytes(ending: str, parts: Sequence[Part]) -> bytes:
 
     Args:
         ending: of the file's name; it chooses the writer.
-        parts: for each part its spec and its pixels ``(height, width, channels)``.
+        parts: for each part its spec and its pixels ``(height, width, channels)``, or its deep pixels.
 
     Raises:
         OutputError: the encoder failed.
@@ -63,7 +63,10 @@ def _write_parts(path: Path, parts: Sequence[Part]) -> None:
     for index, (spec, pixels) in enumerate(parts):
         if index > 0:
             done = done and writer.open(str(path), spec, "AppendSubimage")
-        done = done and writer.write_image(np.ascontiguousarray(pixels))
+        if isinstance(pixels, OpenImageIO.DeepData):
+            done = done and writer.write_deep_image(pixels)
+        else:
+            done = done and writer.write_image(np.ascontiguousarray(pixels))
     if not (writer.close() and done):
         raise OutputError(f"cannot encode a {path.suffix} file: {_first_line(writer.geterror())}")
 
@@ -80,7 +83,9 @@ def _is_whole(path: Path, content: bytes) -> bool:
     while picture.seek_subimage(part, 0):
         spec = picture.spec()
         last = spec.y + spec.height - 1
-        if picture.read_scanlines(part, 0, last, last + 1, 0, 0, spec.nchannels, "unknown") is None:
+        line = (part, 0, last, last + 1, 0, 0, spec.nchannels)
+        read = picture.read_native_deep_scanlines(*line) if spec.deep else picture.read_scanlines(*line, "unknown")
+        if read is None:
             picture.geterror()
             return False
         part += 1

@@ -36,10 +36,12 @@ class FileLayout:
     Attributes:
         parts: parts of an EXR file, in order; empty for the colour and each AOV of the frame.
         framing: place of the picture in the whole one, and the shape of its pixels.
+        is_deep: whether an EXR holds samples in depth (`render.output.deep_exr`), in place of parts.
     """
 
     parts: tuple[FilePart, ...] = ()
     framing: Framing = WHOLE
+    is_deep: bool = False
 
     def parts_for(self, aovs: Sequence[str]) -> list[FilePart]:
         """Parts of a file for a frame with these AOVs."""

@@ -41,6 +41,7 @@ class FrameMetadata:
         matte_names: names in the picture of each matte among its AOVs.
         view: eye that the frame is for, as OpenEXR's standard attribute ``view``; empty for none.
         color_space: linear colour space that colours are written in; empty for the working space.
+        metres_per_unit: of the stage's units.
     """
 
     camera: Camera
@@ -56,6 +57,7 @@ class FrameMetadata:
     matte_names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     view: str = ""
     color_space: str = ""
+    metres_per_unit: float = 1.0
 
     @property
     def description(self) -> str:

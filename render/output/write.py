@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from render.files import write_atomic
 from render.model.arrays import FloatArray
+from render.output.deep_exr import encode_deep_exr
 from render.output.encode import FrameArrays, encode
 from render.output.exr import encode_views
 from render.output.formats import format_of
@@ -52,4 +53,9 @@ def write_views(
     Raises:
         OutputError: the file cannot be written; an existing file is unchanged.
     """
-    write_atomic(path, encode_views([(frame.color, frame.aovs, metadata) for frame, metadata in views], layout))
+    deep = [(frame.deep, metadata) for frame, metadata in views if frame.deep is not None]
+    if layout.is_deep and deep:
+        content = encode_deep_exr(deep, layout)
+    else:
+        content = encode_views([(frame.color, frame.aovs, metadata) for frame, metadata in views], layout)
+    write_atomic(path, content)

@@ -15,6 +15,7 @@ import numpy as np
 from pxr import Usd
 
 from render.engines import check_settings, engine_class
+from render.errors import SettingsError
 from render.film import Grade, GradeChoice
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -28,6 +29,7 @@ from render.shot.film.finish import Finish
 from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
 from render.stage import Finding
+from usd_schemas.units import metres_per_unit
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
@@ -132,13 +134,18 @@ def expose_frame(
 
     Raises:
         CameraError: the shutter closes before it opens, or the camera has impossible values at one of the moments.
-        SettingsError: no drawn prim has a primvar that the settings name.
+        SettingsError: no drawn prim has a primvar that the settings name, or no deep picture can be made of the lens.
         GraphicsError: OpenGL reports an error.
     """
     check_shutter(camera)
     check_primvars(shot, camera.path, time, settings)
     _note_holdouts(shot, camera.path, time, settings)
     space = ImageSpace.for_camera(camera, settings)
+    if settings.deep and space.errors is not None:
+        raise SettingsError(
+            f"the errors of the lens by its data sheet are applied to finished pictures by the {settings.engine} engine, and "
+            "cannot be to deep ones: take the engine lens"
+        )
     if has_motion(camera, settings):
         frame = render_moving_frame(renderer, shot, camera_path, camera, time, space, on_progress)
     else:
@@ -175,6 +182,10 @@ def apply_lens_effects(
     """
     frame = space.apply(renderer, add_primvars(shot, frame, space.settings))
     apply_vignetting(frame.color, camera, space.requested)
+    if frame.deep is not None:
+        gain = np.ones_like(frame.color)
+        apply_vignetting(gain, camera, space.requested)
+        frame = replace(frame, deep=frame.deep.dim(gain))
     return add_flare(renderer, shot.scene_at(time, camera.path), camera, space.requested, frame)
 
 
@@ -252,6 +263,7 @@ def describe_picture(
         stage=shot.path.name,
         prim_paths=prim_paths,
         color_space=shot.rendering_space(),
+        metres_per_unit=metres_per_unit(shot.stage),
         exposure_time_s=_read_authored(prim, "exposure:time", time),
         iso=_read_authored(prim, "exposure:iso", time),
     )

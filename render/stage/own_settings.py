@@ -19,8 +19,8 @@ from render.stage.findings import FindingLog
 from render.stage.values import format_value
 
 NAMESPACE = "pullfocus:"
-_FROM_ELSEWHERE = ("width", "height", "aovs")
-"""Fields that resolution and orderedVars of UsdRender give."""
+_FROM_ELSEWHERE = ("width", "height", "aovs", "deep")
+"""Fields that resolution, orderedVars and productType of UsdRender give."""
 
 
 def own_fields() -> dict[str, Field[Any]]:

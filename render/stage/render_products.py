@@ -26,6 +26,8 @@ from render.stage.values import format_value
 _KINDS: dict[str, Kind] = {"half": "half", "float": "float", "double": "float", "int": "uint"}
 _ENDING = re.compile(r"\.[A-Za-z]{2,4}$")
 """Ending that stands for a format, known or not; a version such as ``.v001`` does not."""
+_FLAT, _DEEP = "raster", "deepRaster"
+"""Values of ``productType`` that are honoured."""
 _COLORS = ("color", "Ci", "C.*", "rgba")
 """Names that renderers give to the colour of the picture."""
 
@@ -61,6 +63,7 @@ class Product:
         has_motion: whether moving things may be blurred.
         vars: parts of the file, in order; empty where no var is left, which stands for the colour.
         own: values of fields of `FrameSettings` that settings and product author.
+        is_deep: whether it holds samples in depth, of the colour alone.
     """
 
     path: str
@@ -72,6 +75,7 @@ class Product:
     has_motion: bool
     vars: tuple[Var, ...]
     own: dict[str, Any]
+    is_deep: bool = False
 
 
 def read_products(settings: RenderSettings, log: FindingLog) -> list[Product]:
@@ -93,8 +97,9 @@ def read_products(settings: RenderSettings, log: FindingLog) -> list[Product]:
             log.add("no_product", target, f"{settings.path} names the product {target}, which is no RenderProduct")
             continue
         kind = str(UsdRender.Product(prim).GetProductTypeAttr().Get())
-        if kind != "raster":
-            log.add("product_type", target, f"product {target} is not rendered: its productType is {kind}, not raster")
+        if kind not in (_FLAT, _DEEP):
+            message = f"product {target} is not rendered: its productType is {kind}, not {_FLAT} or {_DEEP}"
+            log.add("product_type", target, message)
             continue
         products.append(_Reader(UsdRender.Product(prim), settings, log).read(shared))
     if not products:
@@ -119,10 +124,11 @@ class _Reader:
         if not (math.isfinite(pixel_aspect) and pixel_aspect > 0):
             raise self._fault("pixelAspectRatio", "a positive number", pixel_aspect)
         window = None if box == (0, 0, width, height) else Window(box[0], box[1], width, height)
+        is_deep = str(self._product.GetProductTypeAttr().Get()) == _DEEP
         still = self._flag("disableMotionBlur") or self._flag("instantaneousShutter")
         return Product(
             path=self._path,
-            file=self._file(),
+            file=self._file(is_deep),
             camera_path=self._camera(),
             width=box[2],
             height=box[3],
@@ -133,8 +139,9 @@ class _Reader:
                 is_sharp=self._flag("disableDepthOfField"),
             ),
             has_motion=not still,
-            vars=self._vars(),
+            vars=self._vars(is_deep),
             own=put_over(shared, read_own_settings(self._product.GetPrim(), self._log)),
+            is_deep=is_deep,
         )
 
     def _get(self, name: str) -> object:
@@ -177,17 +184,20 @@ class _Reader:
         check_picture_size(*size)
         return columns[0], rows[0], *size
 
-    def _file(self) -> str:
+    def _file(self, is_deep: bool) -> str:
         name = str(self._product.GetProductNameAttr().Get() or self._product.GetPrim().GetName())
         if not name.rpartition("/")[2].strip("."):
             raise self._fault("productName", "the name of a file", name)
-        return name if _ENDING.search(name) else f"{name}.exr"
+        name = name if _ENDING.search(name) else f"{name}.exr"
+        if is_deep and not name.lower().endswith(".exr"):
+            raise self._fault("productName", f"the name of an EXR, which a {_DEEP} product is", name)
+        return name
 
     def _camera(self) -> str | None:
         targets = self._product.GetCameraRel().GetForwardedTargets()
         return str(targets[0]) if targets else self._settings.camera_path
 
-    def _vars(self) -> tuple[Var, ...]:
+    def _vars(self, is_deep: bool) -> tuple[Var, ...]:
         stage = self._product.GetPrim().GetStage()
         found: list[Var] = []
         for target in self._product.GetOrderedVarsRel().GetForwardedTargets():
@@ -197,6 +207,12 @@ class _Reader:
                 continue
             var = self._var(UsdRender.Var(prim))
             if var is None:
+                continue
+            if is_deep and (var.aov != "color" or found):
+                message = (
+                    f"var {target} is left out: the {_DEEP} product {self._path} has one colour and its depth alone"
+                )
+                self._log.add("deep_var", target, message)
                 continue
             if var.name in (other.name for other in found):
                 message = f"var {target} is left out: product {self._path} has a part {var.name} already"

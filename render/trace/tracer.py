@@ -70,7 +70,7 @@ class Tracer:
         self._sum: moderngl.Texture | None = None
         self._tiles = _TileRays((0, 0, 0, 0), 0)
         self._tile_buffer: moderngl.Buffer | None = None
-        self._is_bound = False
+        self._is_bound, self._base_w = False, 0.0
 
     def passes(
         self,
@@ -118,7 +118,7 @@ class Tracer:
             bound_by_rays=bound_by_rays or moment_view is not None,
             by_map=focal_map is not None,
             moment={"CARRIED_CAMERA": moment_view is not None, "MOVERS": movers is not None},
-            mattes=mattes is not None,
+            mattes=mattes,
         )
         if mattes is not None:
             self._mattes.begin(mattes, (width, height))
@@ -135,7 +135,7 @@ class Tracer:
             if mattes is not None:
                 self._mattes.bind(program, layers, _FIRST_UNIT + _LAYER_UNITS + _RAY_UNITS)
 
-        self._is_bound = False
+        self._is_bound, self._base_w = False, layers.view.base_w
         set_uniforms(program, **layer_uniforms(layers, view))
         if moment_view is not None:
             set_uniforms(program, **moment_view.uniforms(layers.view))
@@ -244,15 +244,15 @@ class Tracer:
         color = self._read_sum()
         return np.divide(color, np.maximum(self._tiles.over_pixels(self._tiles.traced), 1), out=color)
 
-    def read_mattes(self) -> tuple[NDArray[np.uint32], FloatArray]:
+    def read_mattes(self) -> tuple[NDArray[np.uint32], FloatArray, float]:
         """Read what the rays met, as the mean over all rays. Call it after the last pass of a picture with mattes.
 
         Returns:
-            Numbers of surfaces and their coverage, ``(slots, height, width)`` each; 0 in slots that are not used.
+            What `MatteSum.put` takes: numbers of surfaces, values, and the base of inverse depths.
         """
-        numbers, weights = self._mattes.read()
-        rays = np.maximum(self._tiles.over_pixels(self._tiles.traced), 1)[..., 0]
-        return numbers, weights / rays.astype(np.float32)
+        numbers, values = self._mattes.read()
+        rays = np.maximum(self._tiles.over_pixels(self._tiles.traced), 1)
+        return numbers, values / rays.astype(np.float32), self._base_w
 
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Return the mean over the rays traced so far, and ``(height, width, 1)`` their share of all rays of each pixel.
@@ -290,7 +290,7 @@ class Tracer:
         bound_by_rays: bool,
         by_map: bool,
         moment: dict[str, bool],
-        mattes: bool,
+        mattes: MatteNumbers | None,
     ) -> moderngl.ComputeShader:
         defines: dict[str, int | float | str] = {name: 1 for name, is_set in moment.items() if is_set}
         if layers.count > 4:
@@ -301,8 +301,9 @@ class Tracer:
             defines["BOUND_BY_RAYS"] = 1
         if by_map:
             defines["FOCAL_MAP"] = 1
-        if mattes:
+        if mattes is not None:
             defines |= {"MATTES": 1, "SLOTS": SLOTS}
+            defines |= {"DEEP": 1} if mattes.is_deep else {}
         return self._programs.compute("trace/trace.comp", defines | self._buffers.defines(bundle))
 
     def _bind(

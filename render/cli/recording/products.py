@@ -98,4 +98,4 @@ def record_products(runs: Sequence[ProductRun], frames: Sequence[float]) -> list
 def file_layout(product: Product) -> FileLayout:
     """Layout of a product's files."""
     parts = tuple(FilePart(var.name, var.aov, var.kind, var.channels) for var in product.vars)
-    return FileLayout(parts, product.framing)
+    return FileLayout(parts, product.framing, product.is_deep)

@@ -137,7 +137,7 @@ class LiveFrames:
         renderer = self._renderer
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with renderer.on_device():
-            mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+            mattes = make_matte_sum(settings.width, settings.height, settings.aovs, deep=settings.deep)
             request = DrawRequest(view, renderer.load(scene, camera, settings), settings, mattes=mattes)
             color = yield from renderer.engine(settings).draw_in_steps(request)
             frame = renderer.measure(color, scene, request)
@@ -152,7 +152,7 @@ class LiveFrames:
             return False
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with renderer.on_device():
-            mattes = make_matte_sum(settings.width, settings.height, settings.aovs)
+            mattes = make_matte_sum(settings.width, settings.height, settings.aovs, deep=settings.deep)
             request = DrawRequest(view, renderer.load(scene, camera, settings), settings, mattes=mattes)
             return renderer.engine(settings).keeps_layers(request)
 

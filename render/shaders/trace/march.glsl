@@ -180,7 +180,7 @@ vec4 march(vec2 a, vec2 b)
             ivec3 texel = texel_of(a, b, last, at.pixel, hit);
             vec4 surface = texelFetch(radiance, texel, 0), light = passing * light_of(surface, false);
 #ifdef MATTES
-            note_surface(texel, light.a);
+            note_surface(texel, light, abs(stored_w(texel.xy, texel.z)));
 #endif
             seen += light;
             passing *= 1.0 - opacity_of(surface, false);
@@ -194,7 +194,7 @@ vec4 march(vec2 a, vec2 b)
         ivec3 texel = texel_of(a, b, last, at.pixel, hit);
         solid = passing * light_of(texelFetch(radiance, texel, 0), true);
 #ifdef MATTES
-        note_surface(texel, solid.a);
+        note_surface(texel, solid, abs(stored_w(texel.xy, texel.z)));
 #endif
     } else {
         solid = passing * vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);

@@ -118,7 +118,8 @@ vec4 march_moving(vec2 a, vec2 b)
         ivec3 texel = texel_of(a, met.b, last, met.pixel, met.hit);
         vec4 surface = texelFetch(radiance, texel, 0), light = light_of(surface, met.hit.opaque);
 #ifdef MATTES
-        note_surface(texel, passing * light.a);
+        float away = shutter_time * motion_at(texel.xy, texel.z).z;
+        note_surface(texel, passing * light, at_the_moment(abs(stored_w(texel.xy, texel.z)), away));
 #endif
         if (met.hit.opaque) {
             behind = light;

@@ -155,7 +155,7 @@ void main()
 #ifdef MATTES
     float passing = 0.0;
     for (int i = 0; i < ray_count; ++i) passing += max(lens_ray(rays, first_ray + i).weight, 0.0);
-    float share = light.a * light_correction(passing, float(ray_count));
+    float correction = light_correction(passing, float(ray_count));
     load_slots(pixel - area_first);
 #endif
     vec4 total = vec4(0.0);
@@ -165,7 +165,10 @@ void main()
         if (ray.weight <= 0.0) continue;
         weights += ray.weight;
 #ifdef MATTES
-        ray_share = share * ray.weight;
+        ray_share = light.a * correction * ray.weight;
+#ifdef DEEP
+        light_share = light.rgb * correction * ray.weight;
+#endif
 #endif
 #ifdef MOVERS
         total += ray.weight * march_moving(ray.a, ray.b);

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 import OpenImageIO
 import pytest
 
@@ -176,6 +177,95 @@ def test_a_window_shows_what_the_whole_picture_has_there(pullfocus: Command, tmp
         pictures.append(OpenImageIO.ImageBuf(str(tmp_path / name / "out/crop.0001.exr")).get_pixels())
     np.testing.assert_allclose(pictures[1][4:], pictures[0][:24, 12:36], atol=0.02)
     assert pictures[1].std() > 0.05
+
+
+DEEP = """
+    def RenderSettings "settings"
+    {
+        rel camera = </World/main_cam>
+        rel products = [</World/flat>, </World/deep>]
+        uniform int2 resolution = (48, 32)
+        float4 dataWindowNDC = (0, 0.25, 0.75, 1)
+        int pullfocus:rays = 16
+        float pullfocus:supersample = 1
+        bool pullfocus:connections = 0
+        int pullfocus:motion = 3
+        uniform token renderingColorSpace = "lin_rec709_scene"
+    }
+    def RenderProduct "flat"
+    {
+        token productName = "flat.exr"
+        rel orderedVars = </World/picture>
+    }
+    def RenderProduct "deep"
+    {
+        token productName = "deep.exr"
+        token productType = "deepRaster"
+        rel orderedVars = </World/picture>
+    }
+    def RenderVar "picture"
+    {
+        uniform string sourceName = "Ci"
+        uniform token dataType = "color4f"
+    }
+    def DomeLight "sky"
+    {
+        color3f inputs:color = (0.2, 0.4, 0.8)
+    }
+"""
+
+
+@pytest.mark.gl
+def test_a_deep_product_flattens_to_the_flat_one(pullfocus: Command, tmp_path: Path) -> None:
+    """A lit square in stage units of centimetres that moves, through glass, before a dome."""
+    moving = SQUARE.replace(
+        "color3f[]",
+        """double3 xformOp:translate.timeSamples = {1: (0, 0, 0), 2: (0.4, 0, 0)}
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        color3f[]""",
+    )
+    lens = CAMERA.replace(
+        "float fStop", "double shutter:open = 0\n        double shutter:close = 0.5\n        float fStop"
+    )
+    shot = write_shot(tmp_path / "shot.usda", moving, lens, DEEP)
+    text = shot.read_text().replace(*NAMED).replace("metersPerUnit = 1", "metersPerUnit = 0.5")
+    shot.write_text(text)
+    ended = pullfocus("record", shot, tmp_path / "out", "--products", "--json", "--frames", 1)
+    assert ended.status == 0, ended.err
+    flat = OpenImageIO.ImageBuf(str(tmp_path / "out/flat.exr"))
+    deep = OpenImageIO.ImageBuf(str(tmp_path / "out/deep.exr"))
+    assert windows(tmp_path / "out/deep.exr") == windows(tmp_path / "out/flat.exr") == ((0, 0, 35, 23), (0, 0, 47, 31))
+    flattened = OpenImageIO.ImageBufAlgo.flatten(deep).get_pixels()
+    np.testing.assert_allclose(flattened[..., :4], flat.get_pixels(), atol=3e-6)
+    (part,) = OpenEXR.File(str(tmp_path / "out/deep.exr"), separate_channels=True).parts
+    assert part.name() == "picture"
+    samples = part.channels["Z"].pixels.reshape(-1)
+    depths = np.concatenate([depths for depths in samples if depths is not None])
+    np.testing.assert_allclose(
+        np.unique(np.round(depths, 3)), [5, 100]
+    )  # the square, in stage units, and the far plane
+    alpha = flat.get_pixels()[..., 3]
+    assert ((alpha > 0.02) & (alpha < 0.98)).sum() > 30
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("f_stop", [0, 2])
+def test_a_deep_orthographic_picture_has_its_own_depths(f_stop: int, pullfocus: Command, tmp_path: Path) -> None:
+    """Sharp, and through a lens of parallel rays with the focus elsewhere: 5 m before the camera."""
+    lens = CAMERA.replace("float focalLength", 'token projection = "orthographic"\n        float focalLength')
+    lens = lens.replace("fStop = 2", f"fStop = {f_stop}").replace("0.36", "36").replace("0.24", "24")
+    lens = lens.replace("focusDistance = 5", "focusDistance = 3")
+    shot = write_shot(tmp_path / "shot.usda", SQUARE, lens, DEEP)
+    shot.write_text(shot.read_text().replace(*NAMED))
+    ended = pullfocus("record", shot, tmp_path / "out", "--products", "--frames", 1)
+    assert ended.status == 0, ended.err
+    flattened = OpenImageIO.ImageBufAlgo.flatten(OpenImageIO.ImageBuf(str(tmp_path / "out/deep.exr"))).get_pixels()
+    flat = OpenImageIO.ImageBuf(str(tmp_path / "out/flat.exr")).get_pixels()
+    np.testing.assert_allclose(flattened[..., :4], flat, atol=3e-6)
+    (part,) = OpenEXR.File(str(tmp_path / "out/deep.exr"), separate_channels=True).parts
+    depths = np.concatenate([own for own in part.channels["Z"].pixels.reshape(-1) if own is not None])
+    assert (np.abs(depths - 5) < 0.01).sum() > 50
+    assert ((np.abs(depths - 5) < 0.01) | (np.abs(depths - 100) < 0.1)).all()
 
 
 @pytest.mark.gl

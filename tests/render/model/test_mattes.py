@@ -46,7 +46,7 @@ def test_every_id_is_a_normal_float() -> None:
 
 def put(mattes: MatteSum, column: int, row: int, *entries: tuple[int, float]) -> None:
     numbers, weights = (np.array(values)[:, None, None] for values in zip(*entries, strict=True))
-    mattes.put((column, row, 1, 1), numbers.astype(np.uint32), weights.astype(np.float32))
+    mattes.put((column, row, 1, 1), numbers.astype(np.uint32), weights[..., None].astype(np.float32))
 
 
 def test_prims_and_materials_are_ranked_by_coverage() -> None:

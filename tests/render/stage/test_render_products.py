@@ -124,14 +124,29 @@ def test_our_own_settings_are_those_of_settings_and_product() -> None:
 
 
 def test_products_that_are_none_are_named_and_the_rest_is_rendered() -> None:
-    stage, settings, (first, deep) = settings_with("first", "deep")
-    deep.CreateProductTypeAttr("deepRaster")
+    stage, settings, (first, other) = settings_with("first", "other")
+    other.CreateProductTypeAttr("hologram")
     settings.GetProductsRel().AddTarget("/R/nowhere")
     products, findings = read(settings)
     assert [product.path for product in products] == ["/R/first"]
     assert findings.keys() == {"product_type", "no_product"}
+    assert "its productType is hologram, not raster or deepRaster" in findings["product_type"]
     stage.RemovePrim(first.GetPath())
     with pytest.raises(SettingsError, match="/R/s has no products to render"):
+        read(settings)
+
+
+def test_a_deep_product_has_one_colour_in_an_exr() -> None:
+    stage, settings, (deep,) = settings_with("deep")
+    deep.CreateProductTypeAttr("deepRaster")
+    for name in ("color", "depth", "Ci"):
+        UsdRender.Var.Define(stage, f"/R/{name}").CreateSourceNameAttr(name)
+    deep.CreateOrderedVarsRel().SetTargets(["/R/depth", "/R/color", "/R/Ci"])
+    (found,), findings = read(settings)
+    assert (found.is_deep, found.file, [var.name for var in found.vars]) == (True, "deep.exr", ["color"])
+    assert "var /R/Ci is left out: the deepRaster product /R/deep has one colour" in findings["deep_var"]
+    deep.CreateProductNameAttr("deep.png")
+    with pytest.raises(SettingsError, match="must be the name of an EXR, which a deepRaster product is"):
         read(settings)
 
 

@@ -330,6 +330,7 @@ def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: f
     settings = picture.make_settings(merged, width=width, height=height)
     if math.isnan(time):
         settings = replace(settings, motion=1)  # nothing moves at the default time
+    _note_only_for_products(shot, has_motion=settings.motion > 1)
     return RecordJob(
         shot=shot,
         camera_path=camera_path,
@@ -338,6 +339,15 @@ def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: f
         grade=options.grade,
         overlay=options.camera.draw_guides,
     )
+
+
+def _note_only_for_products(shot: Shot, *, has_motion: bool) -> None:
+    """Note what the shot's render settings ask for and a picture that is no product does not obey, nor does usdrecord's."""
+    settings = shot.render_settings
+    names = settings.only_for_products(has_motion=has_motion) if settings is not None else []
+    if settings is not None and names:
+        message = f"{' and '.join(names)} of {settings.path} have an effect with --products alone"
+        shot.note_asked([Finding("only_products", settings.path, message)])
 
 
 def _set_camera(shot: Shot, camera_path: str | None, options: RecordOptions) -> None:

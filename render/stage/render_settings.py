@@ -12,6 +12,8 @@ from render.stage.findings import FindingLog
 from render.stage.options import PURPOSES
 from render.stage.values import format_value
 
+_FRAMING_PROPERTIES = ("dataWindowNDC", "pixelAspectRatio", "disableDepthOfField")
+_MOTION_PROPERTIES = ("disableMotionBlur", "instantaneousShutter")
 _STAGE_FIELD = UsdRender.Tokens.renderSettingsPrimPath
 
 
@@ -97,6 +99,22 @@ class RenderSettings:
         )
         log.add("rendering_space", self.path, message)
         return space
+
+    def only_for_products(self, *, has_motion: bool) -> list[str]:
+        """Names of properties with an effect that products alone obey, where they author none of their own.
+
+        Args:
+            has_motion: whether the picture may show motion.
+        """
+        prim = self.prim.GetPrim()
+        names = _FRAMING_PROPERTIES + (_MOTION_PROPERTIES if has_motion else ())
+        attributes = [prim.GetAttribute(name) for name in names]
+        fallbacks = prim.GetPrimDefinition().GetAttributeFallbackValue
+        return [
+            attribute.GetName()
+            for attribute in attributes
+            if attribute.HasAuthoredValue() and attribute.Get() != fallbacks(attribute.GetName())
+        ]
 
 
 def stage_settings(stage: Usd.Stage) -> RenderSettings | None:

@@ -146,6 +146,34 @@ def test_one_run_writes_every_product(pullfocus: Command, tmp_path: Path) -> Non
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize(
+    ("authored", "options", "named"),
+    [
+        ("bool disableDepthOfField = 1", (), "disableDepthOfField"),
+        (
+            "float4 dataWindowNDC = (0, 0, 0.5, 1)\n        float pixelAspectRatio = 2",
+            (),
+            "dataWindowNDC and pixelAspectRatio",
+        ),
+        ("bool disableMotionBlur = 1", ("--motion", 3), "disableMotionBlur"),
+        ("bool disableMotionBlur = 1", (), None),
+        ("float pixelAspectRatio = 1\n        bool disableDepthOfField = 0", (), None),
+    ],
+)
+def test_what_plain_pictures_do_not_obey_is_named(
+    authored: str, options: tuple[object, ...], named: str | None, pullfocus: Command, tmp_path: Path
+) -> None:
+    shot = write_products(tmp_path, SETTINGS.replace("rel products", f"{authored}\n        rel products", 1))
+    ended = pullfocus("record", shot, tmp_path / "f.exr", "--imageWidth", 48, *options)
+    assert ended.status == 0, ended.err
+    message = f"{named} of /World/settings have an effect with --products alone"
+    assert (message in ended.err) == (named is not None)
+    assert ("with --products alone" in ended.err) == (named is not None)
+    picture = OpenImageIO.ImageBuf(str(tmp_path / "f.exr")).spec()
+    assert (picture.width, picture.height, picture.full_width) == (48, 32, 48)
+
+
+@pytest.mark.gl
 def test_without_depth_of_field_a_product_is_a_pinholes(pullfocus: Command, tmp_path: Path) -> None:
     """The square is out of focus; its rim is blurred but where the product is sharp."""
     blurred = SETTINGS.replace("sharp.####.png", "sharp.####.exr")

@@ -10,7 +10,8 @@ layout(std430, binding = 0) readonly buffer MatteObjects { uvec2 matte_objects[]
 layout(std430, binding = 2) readonly buffer MatteNumbers { uint matte_numbers[]; };
 #ifdef DEEP
 layout(rgba32f, binding = 2) uniform image2DArray light_table;  // red, green, blue, and inverse depth (1/m), times the weight
-const float STEPS_PER_OCTAVE = 8.0; // of depth; 256 steps from 2^-16 m on
+const float STEPS_PER_OCTAVE = 8.0; // of depth; 256 steps from the nearest surface on
+uniform float nearest_w;            // greatest w of all surfaces, 1/m
 #endif
 uniform usampler2DArray surface_ids;    // object + 1 and triangle of the layers' surfaces
 
@@ -61,7 +62,7 @@ void note_surface(ivec3 texel, vec4 light, float w)
     uvec2 surface = texelFetch(surface_ids, texel, 0).xy, object = matte_objects[surface.x - 1u];
     uint number = matte_numbers[object.x + object.y * surface.y];
 #ifdef DEEP
-    number = number << 8 | uint(clamp(STEPS_PER_OCTAVE * (16.0 - log2(w)), 0.0, 255.0));
+    number = number << 8 | uint(clamp(STEPS_PER_OCTAVE * log2(nearest_w / w), 0.0, 255.0));
 #endif
     if (number != last_number) {
         if (last_number != 0u) add_to_slots(last_number, last_weight);

@@ -198,3 +198,27 @@ def test_a_hundred_thousandth_of_the_depth_is_told_apart(renderer: FrameRenderer
     color = renderer.render(read(stage), read_camera(stage, "/cam", 0, aspect=2), settings).color
     assert (color[42:58, 52:68, :3].argmax(axis=-1) == 2).all()
     assert np.ptp(color[42:58, 52:68, :3], axis=(0, 1)).max() < 1e-3
+
+
+@pytest.mark.gl
+def test_deep_samples_lie_at_the_depths_of_surfaces(renderer: FrameRenderer) -> None:
+    stage = ortho_stage(fStop=16.0, focusDistance=12.0)
+    points = [
+        (-3, -1, -12),
+        (-1, -1, -12),
+        (-1, 1, -12),
+        (-3, 1, -12),
+        (1, -1, -24),
+        (3, -1, -24),
+        (3, 1, -24),
+        (1, 1, -24),
+    ]
+    add_mesh(stage, "/both", points, (4, 4), range(8))
+    camera = read_camera(stage, "/cam", 0, aspect=WIDTH / HEIGHT)
+    settings = FrameSettings(WIDTH, HEIGHT, engine="lens", rays=64, shading="unlit", adaptive=False, deep=True)
+    frame = renderer.render(read(stage), camera, settings)
+    assert frame.deep is not None
+    stated_m = frame.deep.depths_m[np.isfinite(frame.deep.depths_m)] - camera.set_back_m
+    for depth in (3, 12, 24, 30):
+        assert (np.abs(stated_m - depth) < 0.01).sum() > 300
+    assert np.abs(stated_m[:, None] - [3, 12, 24, 30]).min(axis=1).max() < 0.01

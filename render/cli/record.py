@@ -404,6 +404,7 @@ def _open_shot(arguments: argparse.Namespace) -> Shot:
         purposes=purposes,
         mask=mask,
         camera=shared.camera_path(arguments.camera),
+        all_cameras=arguments.stereo,
         complexity=arguments.complexity,
         cull_backfaces=arguments.cull == "backfaces",
         camera_light=not arguments.disableCameraLight,

@@ -122,7 +122,12 @@ class Shot:
             session_layer=options.session_layer,
             resolver=options.resolver,
             population=Population(
-                options.mask, options.camera, options.settings_prim, options.render_pass, options.unloaded
+                options.mask,
+                options.camera,
+                options.all_cameras,
+                options.settings_prim,
+                options.render_pass,
+                options.unloaded,
             ),
             confined_to=confined_to,
         )

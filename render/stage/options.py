@@ -24,6 +24,7 @@ class StageOptions:
         mask: only what lies at, below or above these prim paths is drawn and lights, and with what that needs it is all that is
             composed (`render.stage.population`); None for everything.
         camera: prim path of the camera that a mask keeps in any case; None keeps those that may be the default one.
+        all_cameras: a mask keeps all cameras that are not in payloads, as pairs of eyes need.
         unloaded: payloads are not loaded, and a finding counts them.
         complexity: one of `COMPLEXITIES`. Subdivision surfaces are drawn as their cage at all; above low that is a finding.
         cull_backfaces: leave out back faces of what is not ``doubleSided``; as in usdrecord, both sides are drawn otherwise.
@@ -39,6 +40,7 @@ class StageOptions:
     purposes: tuple[str, ...] | None = None
     mask: tuple[str, ...] | None = None
     camera: str | None = None
+    all_cameras: bool = False
     unloaded: bool = False
     complexity: str = "low"
     cull_backfaces: bool = False

@@ -18,6 +18,7 @@ class Population:
     Attributes:
         mask: what lies at, below or above these prim paths, and what that refers to; None for everything.
         camera: prim path of the camera that a mask keeps in any case; None keeps those that may be the default one.
+        all_cameras: a mask keeps all cameras that are not in payloads.
         settings_prim: path of the RenderSettings prim that a mask keeps, in place of the one that the stage names.
         render_pass: path of a RenderPass prim that a mask keeps.
         unloaded: payloads are not loaded.
@@ -25,6 +26,7 @@ class Population:
 
     mask: tuple[str, ...] | None = None
     camera: str | None = None
+    all_cameras: bool = False
     settings_prim: str | None = None
     render_pass: str | None = None
     unloaded: bool = False
@@ -51,7 +53,7 @@ def compose(root: Sdf.Layer, session: Sdf.Layer, context: Ar.ResolverContext, po
     stage = Usd.Stage.OpenMasked(root, session, context, Usd.StagePopulationMask(list(population.mask)), load)
     settings = population.settings_prim or stage.GetMetadata("renderSettingsPrimPath")
     _reach(stage, [path for path in (population.camera, settings, population.render_pass) if path])
-    if population.camera is None and not _names_a_camera(stage, population):
+    if population.all_cameras or (population.camera is None and not _names_a_camera(stage, population)):
         _reach(stage, list_cameras(Usd.Stage.Open(root, session, context, Usd.Stage.LoadNone)))
     return stage
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -73,6 +74,12 @@ def test_a_mask_keeps_the_cameras_that_may_be_the_default(shot: Path) -> None:
     stage.Save()
     masked = Shot.open(shot, options=StageOptions(mask=("/set/chair",)))
     assert masked.default_camera().path == "/rig/main_cam"
+    assert not masked.stage.GetPrimAtPath("/set/table")
+
+
+def test_a_mask_keeps_all_cameras_for_stereo_pairs(shot: Path) -> None:
+    masked = Shot.open(shot, options=replace(CHAIR, all_cameras=True))
+    assert masked.cameras() == ["/cameras/a", "/cameras/b"]
     assert not masked.stage.GetPrimAtPath("/set/table")
 
 

@@ -86,9 +86,10 @@ def _is_needed(relationship: Usd.Relationship) -> bool:
 
 
 def _names_a_camera(stage: Usd.Stage, population: Population) -> bool:
-    """Whether the render settings name a camera."""
+    """Whether the render settings name a camera that exists."""
     if population.render_pass is not None:
         return False
     path = population.settings_prim
     settings: RenderSettings | None = settings_at(stage, path) if path is not None else stage_settings(stage)
-    return settings is not None and settings.camera_path is not None
+    camera = settings.camera_path if settings else None
+    return camera is not None and bool(stage.GetPrimAtPath(camera))

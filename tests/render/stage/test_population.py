@@ -97,6 +97,9 @@ def test_a_mask_keeps_the_render_settings_and_their_camera(shot: Path) -> None:
         assert masked.default_camera().path == "/cameras/b"
         assert masked.cameras() == ["/cameras/b"]
         assert "table.usdc" not in files(masked)
+    settings.GetCameraRel().SetTargets(["/cameras/gone"])
+    stage.Save()
+    assert Shot.open(shot, options=StageOptions(mask=("/set/chair",))).cameras() == ["/cameras/a", "/cameras/b"]
 
 
 def test_a_mask_confines_the_stage_as_before(shot: Path, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom
 from render.model.scene import Dome, Scene
 from render.stage.assembly.groups import DrawContext, Group
 from render.stage.assembly.inventory import Inventory, take_inventory
-from render.stage.assembly.level_choice import LevelChoice, LevelChooser
+from render.stage.assembly.level_choice import LevelChoice, LevelChooser, may_change_levels
 from render.stage.assembly.pieces import ShapeReader
 from render.stage.assembly.plan import PieceCutter, plan_groups
 from render.stage.assembly.poses import InstanceReader
@@ -87,7 +87,7 @@ class StageReader:
 
     @property
     def changes(self) -> int:
-        """Count of edits to anything but cameras; results read at an earlier count are out of date."""
+        """Count of edits that may change what is drawn, which most edits of cameras do not; earlier results are out of date."""
         return self._changes
 
     def read(self, time: float, camera_path: str = "") -> Scene:
@@ -211,16 +211,20 @@ class StageReader:
         if not all(self._is_only_a_camera(path) for path in paths):
             self._plan = None
             self._changes += 1
-        elif self._plan is not None and (
-            self._plan.inventory.level_roots or any(self._plan.plates.is_camera(path.GetPrimPath()) for path in paths)
-        ):
+        elif self._plan is None:
+            return
+        elif any(self._plan.plates.is_camera(path.GetPrimPath()) for path in paths):
             self._scene = None
+            self._changes += 1
+        elif self._plan.inventory.level_roots and any(map(may_change_levels, paths)):
+            self._key = None
             self._changes += 1
 
     def _is_only_a_camera(self, path: Sdf.Path) -> bool:
         """Whether what changed is a camera that stays with, or without, back plates."""
         prim = self._stage.GetPrimAtPath(path.GetPrimPath())
-        if not prim or not prim.IsA(UsdGeom.Camera) or prim.GetChildren():
+        is_camera = prim and prim.IsActive() and prim.IsDefined() and prim.IsA(UsdGeom.Camera)
+        if not is_camera or prim.GetChildren():
             return False
         is_known = self._plan is not None and self._plan.plates.is_camera(prim.GetPath())
         return is_known or not plate_names(prim)

@@ -21,6 +21,16 @@ from render.stage.limits import PlaceError
 from render.stage.values import format_value, schema_type
 
 _ALL, _NONE = -1, -2
+_FRUSTUM = {
+    "clippingRange",
+    "focalLength",
+    "horizontalAperture",
+    "horizontalApertureOffset",
+    "projection",
+    "verticalAperture",
+    "verticalApertureOffset",
+}
+"""Properties of cameras by which their frustum is computed."""
 _DOMAIN = "imaging"
 _MODES = ("noOverride", "indexedLOD", "noLOD", "allLOD")
 _ORDERS = {"LODDistanceHeuristic": ("ascending", 1), "LODScreenSizeHeuristic": ("descending", -1)}
@@ -60,6 +70,11 @@ class LevelChoice:
             if count:
                 shown &= np.repeat((chosen == level) | (chosen == _ALL), count // len(chosen))
         return shown
+
+
+def may_change_levels(path: Sdf.Path) -> bool:
+    """Whether an edit of a camera may change which levels it shows: of its place or frustum, or of the prim as a whole."""
+    return not path.IsPropertyPath() or path.name in _FRUSTUM or path.name.startswith("xformOp")
 
 
 class LevelChooser:

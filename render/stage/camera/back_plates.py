@@ -108,8 +108,7 @@ class PlateReader:
             now = self._update(plate, from_camera, place, prim_id(str(plate.prim.GetPath())), time)
             batch = now.batch if now.batch.seen_by == seen_by else replace(now.batch, seen_by=seen_by)
             self._drawn[plate.key] = now if batch is now.batch else replace(now, batch=batch)
-            has_size = now.depths is not None or np.linalg.det(batch.poses[0]) != 0
-            if has_size and is_placeable(batch.geometry.positions, batch.poses[0], plate.at, self._log):
+            if is_placeable(batch.geometry.positions, batch.poses[0], plate.at, self._log):
                 drawn.append(batch)
         return drawn
 

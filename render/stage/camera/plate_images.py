@@ -18,6 +18,7 @@ from render.stage.camera.plate_places import PlateError, read_numbers
 from render.stage.camera.plate_relief import DepthImages, compute_depths
 from render.stage.findings import FindingLog
 from render.stage.materials.textures import TextureCache, TextureError
+from render.stage.values import format_value
 
 _OPAQUE = 0.999
 
@@ -102,7 +103,8 @@ class PlateImages:
         """The plate's colour and its opacity."""
         schema = self._plate.schema
         color = self._image(schema.GetImageAttr(), "it is black", self._grade())
-        if not getattr(schema.GetAlphaImageAttr().Get(self._time), "path", ""):
+        named = self._asset(schema.GetAlphaImageAttr(), "the alpha of its image is used")
+        if named is None or not named.path:
             return Pictures(color, color)
         alpha = self._image(schema.GetAlphaImageAttr(), "it is opaque", ())
         return Pictures(color, alpha, 0 if alpha is not None and alpha.channels == 1 else 3)
@@ -110,8 +112,8 @@ class PlateImages:
     def depths(self, images: DepthImages) -> DoubleArray | None:
         """Depths ``(h, w)`` of the plate's places, scene units; None where it is flat."""
         schema = self._plate.schema
-        asset = schema.GetDepthImageAttr().Get(self._time)
-        if not getattr(asset, "path", ""):
+        asset = self._asset(schema.GetDepthImageAttr(), "it is flat")
+        if asset is None or not asset.path:
             return None
         at = schema.GetDepthImageAttr().GetPath()
         if UsdGeom.Camera(self._plate.prim).GetProjectionAttr().Get(self._time) == UsdGeom.Tokens.orthographic:
@@ -128,8 +130,10 @@ class PlateImages:
 
     def _image(self, attribute: Usd.Attribute, instead: str, grade: tuple[tuple[float, ...], ...]) -> Image | None:
         """Image of an attribute: graded colour, or numbers as they are where there is no grade."""
-        asset, at = attribute.Get(self._time), attribute.GetPath()
-        if not isinstance(asset, Sdf.AssetPath) or not asset.path:
+        asset, at = self._asset(attribute, instead), attribute.GetPath()
+        if asset is None:
+            return None
+        if not asset.path:
             self._log.add("texture_missing", at, f"{self._plate.words} names no image: {instead}")
             return None
         space, purpose = (attribute.GetColorSpace() or "auto", "color") if grade else ("raw", "data")
@@ -138,6 +142,15 @@ class PlateImages:
         except (TextureError, InputError) as problem:
             self._log.add("texture_unreadable", at, f"{asset.path} of {self._plate.words} {problem}: {instead}")
             return None
+
+    def _asset(self, attribute: Usd.Attribute, instead: str) -> Sdf.AssetPath | None:
+        """File that an attribute names, without a path where it names none; None, with a finding, for a value of another type."""
+        value = attribute.Get(self._time)
+        if value is None or isinstance(value, Sdf.AssetPath):
+            return value or Sdf.AssetPath()
+        message = f"{attribute.GetName()} must be an asset, got {format_value(value)}: {instead}"
+        self._log.add("bad_back_plate", attribute.GetPath(), f"{self._plate.words}: {message}")
+        return None
 
     def _grade(self) -> tuple[tuple[float, ...], ...]:
         """Slope, offset and power of the image's linear numbers, each ``rgba``."""

@@ -17,6 +17,7 @@ CORNERS = np.array([(0.5, 0.5, 0.0), (-0.5, 0.5, 0.0), (-0.5, -0.5, 0.0), (0.5, 
 """Corners of a plate in its own space, counter-clockwise as its camera sees them."""
 _TENTH = 0.1  # apertures and focal lengths are in tenths of scene units
 _AXES = ((1, 2), (2, 0), (0, 1))
+_LEAST_AREA = 1e-30  # square scene units
 
 
 class PlateError(ValueError):
@@ -45,7 +46,11 @@ def read_plate_place(camera: UsdGeom.Camera, name: str, time: Usd.TimeCode) -> D
     distance, size = _read_size(camera, time)
     matrix = np.eye(4)
     matrix[:3, :3] = _turn(0, turns[0]) @ _turn(1, turns[1]) @ _turn(2, turns[2])
-    matrix[:3, :3] @= np.diag([*(size * read_numbers(plate.GetScaleTweakAttr(), time, 2)), 1.0])
+    scale = read_numbers(plate.GetScaleTweakAttr(), time, 2)
+    if abs(np.prod(size * scale)) < _LEAST_AREA:
+        x, y = scale
+        raise PlateError(f"{plate.GetScaleTweakAttr().GetName()} must not be 0 either way, got ({x:g}, {y:g})")
+    matrix[:3, :3] @= np.diag([*(size * scale), 1.0])
     matrix[:3, 3] = read_numbers(plate.GetTranslateTweakAttr(), time, 3) - [0, 0, distance]
     return matrix
 

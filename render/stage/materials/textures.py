@@ -104,11 +104,12 @@ class _Grade:
     power: FloatArray
 
     def apply(self, linear: FloatArray) -> FloatArray:
-        """Grade values of any shape with four channels."""
-        graded: FloatArray = linear * self.scale + self.bias
-        bent = self.power != 1
-        if bent.any():
-            graded[..., bent] = np.maximum(graded[..., bent], 0) ** self.power[bent]
+        """Grade values of any shape with four channels; what is too large for float32 is infinite, or not a number."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            graded: FloatArray = linear * self.scale + self.bias
+            bent = self.power != 1
+            if bent.any():
+                graded[..., bent] = np.maximum(graded[..., bent], 0) ** self.power[bent]
         return graded
 
 

@@ -284,6 +284,23 @@ def test_levels_follow_the_camera_and_are_else_the_same_objects() -> None:
     assert drawn(reader.read(3, "/cam")) == ["/ground", "/house/l0"]
 
 
+def test_an_edit_that_changes_no_level_keeps_the_scene() -> None:
+    stage = house(2)
+    add_distances(stage, "/house", [10])
+    camera = UsdGeom.Camera(stage.GetPrimAtPath("/cam"))
+    reader = StageReader(stage)
+    first, count = reader.read(0, "/cam"), reader.changes
+    for distance in (3.0, 4.0):
+        camera.CreateFocusDistanceAttr(distance)
+        assert reader.read(0, "/cam") is first
+    assert reader.changes == count
+    move_camera(stage, 0, 0, 6)
+    assert reader.read(0, "/cam") is first
+    move_camera(stage, 0, 0, 20)
+    assert drawn(reader.read(0, "/cam")) == ["/house/l1"]
+    assert reader.changes > count
+
+
 @pytest.mark.gl
 def test_a_picture_shows_the_level_for_its_camera(renderer: FrameRenderer, tmp_path: Path) -> None:
     stage = house(2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -266,7 +267,7 @@ HOSTILE = {
     "focusDistance": [0.0, -1.0, math.nan, math.inf, 1e30],
     "focalLength": [0.0, math.nan],
     "horizontalAperture": [-1.0, math.inf],
-    "backPlate:sky:scale:tweak": [Gf.Vec2f(math.nan, 1)],
+    "backPlate:sky:scale:tweak": [Gf.Vec2f(math.nan, 1), Gf.Vec2f(0, 0), Gf.Vec2f(0, 1)],
     "backPlate:sky:translate:tweak": [Gf.Vec3f(0, 0, math.inf), Gf.Vec3f(0, 0, -1e30)],
     "backPlate:sky:rotateXYZ:tweak": [Gf.Vec3f(math.nan, 0, 0)],
 }
@@ -293,6 +294,27 @@ def test_values_out_of_range_are_named_and_the_plate_is_drawn(red: str) -> None:
         if finding.code == "bad_back_plate"
     }
     assert found == {"luma:power", "luma:slope", "plateVisibility"}
+
+
+@pytest.mark.parametrize("name", ["image", "alpha:image", "depth:image"])
+def test_an_image_of_another_type_is_named(red: str, name: str) -> None:
+    stage = plated(red)
+    prim = stage.GetRootLayer().GetPrimAtPath("/cam")
+    stage.GetPrimAtPath("/cam").RemoveProperty(f"backPlate:sky:{name}")
+    Sdf.AttributeSpec(prim, f"backPlate:sky:{name}", Sdf.ValueTypeNames.String).default = "x.exr"
+    reader = StageReader(stage)
+    only_batch(reader.read(0))
+    (finding,) = reader.findings
+    assert (finding.code, finding.path) == ("bad_back_plate", f"/cam.backPlate:sky:{name}")
+    assert f"backPlate:sky:{name} must be an asset, got 'x.exr' (str)" in finding.message
+
+
+def test_a_grade_beyond_all_numbers_warns_of_nothing(tmp_path: Path) -> None:
+    bright = write_image(tmp_path / "bright.exr", (20.0, 1.0, 0.5))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        batch = only_batch(StageReader(plated(bright, luma_power=Gf.Vec3f(50, 50, 50))).read(0))
+    assert np.isfinite(batch.material.lookups["emissive"].image.pixels).all()
 
 
 @pytest.mark.gl
@@ -355,6 +377,24 @@ def test_plates_come_and_go_with_their_schema(red: str) -> None:
     assert len(reader.read(0).batches) == 2
     stage.GetPrimAtPath("/cam").RemoveAPI(UsdGeom.BackPlateAPI, "sky")
     assert [batch.seen_by for batch in reader.read(0).batches] == ["/other"]
+
+
+def test_plates_go_and_come_with_their_active_camera(red: str) -> None:
+    stage = plated(red)
+    reader = StageReader(stage)
+    counts = [len(reader.read(0).batches)]
+    for active in (False, True):
+        stage.GetPrimAtPath("/cam").SetActive(active)
+        counts.append(len(reader.read(0).batches))
+    assert counts == [1, 0, 1]
+
+
+def test_visibility_and_purpose_of_a_camera_do_not_count(red: str) -> None:
+    stage = plated(red)
+    camera = UsdGeom.Imageable(stage.GetPrimAtPath("/cam"))
+    camera.CreateVisibilityAttr("invisible")
+    camera.CreatePurposeAttr("guide")
+    assert only_batch(StageReader(stage).read(0)).seen_by == "/cam"
 
 
 def test_a_mask_leaves_out_the_plates_of_other_cameras(red: str) -> None:

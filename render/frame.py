@@ -286,7 +286,7 @@ class FrameRenderer:
             lit = self._scenes.scene(scene, camera)
             if not peeler.has_scene(lit):  # picking ignores shadows, so shadow maps of any region will do
                 peeler.load(lit, shadow_region(camera))
-            pick = pick_surface(peeler, scene, view, *undistort_position(view, camera, x, y))
+            pick = pick_surface(peeler, lit, view, *undistort_position(view, camera, x, y))
         return None if pick is None else replace(pick, depth_m=pick.depth_m - camera.set_back_m)
 
     def forget_layers(self) -> None:

@@ -186,6 +186,7 @@ def _run_stereo(arguments: argparse.Namespace, options: RecordOptions, shot: Sho
     frames = options.frames or [shot.frame_range.start]
     files = stereo.view_files(arguments.out, frames)
     traced = [arguments.traceToFile] if arguments.traceToFile else []
+    _make_folders([file for each in files for file in {*each.values()}])
     _check_files(shot, [*(file for each in files for file in each.values()), *traced])
     grade.warn_of_unapplied(arguments)
     with shared.printed_findings(shot, arguments.stage):
@@ -262,7 +263,7 @@ def _make_folders(files: Sequence[Path]) -> None:
     """
     twice = [str(file) for file, count in Counter(files).items() if count > 1]
     if twice:
-        raise SettingsError(f"several products are written to {twice[0]}: give each its own productName")
+        raise SettingsError(f"several pictures are written to {twice[0]}: give each its own name")
     for folder in dict.fromkeys(file.parent for file in files):
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -346,7 +347,7 @@ def _note_only_for_products(shot: Shot, *, has_motion: bool) -> None:
     settings = shot.render_settings
     names = settings.only_for_products(has_motion=has_motion) if settings is not None else []
     if settings is not None and names:
-        message = f"{' and '.join(names)} of {settings.path} have an effect with --products alone"
+        message = f"{settings.path} authors {' and '.join(names)}, which only --products obeys"
         shot.note_asked([Finding("only_products", settings.path, message)])
 
 

@@ -26,7 +26,7 @@ class DrawingSpace:
         clip_planes: ``(a, b, c, d)`` each, as of `PinholeView`.
         w_of_depth: factor of a depth buffer's value, and what is added, to have the layers' w, 1/m; zeros where the perspective
             division gives it.
-        far: w, depth and z of the far plane, as `set_back` has them; zeros for a camera that does not stand back.
+        far: w, depth from the pupil and z in this space of the far plane; zeros for a camera that does not stand back.
     """
 
     from_world: DoubleArray

@@ -12,8 +12,8 @@ What is behind surfaces that let less than 0.1 % of the light through, as opaque
 
 The merged surface keeps its depth. A ray that crosses the same surfaces sees what it would see with a layer for each of them;
 the surfaces that were merged are blurred like the one that holds them, and rays that cross the border of a surface within such a
-stack see a part of it twice or not at all. A partly transparent holdout of such a stack counts as a black surface: its light is
-right, and the coverage too large.
+stack see a part of it twice or not at all. A partly transparent holdout of such a stack counts as a black surface: the light that
+a pixel gets is right, and its alpha is too large.
 """
 
 from __future__ import annotations

@@ -44,8 +44,8 @@ class FrameSettings:
         motion_by: one of `MOTIONS`: ``moments`` peels the scene at each of them, which is exact; ``velocities`` peels it once and
             moves surfaces along straight paths, which is many times faster.
         aovs: names of `render.model.aovs`; ``color`` is always there.
-        deep: make samples in depth (`render.model.deep`), in place of mattes. Light that is carried by connections is that of the
-            background then.
+        deep: make samples in depth (`render.model.deep`), in place of mattes. With ``connections``, the light that these carry
+            is in the samples of the background.
     """
 
     width: int = 960

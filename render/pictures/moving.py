@@ -14,6 +14,7 @@ from render.model.moment import Moment, ShutterScenes
 from render.model.shutter import moments, moments_per_pixel, shares
 from render.pictures.image_space import ImageSpace
 from render.shot.shot import Shot
+from render.stage import stand_together
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
@@ -68,10 +69,11 @@ def render_moving_frame(
     times = time + moments(camera.shutter_open, camera.shutter_close, camera.shutter, count)
     parts = shares(camera.shutter_open, camera.shutter_close, camera.shutter, count, *size).astype(np.float32)
 
+    cameras = stand_together([shot.camera_at(camera_path, float(at), *size) for at in times])
+
     def moment_at(index: int) -> Moment:
-        at = float(times[index])
-        scene, moved = shot.scene_at(at, camera.path), shot.camera_at(camera_path, at, *size)
-        return space.widen_moment(Moment(scene, moved, parts[index, ..., None]))
+        scene = shot.scene_at(float(times[index]), camera.path)
+        return space.widen_moment(Moment(scene, cameras[index], parts[index, ..., None]))
 
     # surfaces that move are carried by their depth from the pupil, which is far behind an orthographic camera
     if settings.motion_by == "moments" or camera.orthographic is not None:

@@ -101,7 +101,7 @@ class RenderSettings:
         return space
 
     def only_for_products(self, *, has_motion: bool) -> list[str]:
-        """Names of properties with an effect that products alone obey, where they author none of their own.
+        """Names of authored properties that only products obey, and that ask for more than their fallbacks.
 
         Args:
             has_motion: whether the picture may show motion.

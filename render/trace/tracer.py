@@ -120,7 +120,7 @@ class Tracer:
             moment={"CARRIED_CAMERA": moment_view is not None, "MOVERS": movers is not None},
             mattes=mattes,
         )
-        set_uniforms(program, nearest_w=nbuffers.w_range[1])
+        set_uniforms(program, nearest_w=layers.view.nearest_w)
         if mattes is not None:
             self._mattes.begin(mattes, (width, height))
 

@@ -10,8 +10,8 @@ layout(std430, binding = 0) readonly buffer MatteObjects { uvec2 matte_objects[]
 layout(std430, binding = 2) readonly buffer MatteNumbers { uint matte_numbers[]; };
 #ifdef DEEP
 layout(rgba32f, binding = 2) uniform image2DArray light_table;  // red, green, blue, and inverse depth (1/m), times the weight
-const float STEPS_PER_OCTAVE = 8.0; // of depth; 256 steps from the nearest surface on
-uniform float nearest_w;            // greatest w of all surfaces, 1/m
+const float STEPS_PER_OCTAVE = 8.0; // of depth; 256 steps from the near plane on
+uniform float nearest_w;            // w of the near plane, 1/m: the same in all moments and tiles
 #endif
 uniform usampler2DArray surface_ids;    // object + 1 and triangle of the layers' surfaces
 

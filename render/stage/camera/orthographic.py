@@ -62,19 +62,23 @@ def stand_back(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode, near_m: flo
 
 
 def stand_together(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
-    """Return one camera at several times with its pupil as far behind it at all of them, if it is orthographic.
+    """Return one camera at several times with the same distance of its pupil and the same clipping range, if it is orthographic.
 
-    Then what is done with inverse depths over time, such as smoothing, means the same depths at all times.
+    Then inverse depths mean the same at all times, so that they can be smoothed and merged over time.
 
     Args:
         cameras: from `stand_back`, or perspective ones, which stay as they are.
     """
     farthest_m = max(camera.set_back_m for camera in cameras)
-    return tuple(
+    together = [
         camera
         if camera.orthographic is None
         else _step_back(camera, camera.orthographic, farthest_m - camera.set_back_m)
         for camera in cameras
+    ]
+    near_m, far_m = min(camera.near_m for camera in together), max(camera.far_m for camera in together)
+    return tuple(
+        camera if camera.orthographic is None else replace(camera, near_m=near_m, far_m=far_m) for camera in together
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -42,10 +43,22 @@ def list_pairs(stage: Usd.Stage, cameras: Sequence[str]) -> list[StereoPair]:
         stage: the stage.
         cameras: prim paths of its cameras.
     """
-    roles = {Sdf.Path(path): stereo_role(stage.GetPrimAtPath(path)) for path in cameras}
-    lefts, rights = ([path for path, role in roles.items() if role == eye] for eye in EYES)
-    found = (_find_partner(left, lefts, rights) for left in lefts)
-    return [StereoPair(str(left), str(right)) for left, right in zip(lefts, found, strict=True) if right is not None]
+    eyes: tuple[list[Sdf.Path], ...] = ([], [])
+    below: tuple[defaultdict[Sdf.Path, list[Sdf.Path]], ...] = (defaultdict(list), defaultdict(list))
+    for path in map(Sdf.Path, cameras):
+        role = stereo_role(stage.GetPrimAtPath(path))
+        for eye, found, at in zip(EYES, eyes, below, strict=True):
+            if role == eye:
+                found.append(path)
+                for above in path.GetAncestorsRange():
+                    at[above].append(path)
+    pairs = []
+    for left in eyes[0]:
+        parents = [*left.GetParentPath().GetAncestorsRange(), Sdf.Path.absoluteRootPath]
+        shared = next((above for above in parents if below[1].get(above)), None)
+        if shared is not None and len(below[0][shared]) == len(below[1][shared]) == 1:
+            pairs.append(StereoPair(str(left), str(below[1][shared][0])))
+    return pairs
 
 
 def pair_of(pairs: Sequence[StereoPair], camera: str) -> StereoPair | None:
@@ -64,15 +77,3 @@ def _is_beside(camera: str, other: str) -> bool:
     """Whether a camera stands below the same prim as another; all of a stage is no such prim, but for what is at its top."""
     above = Sdf.Path(camera).GetParentPath()
     return Sdf.Path(other).HasPrefix(above) and (not above.IsAbsoluteRootPath() or other.count("/") == 1)
-
-
-def _find_partner(left: Sdf.Path, lefts: Sequence[Sdf.Path], rights: Sequence[Sdf.Path]) -> Sdf.Path | None:
-    """The right camera below the nearest prim above a left one that has any; None where it has several of either."""
-    above = left.GetParentPath()
-    while not above.isEmpty:
-        near = [path for path in rights if path.HasPrefix(above)]
-        if near:
-            alone = len(near) == 1 and sum(path.HasPrefix(above) for path in lefts) == 1
-            return near[0] if alone else None
-        above = above.GetParentPath()
-    return None

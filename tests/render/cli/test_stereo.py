@@ -100,6 +100,8 @@ def test_pictures_and_named_views_have_files_of_their_own(command: Command, rig:
     pictures = [OpenImageIO.ImageBuf(str(tmp_path / name)).get_pixels() for name in names]
     assert abs(pictures[0] - pictures[1]).max() > 0.5
     np.testing.assert_array_equal(pictures[0], pictures[2])
+    record(command, rig, tmp_path / "eyes" / "%V" / "one.exr", "--camera", "middle")
+    assert sorted(path.parent.name for path in (tmp_path / "eyes").rglob("*.exr")) == ["left", "right"]
     entries = record(command, rig, tmp_path / "one_%V.exr", "--camera", "middle")
     assert [entry["views"] for entry in entries] == [["left"], ["right"]]
     for view in ("left", "right"):

@@ -168,6 +168,27 @@ def test_motion_is_in_the_samples(renderer: FrameRenderer, by: str) -> None:
     assert np.ptp(columns) > 25, "the post is smeared"
 
 
+def test_a_nearer_mover_leaves_other_depths_apart(renderer: FrameRenderer) -> None:
+    """A pane at 4 m and a wall at 8 m are one prim; the nearest surface of all is elsewhere, and comes from 2 m to 1 m."""
+
+    def at_moment(near_m: float) -> Moment:
+        sheets = [
+            Batch(
+                rectangle((0, 0, -depth), (depth / 8, 0, 0), (0, 3 * depth / 4, 0), prim=0),
+                Material(opacity=opacity),
+                HERE,
+            )
+            for depth, opacity in ((4, 0.5), (8, 1.0))
+        ]
+        post = rectangle((-0.35 * near_m, 0, -near_m), (0.02 * near_m, 0, 0), (0, 0.1 * near_m, 0), prim=1)
+        return Moment(Scene((*sheets, Batch(post, Material(), HERE)), (), None, NAMES), CAMERA, 0.5)
+
+    frame = renderer.render_moving(2, lambda i: at_moment(2.0 - i), SETTINGS)
+    assert frame.deep is not None
+    middle = frame.deep.pixels == HEIGHT // 2 * WIDTH + WIDTH // 2
+    np.testing.assert_allclose(frame.deep.depths_m[middle], [4, 8], rtol=1e-3)
+
+
 def test_more_surfaces_than_slots_keep_light_and_alpha(renderer: FrameRenderer) -> None:
     """Forty strips side by side, in blurred pixels that tell sixteen apart."""
     batches = [

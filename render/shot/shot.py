@@ -37,6 +37,7 @@ from render.stage import (
     StageReader,
     StereoPair,
     choose_settings,
+    find_missing_targets,
     find_pass,
     frame_range,
     list_pairs,
@@ -137,7 +138,10 @@ class Shot:
         purposes = options.purposes or _chosen_purposes(stage, options) or DRAWN_PURPOSES
         reader = StageReader(stage, replace(options, purposes=purposes), render_pass)
         cameras = CameraLookup(stage, Path(path), purposes, options.mask)
-        return cls(Path(path), stage, layer, reader, cameras)
+        shot = cls(Path(path), stage, layer, reader, cameras)
+        if options.render_pass is not None and options.mask is None:  # a mask leaves out what a pass may name
+            shot.note_asked(find_missing_targets(stage, options.render_pass))
+        return shot
 
     @property
     def render_settings(self) -> RenderSettings | None:

@@ -19,7 +19,7 @@ from render.stage.honoured.walk import find_not_honoured
 from render.stage.opening import open_stage, quiet_diagnostics
 from render.stage.options import StageOptions
 from render.stage.reader import StageReader
-from render.stage.render_pass import find_pass
+from render.stage.render_pass import find_missing_targets, find_pass
 from render.stage.render_settings import RenderSettings, choose_settings, stage_settings
 from render.stage.world import FrameRange, frame_range, is_y_up, world_from_stage
 
@@ -40,6 +40,7 @@ __all__ = [
     "conform_camera",
     "conform_to_stage",
     "default_camera",
+    "find_missing_targets",
     "find_not_honoured",
     "find_pass",
     "frame_range",

@@ -6,6 +6,7 @@ from pxr import Sdf, Usd, UsdRender
 
 from render.errors import SettingsError
 from render.model.scene import CameraRole
+from render.stage.findings import Finding
 from render.stage.render_settings import choose_settings
 
 
@@ -36,6 +37,31 @@ class RenderPass:
         if not self._camera_visible.IsPathIncluded(path):
             return "unseen"
         return "holdout" if self._matte.IsPathIncluded(path) else "seen"
+
+
+_COLLECTIONS = ("renderVisibility", "prune", "cameraVisibility", "matte")
+
+
+def find_missing_targets(stage: Usd.Stage, path: str) -> list[Finding]:
+    """Findings on prims that a pass's collections name and the stage does not have.
+
+    Args:
+        stage: the stage.
+        path: of the pass.
+    """
+    findings = []
+    for name in _COLLECTIONS:
+        collection = Usd.CollectionAPI(stage.GetPrimAtPath(path), name)
+        for relationship in (collection.GetIncludesRel(), collection.GetExcludesRel()):
+            lost = [
+                target
+                for target in relationship.GetTargets()
+                if target.IsPrimPath() and not stage.GetPrimAtPath(target)
+            ]
+            if lost:
+                message = f"{relationship.GetName()} of {path} names {lost[0]}, which the stage does not have"
+                findings.append(Finding("missing_target", path, message))
+    return findings
 
 
 def find_pass(stage: Usd.Stage, path: str) -> RenderPass:

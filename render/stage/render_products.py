@@ -26,6 +26,7 @@ from render.stage.values import format_value
 _KINDS: dict[str, Kind] = {"half": "half", "float": "float", "double": "float", "int": "uint"}
 _ENDING = re.compile(r"\.[A-Za-z]{2,4}$")
 """Ending that stands for a format, known or not; a version such as ``.v001`` does not."""
+_MOST_ASPECT = 1e6  # of a pixel, as OpenEXR has it
 _FLAT, _DEEP = "raster", "deepRaster"
 """Values of ``productType`` that are honoured."""
 _COLORS = ("color", "Ci", "C.*", "rgba")
@@ -121,8 +122,8 @@ class _Reader:
         check_picture_size(width, height)
         box = self._window(width, height)
         pixel_aspect = self._number("pixelAspectRatio")
-        if not (math.isfinite(pixel_aspect) and pixel_aspect > 0):
-            raise self._fault("pixelAspectRatio", "a positive number", pixel_aspect)
+        if not 1 / _MOST_ASPECT <= pixel_aspect <= _MOST_ASPECT:
+            raise self._fault("pixelAspectRatio", f"a positive number up to {_MOST_ASPECT:g}", pixel_aspect)
         window = None if box == (0, 0, width, height) else Window(box[0], box[1], width, height)
         is_deep = str(self._product.GetProductTypeAttr().Get()) == _DEEP
         still = self._flag("disableMotionBlur") or self._flag("instantaneousShutter")

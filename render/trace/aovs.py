@@ -81,7 +81,11 @@ class Measurer:
         return (self.view.fx * self._sharp.pupil_m * (self._sharp.w - w)).astype(np.float32)
 
     def defocus(self) -> FloatArray:
-        return (self.hits.w - self._sharp.w).astype(np.float32)
+        if self.set_back_m == 0:
+            return (self.hits.w - self._sharp.w).astype(np.float32)
+        with np.errstate(divide="ignore"):
+            thing_m, sharp_m = (1 / np.maximum(w, 0.0) - self.set_back_m for w in (self.hits.w, self._sharp.w))
+            return (1 / thing_m - 1 / sharp_m).astype(np.float32)
 
     def focus_depth(self) -> FloatArray:
         with np.errstate(divide="ignore"):

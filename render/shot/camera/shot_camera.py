@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pxr import Usd, UsdGeom
+
+from render.errors import SettingsError
 from render.shot.camera.attributes import CameraAttribute, author_settings, set_focus_mode, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.camera.sharing import give_settings, lacks_settings
@@ -152,9 +155,18 @@ class ShotCamera:
 
         Args:
             camera_path: of a camera.
-            body: of the library.
+            body: of the library, or without a name a part of the camera's own gate.
+
+        Raises:
+            SettingsError: the camera is orthographic, and the body is another one.
         """
         camera = self._cameras.editable(camera_path)
+        projection = UsdGeom.Camera(camera.prim).GetProjectionAttr().Get(Usd.TimeCode.EarliestTime())
+        if body.name and projection == UsdGeom.Tokens.orthographic:
+            raise SettingsError(
+                f"{camera.prim.GetPath()} is orthographic: its film is as large as what it sees, so that no body fits it",
+                code="orthographic",
+            )
         with self._edits.transaction(f"put the {body.title} on {camera.prim.GetName()}"):
             mount_body(camera, body)
 

@@ -157,6 +157,7 @@ def test_a_deep_product_has_one_colour_in_an_exr() -> None:
         ("resolution", T.Int2, Gf.Vec2i(2**30, 20), "picture width must be from 1"),
         ("resolution", T.Float2, Gf.Vec2f(4, 4), "resolution of product /R/p must be two whole numbers"),
         ("pixelAspectRatio", T.Float, 0.0, "pixelAspectRatio of product /R/p must be a positive number"),
+        ("pixelAspectRatio", T.Float, 1e30, "pixelAspectRatio of product /R/p must be a positive number up to 1e.06"),
         ("pixelAspectRatio", T.String, "wide", "pixelAspectRatio of product /R/p must be a number"),
         ("dataWindowNDC", T.Float4, Gf.Vec4f(0, 0, float("nan"), 1), "must be four finite numbers"),
         ("dataWindowNDC", T.Float4, Gf.Vec4f(0, 0, 1e9, 1), "must be four finite numbers"),

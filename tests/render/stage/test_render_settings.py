@@ -228,3 +228,13 @@ def test_included_purposes_hold_where_the_settings_are_chosen(chooses: str, tmp_
     ):
         shot = Shot.open(tmp_path / "a.usda", options=options)
         assert len(shot.scene_at(0).batches) == count
+
+
+def test_what_a_pass_names_and_is_not_there_is_a_finding(tmp_path: Path) -> None:
+    stage = new_stage()
+    add_mesh(stage, "/there")
+    add_pass(stage, matte__includes=["/gone"], prune__excludes=["/there"])
+    stage.Export(f"{tmp_path}/shot.usda")
+    shot = Shot.open(f"{tmp_path}/shot.usda", options=StageOptions(render_pass="/P"))
+    (lost,) = [finding for finding in shot.findings() if finding.code == "missing_target"]
+    assert lost.message == "collection:matte:includes of /P names /gone, which the stage does not have"

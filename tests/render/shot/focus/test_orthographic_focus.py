@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
+from render.errors import SettingsError
 from render.frame import FrameRenderer
 from render.model.frame_settings import FrameSettings
 from render.shot import Shot
 from tests.render.kits.focus_shot import CAMERA, FAR, NEAR, Units, write_shot
-from usd_schemas import FocusPoint
+from usd_schemas import FocusPoint, library_body
 
 CENTRE = {"face": 0, "fan_triangle": 0, "barycentric": (0.5, 0.0, 0.5)}
 WIDTH_M, HEIGHT_M, F_STOP, FOCUS_M = 4.0, 2.25, 2.0, 3.0
@@ -100,8 +101,18 @@ def test_a_click_gives_the_depth_from_the_camera(tmp_path: Path, renderer: Frame
     assert pick is not None
     assert pick.depth_m == pytest.approx(4.0, rel=1e-5)
     frame = renderer.render(
-        shot.scene_at(1), camera, FrameSettings(160, 90, engine="lens", rays=8, aovs=("depth", "coc", "Peye"))
+        shot.scene_at(1),
+        camera,
+        FrameSettings(160, 90, engine="lens", rays=8, aovs=("depth", "coc", "defocus", "Peye")),
     )
     assert frame.aovs["depth"][45, 80] == pytest.approx(4.0, rel=1e-3)
     assert frame.aovs["Peye"][45, 80] == pytest.approx((0.0125, -0.0125, -4.0), abs=1e-3)
     assert frame.aovs["coc"][45, 80] == pytest.approx((4 - FOCUS_M) / (2 * F_STOP) * 160 / WIDTH_M, rel=2e-3)
+    assert frame.aovs["defocus"][45, 80] == pytest.approx(1 / 4 - 1 / FOCUS_M, abs=1e-4)
+
+
+def test_no_body_fits_an_orthographic_camera(tmp_path: Path) -> None:
+    shot = ortho_shot(tmp_path)
+    with pytest.raises(SettingsError, match="is orthographic: its film is as large as what it sees"):
+        shot.camera.mount_body(CAMERA, library_body("super16"))
+    assert shot.camera_at(CAMERA, 1, 160, 90).horizontal_aperture_mm == pytest.approx(1000 * WIDTH_M)

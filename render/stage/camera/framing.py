@@ -48,6 +48,12 @@ def framing_camera(
     if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():
         name = stage.GetRootLayer().GetDisplayName()
         why = "".join(f"; {lost.message}" for lost in lost_files(stage)[:1])
+        if mask is not None:
+            raise StageError(
+                f"the mask {', '.join(mask)} leaves nothing of {name} that a camera could frame: name a camera, or mask what is "
+                f"to be drawn{why}",
+                code="empty_stage",
+            )
         raise StageError(f"{name} has no camera, and nothing that a camera could frame{why}", code="empty_stage")
     size, (up, depth) = box.GetSize(), (1, 2) if is_y_up(stage) else (2, 1)
     half_view = _APERTURE_MM[0] / 2 / _FOCAL_LENGTH_MM

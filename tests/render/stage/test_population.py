@@ -158,3 +158,9 @@ def test_surfaces_of_other_purposes_are_not_read(shot: Path, monkeypatch: pytest
     read.clear()
     Shot.open(shot, options=CHAIR).scene_at(0)
     assert list(map(str, read)) == ["/set/chair/mesh"]
+
+
+def test_a_mask_that_leaves_nothing_to_frame_says_so(shot: Path) -> None:
+    masked = Shot.open(shot, options=StageOptions(mask=("/looks",)))
+    with pytest.raises(StageError, match="the mask /looks leaves nothing of"):
+        masked.default_camera()

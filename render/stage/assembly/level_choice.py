@@ -11,14 +11,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLod, Vt
+from pxr import Sdf, Usd, UsdGeom, UsdLod, Vt
 
 from render.model.arrays import DoubleArray, IntArray
 from render.stage.assembly.inventory import LevelRoot, Levels, Occurrence
+from render.stage.assembly.level_heuristics import HeuristicError, compute_levels, find_faults, make_query
 from render.stage.assembly.poses import InstanceReader, instance_poses, world_pose
 from render.stage.findings import FindingLog
 from render.stage.limits import PlaceError
-from render.stage.values import format_value, schema_type
+from render.stage.values import format_value
 
 _ALL, _NONE = -1, -2
 _FRUSTUM = {
@@ -31,10 +32,7 @@ _FRUSTUM = {
     "verticalApertureOffset",
 }
 """Properties of cameras by which their frustum is computed."""
-_DOMAIN = "imaging"
 _MODES = ("noOverride", "indexedLOD", "noLOD", "allLOD")
-_ORDERS = {"LODDistanceHeuristic": ("ascending", 1), "LODScreenSizeHeuristic": ("descending", -1)}
-"""Heuristics that are known, and the order and sign of the steps of their thresholds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +98,7 @@ class LevelChooser:
         if not self._roots:
             return LevelChoice()
         camera = UsdGeom.Camera(self._stage.GetPrimAtPath(camera_path)) if camera_path else None
-        frustum = camera.GetCamera(transforms.GetTime()).frustum if camera else None
-        heuristics = _Heuristics(self._stage, frustum, transforms.GetTime(), self._log)
+        heuristics = _Heuristics(self._stage, camera, transforms.GetTime(), self._log)
         chosen = {}
         for root in self._roots:
             try:
@@ -140,8 +137,9 @@ class LevelChooser:
 class _Heuristics:
     """Heuristics as they are for one camera at one time, each read once."""
 
-    def __init__(self, stage: Usd.Stage, frustum: Gf.Frustum | None, time: Usd.TimeCode, log: FindingLog) -> None:
-        self._stage, self._frustum, self._time, self._log = stage, frustum, time, log
+    def __init__(self, stage: Usd.Stage, camera: UsdGeom.Camera | None, time: Usd.TimeCode, log: FindingLog) -> None:
+        self._stage, self._time, self._log = stage, time, log
+        self._seen = (camera.GetCamera(time), camera.GetPath()) if camera else None
         self._read: dict[Sdf.Path, UsdLod.HeuristicQuery | None] = {}
 
     def levels(self, root: LevelRoot, places: DoubleArray) -> IntArray | None:
@@ -151,67 +149,36 @@ class _Heuristics:
             root: the root.
             places: ``(k, 4, 4)`` stage from the root's own space.
         """
-        if self._frustum is None:
+        if self._seen is None:
             return None
+        camera, camera_path = self._seen
         matrices = list(Vt.Matrix4dArray.FromNumpy(np.ascontiguousarray(places.transpose(0, 2, 1))))
         for path in UsdLod.RootAPI(root.prim).GetLodHeuristicsRel().GetForwardedTargets():
             query = self._query(path)
-            view = self._frustum.GetPosition() if isinstance(query, UsdLod.DistanceHeuristicQuery) else self._frustum
             if query is None:
                 continue
             try:
-                found = np.array([query.ComputeLOD(view, matrix) for matrix in matrices])
-            except Tf.ErrorException:
+                found = compute_levels(query, camera, matrices)
+            except HeuristicError as problem:
+                self._note(path, f"is not used for {camera_path}: {problem}")
                 continue
-            if np.isfinite(found).all():
-                return np.clip(np.floor(found + 0.5), 0, root.count - 1).astype(np.int32)
+            return np.clip(np.floor(found + 0.5), 0, root.count - 1).astype(np.int32)
         return None
 
     def _query(self, path: Sdf.Path) -> UsdLod.HeuristicQuery | None:
         """The heuristic as USD computes it; None where it cannot be used, or is for others than pictures."""
         if path not in self._read:
             try:
-                self._read[path] = _make_query(self._stage.GetPrimAtPath(path), self._time)
-            except _UnusableError as problem:
+                self._read[path] = query = make_query(self._stage.GetPrimAtPath(path), self._time)
+                for fault in find_faults(self._stage.GetPrimAtPath(path), query, self._time) if query else ():
+                    self._note(path, f"is used in part: {fault}")
+            except HeuristicError as problem:
                 self._read[path] = None
-                self._log.add("level_of_detail", path, f"heuristic {path} of levels of detail is not used: {problem}")
+                self._note(path, f"is not used: {problem}")
         return self._read[path]
 
-
-class _UnusableError(ValueError):
-    """Heuristic that cannot be used; the message ends a sentence."""
-
-
-def _make_query(prim: Usd.Prim, time: Usd.TimeCode) -> UsdLod.HeuristicQuery | None:
-    """Make the query that computes levels by a heuristic at a time; None where the heuristic is for others than pictures.
-
-    Raises:
-        _UnusableError: it cannot be used.
-    """
-    kind = schema_type(prim) if prim else ""
-    domain = UsdLod.Heuristic(prim).GetLodDomainAttr().Get() if kind and prim.IsA(UsdLod.Heuristic) else None
-    if domain and domain != _DOMAIN:
-        return None
-    if kind not in _ORDERS:
-        raise _UnusableError(f"it must be one of {', '.join(_ORDERS)}, and is {kind or 'missing'}")
-    if not domain:
-        raise _UnusableError(f"its lod:domain must be {_DOMAIN}, and there is none")
-    try:
-        if kind == "LODDistanceHeuristic":
-            query: UsdLod.HeuristicQuery = UsdLod.DistanceHeuristic(prim).CreateDistanceHeuristicQuery(time)
-        else:
-            query = UsdLod.ScreenSizeHeuristic(prim).CreateScreenSizeHeuristicQuery(time)
-    except Tf.ErrorException as problem:
-        raise _UnusableError(f"it cannot be read ({' '.join(str(problem).split())})") from problem
-    if kind == "LODScreenSizeHeuristic" and query.projectionMethod not in ("projectedSphere", "projectedExtent"):
-        raise _UnusableError(f"USD knows no projectionMethod {query.projectionMethod!r}")
-    order, sign = _ORDERS[kind]
-    thresholds = np.array(query.thresholds, np.float64)
-    if not np.isfinite(thresholds).all() or (sign * np.diff(thresholds) < 0).any():
-        raise _UnusableError(
-            f"its thresholds must be finite numbers in {order} order, got {format_value(query.thresholds)}"
-        )
-    return query
+    def _note(self, path: Sdf.Path, message: str) -> None:
+        self._log.add("level_of_detail", path, f"heuristic {path} of levels of detail {message}")
 
 
 def _nearest(level: float, count: int) -> int:

@@ -47,6 +47,15 @@ def add_distances(
     return heuristic
 
 
+def add_sizes(stage: Usd.Stage, root: str) -> UsdLod.ScreenSizeHeuristic:
+    heuristic = UsdLod.ScreenSizeHeuristic.Define(stage, "/by_size")
+    heuristic.CreateLodDomainAttr("imaging")
+    heuristic.CreateThresholdsAttr([0.25, 0.1, 0.025])
+    heuristic.CreateExtentAttr([(-1, -1, 0), (1, 1, 0)])
+    UsdLod.RootAPI(stage.GetPrimAtPath(root)).CreateLodHeuristicsRel().SetTargets([heuristic.GetPath()])
+    return heuristic
+
+
 def move_camera(stage: Usd.Stage, *place: float) -> None:
     UsdGeom.XformCommonAPI(stage.GetPrimAtPath("/cam")).SetTranslate(Gf.Vec3d(*place))
 
@@ -107,12 +116,7 @@ def test_of_two_levels_that_blend_the_nearer_is_drawn(distance: float, level: in
 @pytest.mark.parametrize(("size", "level"), [(0.3, 0), (0.2, 1), (0.05, 2), (0.01, 3)])
 def test_the_share_of_the_picture_chooses_the_level(method: str, size: float, level: int) -> None:
     stage = house()
-    heuristic = UsdLod.ScreenSizeHeuristic.Define(stage, "/by_size")
-    heuristic.CreateLodDomainAttr("imaging")
-    heuristic.CreateThresholdsAttr([0.25, 0.1, 0.025])
-    heuristic.CreateProjectionMethodAttr(method)
-    heuristic.CreateExtentAttr([(-1, -1, 0), (1, 1, 0)])
-    UsdLod.RootAPI(stage.GetPrimAtPath("/house")).CreateLodHeuristicsRel().SetTargets(["/by_size"])
+    add_sizes(stage, "/house").CreateProjectionMethodAttr(method)
     camera = UsdGeom.Camera(stage.GetPrimAtPath("/cam"))
     gate = camera.GetHorizontalApertureAttr().Get() * camera.GetVerticalApertureAttr().Get()
     area = 2 * math.pi if method == "projectedSphere" else 4.0  # of the ball around the square, or of the square itself
@@ -209,7 +213,7 @@ def test_lights_of_other_levels_are_off() -> None:
     assert [light.path for light in reader.read(0, "/cam").lights] == ["/house/l1/lamp"]
 
 
-UNUSABLE = {
+UNUSABLE: dict[str, tuple[str | None, dict[str, object], str]] = {
     "no prim": (None, {}, "is missing"),
     "another type": ("Xform", {}, "is Xform"),
     "no domain": ("LODDistanceHeuristic", {"thresholds": [1.0]}, "there is none"),
@@ -225,6 +229,12 @@ UNUSABLE = {
         {"lod:domain": "imaging", "projectionMethod": "guess"},
         "projectionMethod 'guess'",
     ),
+    "extent not a number": (
+        "LODScreenSizeHeuristic",
+        {"lod:domain": "imaging", "extent": [(math.nan, 0, 0), (1, 1, 1)]},
+        "must be finite numbers",
+    ),
+    "no extent": ("LODScreenSizeHeuristic", {"lod:domain": "imaging", "extent": []}, "must be two corners"),
 }
 
 
@@ -244,6 +254,41 @@ def test_a_heuristic_that_cannot_be_used_is_named(case: str) -> None:
     (finding,) = reader.findings
     assert (finding.code, finding.path) == ("level_of_detail", "/heuristic")
     assert fault in finding.message
+
+
+def test_an_extent_of_another_type_is_named() -> None:
+    stage = house()
+    add_sizes(stage, "/house").GetPrim().RemoveProperty("extent")
+    prim = stage.GetRootLayer().GetPrimAtPath("/by_size")
+    Sdf.AttributeSpec(prim, "extent", Sdf.ValueTypeNames.String).default = "x"
+    reader = StageReader(stage)
+    reader.read(0, "/cam")
+    assert "its extent must be two corners" in reader.findings[0].message
+
+
+@pytest.mark.parametrize(
+    ("blends", "volume"), [([20.0], None), ([20.0, math.nan], None), ([], "/nowhere"), ([], "/house")]
+)
+def test_what_a_heuristic_passes_over_is_named(blends: list[float], volume: str | None) -> None:
+    stage = house()
+    heuristic = add_distances(stage, "/house", [4, 50], blendThresholds=blends)
+    heuristic.CreateBoundingVolumeRel().SetTargets([volume] if volume else [])
+    reader = StageReader(stage)
+    assert len(drawn(reader.read(0, "/cam"))) == 1
+    (finding,) = reader.findings
+    assert (finding.code, finding.path) == ("level_of_detail", str(heuristic.GetPath()))
+    assert (f"got {volume}" if volume else "blendThresholds must be 2 finite numbers") in finding.message
+
+
+@pytest.mark.parametrize("focal_length", [0.0, -1.0, math.nan])
+def test_a_camera_without_focal_length_shows_the_default(focal_length: float) -> None:
+    stage = house()
+    add_sizes(stage, "/house")
+    UsdLod.RootAPI(stage.GetPrimAtPath("/house")).CreateLodDefaultIndexAttr(3)
+    UsdGeom.Camera(stage.GetPrimAtPath("/cam")).CreateFocalLengthAttr(focal_length)
+    reader = StageReader(stage)
+    assert [path[-2:] for path in drawn(reader.read(0, "/cam"))] == ["l3"]
+    assert "is not used for /cam: the focalLength of the camera must be" in reader.findings[0].message
 
 
 def test_heuristics_of_other_domains_are_passed_over() -> None:

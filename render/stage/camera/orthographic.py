@@ -18,11 +18,15 @@ from dataclasses import replace
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from render.model.arrays import DoubleArray
 from render.model.camera import Camera, Orthographic
 from render.model.lens import THIN_LENS
-from render.stage.camera.plate_places import plate_depths
+from render.stage.assembly.poses import world_pose
+from render.stage.camera.plate_places import plate_corners
+from render.stage.camera_list import list_cameras
+from render.stage.limits import PlaceError
 from render.stage.options import PURPOSES
-from render.stage.world import world_from_stage
+from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas.units import metres_per_unit
 
 _DEPTHS_AWAY = 10_000
@@ -98,16 +102,34 @@ def _step_back(camera: Camera, stated: Orthographic, by_m: float) -> Camera:
 
 
 def _depths(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode) -> tuple[float, float]:
-    """Least and greatest depth of the stage's box and of the camera's own back plates in front of it, with a margin, metres;
-    infinite where there is nothing."""
+    """Least and greatest depth of the stage's box and of the back plates that a camera sees, in front of it, with a margin,
+    metres; infinite where there is nothing."""
     box = UsdGeom.BBoxCache(time, _BOXED, useExtentsHint=True).ComputeWorldBound(stage.GetPseudoRoot())
     bounds = box.ComputeAlignedRange()
     corners = np.array([[*bounds.GetCorner(i), 1.0] for i in range(8)])
     camera_from_stage = np.linalg.inv(camera.world_from_camera) @ world_from_stage(stage)
-    depths = plate_depths(UsdGeom.Camera(stage.GetPrimAtPath(camera.path)), time) * metres_per_unit(stage)
+    depths = _plate_depths(camera, stage, time)
     if not bounds.IsEmpty() and np.isfinite(corners).all():
         depths = np.append(depths, -(corners @ camera_from_stage[2]))
     if not depths.size:
         return -np.inf, np.inf
     margin = _MARGIN * float(np.ptp(depths)) or _MARGIN
     return float(depths.min()) - margin, float(depths.max()) + margin
+
+
+def _plate_depths(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode) -> DoubleArray:
+    """Depths ``(n,)`` in front of a camera of the corners of the back plates that it sees, metres."""
+    camera_from_world, transforms = np.linalg.inv(camera.world_from_camera), UsdGeom.XformCache(time)
+    depths = []
+    for path in {camera.path, *list_cameras(stage)}:
+        other = UsdGeom.Camera(stage.GetPrimAtPath(path))
+        corners = metres_per_unit(stage) * plate_corners(other, time, shown_to_all=path != camera.path)
+        if not len(corners):
+            continue
+        try:
+            frame = rigid_frame(world_pose(other.GetPrim(), transforms, world_from_stage(stage)))
+        except PlaceError:
+            continue  # the plate is not drawn, and the stage reader says so
+        matrix = camera_from_world @ frame
+        depths.append(-(corners @ matrix[2, :3] + matrix[2, 3]))
+    return np.concatenate([np.zeros(0), *depths])

@@ -72,16 +72,24 @@ def read_numbers(attribute: Usd.Attribute, time: Usd.TimeCode, count: int) -> Do
     return numbers
 
 
-def plate_depths(camera: UsdGeom.Camera, time: Usd.TimeCode) -> DoubleArray:
-    """Depths ``(n,)`` of all corners of a camera's plates, scene units; plates that cannot be placed have none."""
-    depths = [np.zeros(0)]
+def plate_corners(camera: UsdGeom.Camera, time: Usd.TimeCode, *, shown_to_all: bool = False) -> DoubleArray:
+    """Corners ``(n, 3)`` of a camera's plates in its space, scene units; plates that cannot be placed have none.
+
+    Args:
+        camera: the camera.
+        time: USD time code.
+        shown_to_all: leave out plates that other cameras do not see.
+    """
+    corners = [np.zeros((0, 3))]
     for name in plate_names(camera.GetPrim()):
+        if shown_to_all and UsdGeom.BackPlateAPI(camera.GetPrim(), name).GetPlateVisibilityAttr().Get(time) != "all":
+            continue
         try:
             matrix = read_plate_place(camera, name, time)
         except PlateError:
             continue  # the plate is not drawn, and the stage reader says so
-        depths.append(-(CORNERS @ matrix[2, :3] + matrix[2, 3]))
-    return np.concatenate(depths)
+        corners.append(CORNERS @ matrix[:3, :3].T + matrix[:3, 3])
+    return np.concatenate(corners)
 
 
 def _read_size(camera: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, DoubleArray]:

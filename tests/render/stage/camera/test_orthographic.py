@@ -222,3 +222,15 @@ def test_deep_samples_lie_at_the_depths_of_surfaces(renderer: FrameRenderer) -> 
     for depth in (3, 12, 24, 30):
         assert (np.abs(stated_m - depth) < 0.01).sum() > 300
     assert np.abs(stated_m[:, None] - [3, 12, 24, 30]).min(axis=1).max() < 0.01
+
+
+def test_plates_of_other_cameras_are_in_its_depths_too() -> None:
+    stage = ortho_stage(clippingRange=Gf.Vec2f(1, 1000))
+    other = UsdGeom.Camera.Define(stage, "/other")
+    other.AddTranslateOp().Set(Gf.Vec3d(0, 0, -60))
+    other.CreateFocusDistanceAttr(40.0)
+    plate = UsdGeom.BackPlateAPI.Apply(other.GetPrim(), "sky")
+    for visibility, farthest in (("solo", 30), ("all", 100), ("mute", 30)):
+        plate.CreatePlateVisibilityAttr(visibility)
+        camera = read_camera(stage, "/cam", 0)
+        assert camera.far_m - camera.set_back_m == pytest.approx(farthest, rel=2e-3)

@@ -50,7 +50,7 @@ def find_movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, M
     """
     before, after = _by_key(opening), _by_key(closing)
     moves = {}
-    for key, batch in _keys(middle):
+    for key, batch in batch_keys(middle):
         first, last = before.get(key), after.get(key)
         if first is None or last is None or (first is batch and last is batch):
             continue
@@ -119,7 +119,7 @@ def _slopes(corners: DoubleArray, view: PinholeView) -> tuple[DoubleArray, NDArr
 Key = tuple[int, ...]
 
 
-def _keys(scene: Scene) -> list[tuple[Key, Batch]]:
+def batch_keys(scene: Scene) -> list[tuple[Key, Batch]]:
     """Batches with keys that identify them over time; equal keys are distinguished by their order."""
     times: Counter[Key] = Counter()
     keys = []
@@ -133,7 +133,7 @@ def _keys(scene: Scene) -> list[tuple[Key, Batch]]:
 
 
 def _by_key(scene: Scene) -> dict[Key, Batch]:
-    return dict(_keys(scene))
+    return dict(batch_keys(scene))
 
 
 def _has_same_topology(batch: Batch, other: Batch) -> bool:

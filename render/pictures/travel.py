@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from render.layers.movement import batch_keys
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.moment import Moment
@@ -47,11 +48,11 @@ def make_moment(scene: Scene, camera: Camera) -> Moment:
 
 def _pair_batches(before: Scene, after: Scene) -> list[tuple[Batch, Batch]]:
     """Pair the batches that are the same things at both times."""
-    if len(before.batches) != len(after.batches):
-        return []
+    later = dict(batch_keys(after))
+    pairs = ((one, later[key]) for key, one in batch_keys(before) if key in later)
     return [
         (one, other)
-        for one, other in zip(before.batches, after.batches, strict=True)
+        for one, other in pairs
         if one.geometry.positions.shape == other.geometry.positions.shape and one.poses.shape == other.poses.shape
     ]
 

@@ -17,6 +17,8 @@ from render.errors import PullfocusError, SettingsError
 from render.film import Grade
 from render.film.light_accumulator import LightAccumulator
 from render.frame import FrameRenderer, FrameSettings
+from render.lab.reference.scenes import rectangle
+from render.model.scene import Batch, Material
 from render.model.shutter_intervals import ShutterInterval, parse_shutter_intervals
 from render.pictures.long_exposure import LongExposure
 from render.pictures.picture import make_picture
@@ -170,6 +172,13 @@ def test_how_far_things_go_is_known(shot: Shot, frames: float, pixels: float) ->
         make_moment(shot.scene_at(t), shot.camera_at("/cam", t, WIDTH, HEIGHT)) for t in (1.0, 1.0 + frames)
     )
     assert measure_travel_px(before, after, WIDTH, HEIGHT) == pytest.approx(pixels, rel=1e-5)
+
+
+def test_what_comes_or_goes_hides_no_motion(shot: Shot) -> None:
+    before, after = (make_moment(shot.scene_at(t), shot.camera_at("/cam", t, WIDTH, HEIGHT)) for t in (1.0, 25.0))
+    sheet = Batch(rectangle((0, 0, -2), (0.1, 0, 0), (0, 0.1, 0), prim=99), Material(), np.eye(4)[None])
+    gone = replace(before.scene, batches=(sheet, *before.scene.batches))
+    assert measure_travel_px(replace(before, scene=gone), after, WIDTH, HEIGHT) == pytest.approx(16.0, rel=1e-5)
 
 
 def test_what_is_out_of_the_picture_or_behind_the_camera_goes_nowhere(shot: Shot) -> None:

@@ -49,6 +49,8 @@ def make_query(prim: Usd.Prim, time: Usd.TimeCode) -> UsdLod.HeuristicQuery | No
         raise HeuristicError(f"{expected}, got {format_value(query.thresholds)}")
     if kind == "LODScreenSizeHeuristic" and query.extent.IsEmpty():
         raise HeuristicError("its extent must be two corners, the lower one first")
+    if kind == "LODDistanceHeuristic" and not np.isfinite(query.center).all():
+        raise HeuristicError(f"its center must be finite numbers, got {format_value(query.center)}")
     if not (query.extent.IsEmpty() or np.isfinite([*query.extent.GetMin(), *query.extent.GetMax()]).all()):
         raise HeuristicError("the extent that it measures must be finite numbers")
     return query

@@ -234,6 +234,11 @@ UNUSABLE: dict[str, tuple[str | None, dict[str, object], str]] = {
         {"lod:domain": "imaging", "extent": [(math.nan, 0, 0), (1, 1, 1)]},
         "must be finite numbers",
     ),
+    "center not a number": (
+        "LODDistanceHeuristic",
+        {"lod:domain": "imaging", "thresholds": [1.0], "center": (math.nan, 0, 0)},
+        "center must be finite numbers",
+    ),
     "no extent": ("LODScreenSizeHeuristic", {"lod:domain": "imaging", "extent": []}, "must be two corners"),
 }
 

@@ -7,11 +7,11 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import Ar
 
 from render.model.arrays import DoubleArray
-from render.stage.confinement import is_inside
-from render.stage.materials.textures import TextureError, as_file, read_pixels
+from render.stage.materials.textures import TextureError, as_file, read_pixels, require_inside
 
 MAX_SIDE = 2048  # beyond it, neighbours are averaged: a pupil has no finer detail
 
@@ -33,9 +33,19 @@ def read_plane(resolved_path: str, confined_to: Path | None) -> DoubleArray:
     """
     if not resolved_path:
         raise TextureError("is missing")
-    if confined_to is not None and not is_inside(resolved_path, confined_to):
-        raise TextureError("lies outside what was given")
+    require_inside(resolved_path, confined_to)
     return _read(resolved_path, _stamp(resolved_path))
+
+
+def read_first_channel(resolved_path: str) -> tuple[NDArray[np.generic], int]:
+    """First channel ``(h, w)`` of an image as it is stored, row 0 at the top, and the number in it that stands for 1.
+
+    Raises:
+        TextureError: the file is missing or damaged.
+    """
+    with as_file(resolved_path) as file:
+        pixels, _ = read_pixels(file, "raw")
+    return pixels[..., 0], 2 ** (8 * pixels.dtype.itemsize) - 1 if pixels.dtype.kind == "u" else 1
 
 
 def rotate_plane(plane: DoubleArray, angle_rad: float) -> DoubleArray:
@@ -63,11 +73,8 @@ def rotate_plane(plane: DoubleArray, angle_rad: float) -> DoubleArray:
 
 @lru_cache(maxsize=32)
 def _read(resolved_path: str, stamp: tuple[int, int]) -> DoubleArray:
-    with as_file(resolved_path) as file:
-        pixels, _ = read_pixels(file, "raw")
-    values = pixels[..., 0].astype(np.float64)
-    if pixels.dtype.kind == "u":
-        values /= 2 ** (8 * pixels.dtype.itemsize) - 1
+    stored, one = read_first_channel(resolved_path)
+    values = stored.astype(np.float64) / one
     if not np.isfinite(values).all():
         raise TextureError("holds what is no finite number")
     values = _downsample(values, -(-max(values.shape) // MAX_SIDE))

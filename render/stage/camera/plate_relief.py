@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from render.model.arrays import DoubleArray, FloatArray, IntArray
+from render.stage.camera.planes import read_first_channel
 from render.stage.camera.plate_places import read_numbers
-from render.stage.confinement import is_inside
-from render.stage.materials.textures import TextureError, as_file, read_pixels
+from render.stage.materials.textures import require_inside
 
 _MAX_VERTICES = 512
 """Vertices along the longer side of a plate; of larger images every so many texels count."""
@@ -44,12 +44,9 @@ class DepthImages:
             TextureError: the file is missing, outside the folder or damaged.
         """
         if resolved_path not in self._read:
-            if self._confined_to is not None and not is_inside(resolved_path, self._confined_to):
-                raise TextureError("lies outside what was given")
-            with as_file(resolved_path) as file:
-                pixels, _ = read_pixels(file, "raw")
-            most = 2 ** (8 * pixels.dtype.itemsize) - 1 if pixels.dtype.kind == "u" else 1
-            self._read[resolved_path] = _thin_out(pixels[..., 0]).astype(np.float64) / most
+            require_inside(resolved_path, self._confined_to)
+            stored, one = read_first_channel(resolved_path)
+            self._read[resolved_path] = _thin_out(stored).astype(np.float64) / one
             if len(self._read) > _MOST_IMAGES:
                 self._read.pop(next(iter(self._read)))
         return self._read[resolved_path]

@@ -66,8 +66,7 @@ class TextureCache:
         """
         key = (resolved_path, source, purpose, scale, bias, power)
         if key not in self._images:
-            if self._confined_to is not None and not is_inside(resolved_path, self._confined_to):
-                raise TextureError("lies outside what was given")
+            require_inside(resolved_path, self._confined_to)
             grade = _Grade(*(np.array(values, np.float32) for values in (scale, bias, power)))
             with as_file(resolved_path) as file:
                 pixels, channels = self._read(file, source, purpose, grade)
@@ -93,6 +92,12 @@ class TextureCache:
             top = first // factor
             out[top : top + len(band)] = band
         return out, raw.shape[2]
+
+
+def require_inside(resolved_path: str, confined_to: Path | None) -> None:
+    """Raise `TextureError` for an image that lies outside the folder that it is confined to, if any."""
+    if confined_to is not None and not is_inside(resolved_path, confined_to):
+        raise TextureError("lies outside what was given")
 
 
 @dataclass(frozen=True, eq=False)

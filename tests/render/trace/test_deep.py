@@ -15,8 +15,8 @@ from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.moment import Moment, ShutterScenes
 from render.model.scene import Batch, Dome, Material, Scene
-from render.trace.tiling.plan import LayerBudget
 from tests.render.kits.lenses import PLANAR
+from tests.render.kits.tiles import render_in_tiles
 
 pytestmark = pytest.mark.gl
 
@@ -130,16 +130,7 @@ def test_holdouts_leave_no_samples(renderer: FrameRenderer) -> None:
 
 
 def test_tiles_give_the_samples_of_one_piece(renderer: FrameRenderer) -> None:
-    tracer = renderer.device.tracer
-    frames = []
-    for budget in (LayerBudget(bytes=1_600_000, strip_bytes=1 << 40), LayerBudget(1 << 30, 1 << 40)):
-        before, tracer.budget = tracer.budget, budget
-        try:
-            renderer.forget_layers()
-            frames.append(renderer.render(scene(), CAMERA, SETTINGS).deep)
-        finally:
-            tracer.budget = before
-    tiled, whole = frames
+    tiled, whole = (frame.deep for frame in render_in_tiles(renderer, scene(), CAMERA, SETTINGS))
     assert tiled is not None
     assert whole is not None
     np.testing.assert_array_equal(tiled.pixels, whole.pixels)

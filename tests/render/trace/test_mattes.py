@@ -16,8 +16,8 @@ from render.model.mattes import id_of
 from render.model.scene import Batch, Dome, Material, Scene
 from render.pictures.progressive.frames import LiveFrames
 from render.trace.matte_tables import SLOTS
-from render.trace.tiling.plan import LayerBudget
 from tests.render.kits.lenses import PLANAR
+from tests.render.kits.tiles import render_in_tiles
 
 pytestmark = pytest.mark.gl
 
@@ -118,16 +118,7 @@ def test_a_blurred_edge_has_the_coverage_of_its_closed_form(renderer: FrameRende
 
 
 def test_tiles_give_the_mattes_of_one_piece(renderer: FrameRenderer) -> None:
-    tracer = renderer.device.tracer
-    frames = []
-    for budget in (LayerBudget(bytes=1_600_000, strip_bytes=1 << 40), LayerBudget(1 << 30, 1 << 40)):
-        before, tracer.budget = tracer.budget, budget
-        try:
-            renderer.forget_layers()
-            frames.append(renderer.render(scene(pane=0.5), CAMERA, SETTINGS))
-        finally:
-            tracer.budget = before
-    tiled, whole = frames
+    tiled, whole = render_in_tiles(renderer, scene(pane=0.5), CAMERA, SETTINGS)
 
     np.testing.assert_allclose(total(tiled), tiled.color[..., 3], atol=2e-6)
     for name in NAMES:

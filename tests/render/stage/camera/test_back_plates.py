@@ -7,17 +7,14 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdRender
 
 from render.colour import to_working
 from render.errors import SettingsError, StageError
 from render.frame import FrameRenderer
-from render.model.arrays import DoubleArray, FloatArray
 from render.model.frame_settings import FrameSettings
 from render.model.scene import Batch
-from render.optics.view import PinholeView
 from render.pictures.picture import make_picture
 from render.shot import Shot
 from render.shot.focus.visibility import visible_shares
@@ -26,59 +23,8 @@ from render.stage import StageOptions, StageReader, read_camera
 from render.stage.camera.back_plates import PlateReader
 from render.stage.findings import FindingLog
 from render.stage.render_pass import RenderPass
-from tests.render.kits.stages import add_mesh, new_stage, only_batch, world_points
-
-WIDTH, HEIGHT = 160, 90
-FOCUS = 5.0
-
-
-def write_image(path: Path, pixels: object) -> str:
-    """Write an image of any number of channels; float32 values are linear."""
-    values = np.asarray(pixels, np.float32)
-    values = np.tile(values, (4, 4, 1)) if values.ndim == 1 else values
-    out = oiio.ImageOutput.create(str(path))
-    out.open(str(path), oiio.ImageSpec(values.shape[1], values.shape[0], values.shape[2], "float"))
-    out.write_image(values)
-    out.close()
-    return str(path)
-
-
-def plated(image: str = "", unit: float = 1.0, up: str = "Y", **tweaks: object) -> Usd.Stage:
-    """A camera ``/cam`` at the origin that sees 36 by 20.25 mm through 50 mm, focused at 5 units, with a plate ``sky``."""
-    stage = new_stage(unit, up)
-    camera = UsdGeom.Camera.Define(stage, "/cam")
-    tenths = 0.01 / unit  # of a unit, for a millimetre
-    camera.CreateFocalLengthAttr(50 * tenths)
-    camera.CreateHorizontalApertureAttr(36 * tenths)
-    camera.CreateVerticalApertureAttr(20.25 * tenths)
-    camera.CreateFocusDistanceAttr(FOCUS)
-    camera.CreateClippingRangeAttr(Gf.Vec2f(0.01, 1e6))
-    add_plate(stage, image, **tweaks)
-    return stage
-
-
-def add_plate(stage: Usd.Stage, image: str, camera: str = "/cam", name: str = "sky", **tweaks: object) -> None:
-    """A plate; ``tweaks`` are its other properties, with ``_`` for ``:``."""
-    plate = UsdGeom.BackPlateAPI.Apply(stage.GetPrimAtPath(camera), name)
-    plate.CreateImageAttr(image)
-    for key, value in tweaks.items():
-        stage.GetPrimAtPath(camera).GetAttribute(f"backPlate:{name}:{key.replace('_', ':')}").Set(value)
-
-
-def picture(
-    renderer: FrameRenderer, stage: Usd.Stage, camera: str = "/cam", time: float = 0, **settings: object
-) -> FloatArray:
-    """Radiance and coverage."""
-    chosen = {"engine": "pinhole", "rays": 1, "supersample": 1, "adaptive": False, **settings}
-    view = read_camera(stage, camera, time, aspect=WIDTH / HEIGHT)
-    return renderer.render(StageReader(stage).read(time), view, FrameSettings(WIDTH, HEIGHT, **chosen)).color
-
-
-def corners_in_picture(stage: Usd.Stage) -> tuple[DoubleArray, DoubleArray]:
-    """Places of a plate's corners in pixels, and their depths in metres."""
-    view = PinholeView.from_camera(read_camera(stage, "/cam", 0), WIDTH, HEIGHT)
-    places, depths = view.project(world_points(only_batch(StageReader(stage).read(0))))
-    return np.asarray(places), np.asarray(depths)
+from tests.render.kits.plates import FOCUS, HEIGHT, WIDTH, add_plate, corners_in_picture, picture, plated, write_image
+from tests.render.kits.stages import add_mesh, only_batch, world_points
 
 
 @pytest.fixture
@@ -460,87 +406,3 @@ def test_inspection_lists_plates_apart_from_surfaces(tmp_path: Path, red: str) -
     listed = {plate.name: (plate.image, plate.visibility, plate.depth_m) for plate in inspection.back_plates}
     assert listed == {"sky": (red, "solo", pytest.approx(1.0)), "ground": ("", "mute", None)}
     assert (inspection.prim_count, inspection.triangle_count) == (0, 0)
-
-
-def relief_stage(tmp_path: Path, texels: object, unit: float = 1.0, **tweaks: object) -> Usd.Stage:
-    """A red plate at 5 units with a depth image of one channel, rows from the top."""
-    depth = write_image(tmp_path / "depth.exr", np.asarray(texels, np.float32)[..., None])
-    image = write_image(tmp_path / "plain.exr", (0.8, 0.2, 0.1))
-    return plated(image, unit, depth_image=depth, **tweaks)
-
-
-@pytest.mark.parametrize("unit", [1.0, 0.01])
-def test_depths_move_places_along_their_lines_of_sight(tmp_path: Path, unit: float) -> None:
-    texels = np.array([[2.0, 3, 4], [8, 9, 12]])
-    stage = relief_stage(
-        tmp_path, texels, unit, depth_minOffset=1.0, depth_normalizingFactor=2.0, depth_cameraSpaceOffset=0.5
-    )
-    places, depths_m = corners_in_picture(stage)
-    np.testing.assert_allclose(depths_m.reshape(2, 3), ((texels - 1) * 2 + 0.5) * unit, rtol=1e-6)
-    expected = [(x * WIDTH / 2, y * HEIGHT) for y in (0, 1) for x in (0, 1, 2)]
-    np.testing.assert_allclose(places, expected, atol=1e-3)
-
-
-def test_depths_that_are_none_are_those_of_the_plate(tmp_path: Path) -> None:
-    stage = relief_stage(tmp_path, [[0.0, -3, math.nan], [math.inf, 1e30, 3]])
-    _, depths_m = corners_in_picture(stage)
-    np.testing.assert_allclose(depths_m, [5, 5, 5, 5, 5, 3], rtol=1e-6)
-
-
-@pytest.mark.gl
-def test_a_relief_looks_flat_and_is_blurred_by_its_depths(renderer: FrameRenderer, tmp_path: Path) -> None:
-    """The left half is in focus at 5 m, the right half at 20 m; both have stripes, of which the lens blurs the right ones."""
-    texels = np.where(np.arange(256) < 128, 5.0, 20.0) * np.ones((144, 1))
-    stage = relief_stage(tmp_path, texels)
-    stripes = np.repeat((np.arange(320) // 8 % 2)[None, :, None], 4, axis=0) * np.ones(3)
-    UsdGeom.BackPlateAPI(stage.GetPrimAtPath("/cam"), "sky").GetImageAttr().Set(
-        write_image(tmp_path / "s.exr", stripes)
-    )
-    flat = Usd.Stage.Open(stage.Flatten())
-    flat.GetPrimAtPath("/cam").GetAttribute("backPlate:sky:depth:image").Set("")
-    sharp, plain = (picture(renderer, one)[..., 0] for one in (stage, flat))
-    away = np.abs(np.arange(WIDTH) - WIDTH / 2) > 2
-    np.testing.assert_allclose(sharp[:, away], plain[:, away], atol=0.02)
-    assert sharp[45].max() > 0.9
-    for one in (stage, flat):
-        UsdGeom.Camera(one.GetPrimAtPath("/cam")).CreateFStopAttr(0.4)
-    blurred = picture(renderer, stage, engine="lens", rays=256, supersample=2)[45, :, 0]
-    radius_px = WIDTH * 50 / 36 * (0.05 / 0.8) * (1 / 5 - 1 / 20)
-
-    def beyond(edge_px: float) -> DoubleArray:
-        t = np.clip((np.arange(WIDTH) + 0.5 - edge_px) / radius_px, -1, 1)
-        return np.asarray(0.5 + (np.arcsin(t) + t * np.sqrt(1 - t * t)) / np.pi)
-
-    expected = sum(beyond(edge) - beyond(edge + 4) for edge in range(4, WIDTH, 8))  # stripes of four pixels
-    assert radius_px > 2
-    np.testing.assert_allclose(blurred[96:150], expected[96:150], atol=0.04)  # 256 rays, layers of half a pixel
-    np.testing.assert_allclose(blurred[8:64], plain[45, 8:64], atol=0.02)
-
-
-@pytest.mark.parametrize("fault", ["missing", "outside numbers", "orthographic"])
-def test_a_depth_image_that_cannot_be_used_leaves_the_plate_flat(tmp_path: Path, fault: str) -> None:
-    stage = relief_stage(tmp_path, [[2.0, 3], [4, 5]])
-    camera = stage.GetPrimAtPath("/cam")
-    if fault == "missing":
-        camera.GetAttribute("backPlate:sky:depth:image").Set("nowhere.exr")
-    elif fault == "orthographic":
-        UsdGeom.Camera(camera).CreateProjectionAttr("orthographic")
-    else:
-        camera.GetAttribute("backPlate:sky:depth:normalizingFactor").Set(math.nan)
-    reader = StageReader(stage)
-    np.testing.assert_allclose(world_points(only_batch(reader.read(0)))[:, 2], -5)
-    (finding,) = reader.findings
-    assert finding.path == "/cam.backPlate:sky:depth:image"
-    assert finding.message.endswith("it is flat")
-
-
-def test_a_relief_stays_the_same_object_and_follows_a_change(tmp_path: Path) -> None:
-    stage = relief_stage(tmp_path, [[2.0, 3], [4, 5]])
-    reader = StageReader(stage)
-    first = only_batch(reader.read(0))
-    assert only_batch(reader.read(1)) is first
-    stage.GetPrimAtPath("/cam").GetAttribute("backPlate:sky:depth:cameraSpaceOffset").Set(1.0)
-    moved = only_batch(reader.read(1))
-    np.testing.assert_allclose(world_points(moved)[:, 2], [-3, -4, -5, -6], rtol=1e-6)
-    stage.GetPrimAtPath("/cam").GetAttribute("backPlate:sky:depth:image").Set("")
-    np.testing.assert_allclose(world_points(only_batch(reader.read(1)))[:, 2], -5)

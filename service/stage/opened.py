@@ -122,7 +122,7 @@ def _save_history_again(record: ShotRecord, shot: Shot) -> None:
 
 def as_sent(text: str, record: ShotRecord) -> str:
     """Replace absolute paths in a text by paths relative to the upload, which hides the layout of this machine."""
-    folders = record.files, record.folder  # the upload, and where its edits are kept
+    folders = record.files, record.edits_folder, record.folder  # the upload, and where its edits are kept
     for folder in (*folders, *(folder.resolve() for folder in folders)):
         text = text.replace(f"{folder}/", "").replace(str(folder), "the shot's folder")
     return text

@@ -2,8 +2,8 @@
 
 ::
 
-    DATA/shots/ID/history/REVISION.usda      a state of the edit layer, as a whole
-    DATA/shots/ID/history/index.json         order and labels of the states, and which is the present one
+    DATA/shots/ID/edits/history/REVISION.usda      a state of the edit layer, as a whole
+    DATA/shots/ID/edits/history/index.json         order and labels of the states, and which is the present one
 """
 
 from __future__ import annotations

@@ -2,11 +2,12 @@
 
 ::
 
-    DATA/lock                    locked by the one service that uses the folder
-    DATA/shots/ID/files/...      the uploaded files, unpacked
-    DATA/shots/ID/edits.usda     the edit layer (absent where there are no edits)
-    DATA/shots/ID/history/       earlier states of the edit layer (`service.storage.edit_files`)
-    DATA/shots/ID/shot.json      the record; written last, so a folder without it was not accepted
+    DATA/lock                           locked by the one service that uses the folder
+    DATA/layout.json                    version of this layout (`service.storage.migration`)
+    DATA/shots/ID/files/...             the uploaded files, unpacked
+    DATA/shots/ID/edits/edits.usda      the edit layer (absent where there are no edits)
+    DATA/shots/ID/edits/history/        earlier states of the edit layer (`service.storage.edit_files`)
+    DATA/shots/ID/shot.json             the record; written last, so a folder without it was not accepted
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from render.errors import NotFoundError, OutputError
+from service.storage.migration import migrate
 
 log = logging.getLogger("pullfocus.service")
 
@@ -62,14 +64,19 @@ class ShotRecord:
         return self.files / self.root
 
     @property
+    def edits_folder(self) -> Path:
+        """Folder of all that edits write."""
+        return self.folder / "edits"
+
+    @property
     def edits(self) -> Path:
         """Path of the edit layer, which may not exist yet."""
-        return self.folder / "edits.usda"
+        return self.edits_folder / "edits.usda"
 
     @property
     def history(self) -> Path:
         """Folder of earlier states of the edit layer, which may not exist yet."""
-        return self.folder / "history"
+        return self.edits_folder / "history"
 
     def with_root(self, root: str) -> ShotRecord:
         """Return the same shot with another root layer."""
@@ -87,10 +94,10 @@ class ShotStore:
     """The shots of one data folder.
 
     Args:
-        data: the folder; created when missing.
+        data: the folder; created when missing, and brought to the present layout when an earlier version wrote it.
 
     Raises:
-        OutputError: the folder cannot be written, or another service uses it.
+        OutputError: the folder cannot be written, another service uses it, or a newer version wrote it.
     """
 
     def __init__(self, data: Path) -> None:
@@ -103,6 +110,11 @@ class ShotStore:
             raise OutputError(f"another service already works in the data folder {data}", path=str(data)) from error
         except OSError as error:
             raise OutputError(f"the data folder {data} cannot be written: {error.strerror}", path=str(data)) from error
+        try:
+            migrate(data)
+        except OutputError:
+            self.close()
+            raise
         self._clear_unaccepted()
 
     def close(self) -> None:
@@ -142,6 +154,7 @@ class ShotStore:
         shot_id = shot_id or f"{stem}-{secrets.token_hex(4)}"
         record = ShotRecord(shot_id, name, self._shots / shot_id, "", datetime.now(UTC), 0, 0)
         record.files.mkdir(parents=True)
+        record.edits_folder.mkdir()
         return record
 
     def accept(self, begun: ShotRecord, root: str) -> ShotRecord:

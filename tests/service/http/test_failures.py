@@ -28,7 +28,7 @@ def test_a_full_disk_is_reported_and_nothing_is_left(service, client, monkeypatc
 
 
 def test_an_edit_that_cannot_be_saved_changes_nothing(service, client, room):
-    shot, folder = f"/v1/shots/{room}", service.settings.data / "shots" / room
+    shot, folder = f"/v1/shots/{room}", service.settings.data / "shots" / room / "edits"
     first = {"type": "setCamera", "values": {"fStop": 4}}
     assert client.post(f"{shot}/edits", json={"changes": [first]}).status_code == 200
     before = client.get(f"{shot}/edits").text, client.get(f"{shot}/edits/history").json()

@@ -193,7 +193,7 @@ def test_history_outlives_the_service_and_its_damage_spares_edits(room_file, tmp
             set_stop(first.client, shot, f_stop)
         first.client.post(f"{shot}/edits/undo")
         history = first.client.get(f"{shot}/edits/history").json()
-    folder = tmp_path / "shots" / shot_id / "history"
+    folder = tmp_path / "shots" / shot_id / "edits" / "history"
     with running(settings) as second:
         assert second.client.get(f"{shot}/edits/history").json() == history
         second.client.post(f"{shot}/edits/undo")
@@ -214,7 +214,7 @@ def test_history_outlives_the_service_and_its_damage_spares_edits(room_file, tmp
 def test_an_edit_that_cannot_be_saved_never_was(service, client, room, shot):
     set_stop(client, shot, 4)
     history = client.get(f"{shot}/edits/history").json()
-    edits = service.settings.data / "shots" / room / "edits.usda"
+    edits = service.settings.data / "shots" / room / "edits" / "edits.usda"
     kept = edits.read_bytes()
     edits.unlink()
     edits.mkdir()

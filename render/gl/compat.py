@@ -112,6 +112,7 @@ __all__ = [
     "CLIP_NEGATIVE_ONE_TO_ONE",
     "CLIP_ZERO_TO_ONE",
     "GL",
+    "FunctionLoader",
     "OpenGLError",
     "half_float_image",
     "make_context",
@@ -175,6 +176,14 @@ class _NodeTree:
 
 
 pyrender.scene.nx = SimpleNamespace(DiGraph=_NodeTree, shortest_path=_NodeTree.path)
+
+
+class FunctionLoader:
+    """Addresses of OpenGL's functions, for moderngl. Its own loader starts ``ldconfig``, which a worker's sandbox forbids."""
+
+    def load_opengl_function(self, name: str) -> int:
+        """Return the address of a function; 0 where the driver has none."""
+        return ctypes.cast(EGL.eglGetProcAddress(name.encode()), ctypes.c_void_p).value or 0
 
 
 def make_context(platform: pyrender_egl.EGLPlatform, *, debug: bool = False) -> None:
@@ -294,8 +303,8 @@ def half_float_image(pixels: NDArray[np.float16]) -> None:
 @cache
 def _gl_function(name: str, *arguments: type) -> ctypes._CFunctionType:
     """Function of the driver that PyOpenGL does not know, without a result."""
-    address = ctypes.cast(EGL.eglGetProcAddress(name.encode()), ctypes.c_void_p).value
-    if address is None:
+    address = FunctionLoader().load_opengl_function(name)
+    if not address:
         raise GraphicsError(f"the driver has no {name}; OpenGL 4.5 is needed")
     return ctypes.CFUNCTYPE(None, *arguments)(address)
 

@@ -8,7 +8,7 @@ import moderngl
 
 from render.errors import GraphicsError
 from render.gl.cancellation import CancellationPoint
-from render.gl.compat import make_context, pyrender_egl, release_context, report_to, software_device
+from render.gl.compat import FunctionLoader, make_context, pyrender_egl, release_context, report_to, software_device
 from render.gl.debug import DebugLog, is_debugging
 from render.gl.limits import check_device
 from render.gl.no_gpu import check_software, is_gpu_refused
@@ -38,7 +38,7 @@ class GraphicsContext:
             debug = is_debugging()
             make_context(self._platform, debug=debug)
             # Not create_context: from its second call in a process on, it asks GLX, which knows no EGL context.
-            moderngl.init_context()
+            moderngl.init_context(FunctionLoader())
             self.ctx = moderngl.get_context()
         except Exception as error:  # EGL and PyOpenGL raise their own kinds, bare assertions included
             raise GraphicsError(

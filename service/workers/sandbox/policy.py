@@ -1,0 +1,134 @@
+"""The sandbox of a worker process, and entering it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from service.workers.sandbox import landlock, seccomp
+from service.workers.sandbox.kernel import drop_capabilities, forbid_new_privileges
+from service.workers.sandbox.limits import Limits, set_limits
+from service.workers.sandbox.program import graphics_devices, graphics_paths, program_paths
+
+
+@dataclass(frozen=True)
+class Support:
+    """Features of the kernel that a sandbox uses. Resource limits are not among them: every kernel has those.
+
+    Attributes:
+        landlock_abi: version of Landlock; 0 for none.
+        seccomp: whether a filter of system calls can be set.
+    """
+
+    landlock_abi: int
+    seccomp: bool
+
+    def describe(self) -> str:
+        """Return one sentence for people: what holds, and what does not with its remedy."""
+        holds = [
+            *([f"Landlock (ABI {self.landlock_abi})"] if self.landlock_abi else []),
+            *(["a filter of system calls (seccomp)"] if self.seccomp else []),
+            "resource limits",
+        ]
+        sentence = f"Workers are confined by {_enumerate(holds)}."
+        if not self.landlock_abi:
+            sentence += (
+                " This kernel offers no Landlock (Linux 5.13 or later, not switched off at boot or by the container's runtime):"
+                " a fault in a parser could read files of other shots."
+            )
+        if not self.seccomp:
+            sentence += " This system has no filter of system calls: a fault in a parser could use the network."
+        return sentence
+
+
+@dataclass(frozen=True)
+class Sandbox:
+    """A worker's whole view of the machine.
+
+    Attributes:
+        read: files and folders that it may read, besides what the program itself needs (`program_paths`).
+        write: folders in which it may also create, change and remove files and folders.
+        limits: on what it uses.
+        graphics: whether it may use the devices that draw.
+    """
+
+    read: tuple[Path, ...]
+    write: tuple[Path, ...]
+    limits: Limits
+    graphics: bool = False
+
+
+@dataclass(frozen=True)
+class Held:
+    """Parts of a sandbox that a process is in.
+
+    Attributes:
+        support: features of the kernel that hold.
+        other_threads: number of threads that existed before. Limits and the filter of system calls bind them too; Landlock
+            binds them only from ABI 8 on.
+    """
+
+    support: Support
+    other_threads: int
+
+
+def support() -> Support:
+    """Return what this kernel offers."""
+    return Support(landlock.abi(), seccomp.is_offered())
+
+
+def enter(sandbox: Sandbox, offered: Support | None = None) -> Held:
+    """Enter a sandbox, for good. What the kernel does not offer is left out.
+
+    Call it in the main thread before other threads start: Landlock binds the calling thread and those that it starts later. Files
+    that are open stay open. A library that asks programs where libraries are (``ctypes.util.find_library``) finds none from
+    here on: import it before.
+
+    Args:
+        sandbox: the sandbox.
+        offered: features of the kernel to use; None for all that it has.
+
+    Returns:
+        What holds now.
+    """
+    offered = offered or support()
+    rules = list(_rules(sandbox))
+    set_limits(sandbox.limits)
+    other_threads = _other_threads()
+    has_landlock, has_seccomp = False, False
+    with suppress(OSError):
+        drop_capabilities()
+    with suppress(OSError):
+        forbid_new_privileges()
+        if offered.landlock_abi:
+            landlock.restrict_files(offered.landlock_abi, rules)
+            has_landlock = True
+    with suppress(OSError):
+        if offered.seccomp:
+            seccomp.forbid_calls()
+            has_seccomp = True
+    return Held(Support(offered.landlock_abi if has_landlock else 0, has_seccomp), other_threads)
+
+
+def _rules(sandbox: Sandbox) -> Iterator[tuple[Path, int]]:
+    yield Path("/dev/null"), landlock.DEVICE
+    for path in (*program_paths(), *(graphics_paths() if sandbox.graphics else ()), *sandbox.read):
+        yield path, landlock.READ
+    for path in sandbox.write:
+        yield path, landlock.WRITE
+    for path in graphics_devices() if sandbox.graphics else ():
+        yield path, landlock.DEVICE
+
+
+def _other_threads() -> int:
+    try:
+        return len(os.listdir("/proc/self/task")) - 1
+    except OSError:  # not Linux
+        return 0
+
+
+def _enumerate(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

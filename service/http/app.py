@@ -12,6 +12,7 @@ from starlette.concurrency import run_in_threadpool
 from render.errors import PullfocusError
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
+from service.http.identity import IdentityMiddleware
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
 from service.http.routes import (
@@ -30,6 +31,7 @@ from service.http.routes import (
     solving,
     system,
 )
+from service.http.routes.parameters import refusals
 from service.http.service import Service
 from service.http.settings import Settings
 from service.picture.calls import frames as picture_frames
@@ -74,12 +76,13 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=lifespan,
         license_info={"name": "Apache-2.0", "identifier": "Apache-2.0"},
     )
+    app.add_middleware(IdentityMiddleware)
     app.add_middleware(GuardMiddleware, settings=settings)
     app.add_middleware(MetricsMiddleware)
     install_error_handlers(app)
     lens = (cameras, photography, metering, lenses, libraries)
     for routes in (shots, edits, *lens, frames, live, long_exposure, focus, solving, curves):
-        app.include_router(routes.router, prefix="/v1")
+        app.include_router(routes.router, prefix="/v1", responses=refusals())
     app.include_router(system.router)
     live.describe_messages(app)
     install_page(app, settings.static)

@@ -16,6 +16,7 @@ SUMMARY_EXAMPLE: JsonDict = {
     "createdAt": "2026-11-21T08:00:00Z",
     "sizeBytes": 48_112_640,
     "fileCount": 14,
+    "project": "default",
 }
 RANGE_EXAMPLE: JsonDict = {"start": 1.0, "end": 96.0, "framesPerSecond": 24.0}
 SHOT_EXAMPLE: JsonDict = SUMMARY_EXAMPLE | {
@@ -37,10 +38,11 @@ class ShotSummary(Model):
     created_at: datetime
     size_bytes: int = Field(description="Size of all files of the shot, unpacked.")
     file_count: int
+    project: str = Field(description="Project of the shot: only its members see it.")
 
 
 class ShotList(Model):
-    """All stored shots, newest last."""
+    """The stored shots of the projects that the sender may see, newest last."""
 
     model_config = shown_as({"shots": [SUMMARY_EXAMPLE]})
 

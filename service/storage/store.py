@@ -24,6 +24,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from render.errors import NotFoundError, OutputError
+from service.identity.principal import DEFAULT_PROJECT
 from service.storage.migration import migrate
 
 log = logging.getLogger("pullfocus.service")
@@ -43,6 +44,7 @@ class ShotRecord:
         created_at: time at which it was accepted.
         size_bytes: total size of its files.
         file_count: number of its files.
+        project: whose shot it is.
     """
 
     id: str
@@ -52,6 +54,7 @@ class ShotRecord:
     created_at: datetime
     size_bytes: int
     file_count: int
+    project: str = DEFAULT_PROJECT
 
     @property
     def files(self) -> Path:
@@ -140,19 +143,20 @@ class ShotStore:
         """
         record = self._read(self._shots / shot_id) if ID_PATTERN.fullmatch(shot_id) else None
         if record is None:
-            raise NotFoundError(f"There is no shot {shot_id[:80]!r}.", code="shot_not_found", path=shot_id[:80])
+            raise not_found(shot_id)
         return record
 
-    def begin(self, name: str, shot_id: str | None = None) -> ShotRecord:
+    def begin(self, name: str, shot_id: str | None = None, project: str = DEFAULT_PROJECT) -> ShotRecord:
         """Create the folder of a new shot, which is not listed until it is accepted.
 
         Args:
             name: title for people.
             shot_id: its id; derived from the name when left out.
+            project: whose shot it is.
         """
         stem = re.sub(r"[^a-z0-9]+", "-", Path(name).stem.lower()).strip("-")[:40] or "shot"
         shot_id = shot_id or f"{stem}-{secrets.token_hex(4)}"
-        record = ShotRecord(shot_id, name, self._shots / shot_id, "", datetime.now(UTC), 0, 0)
+        record = ShotRecord(shot_id, name, self._shots / shot_id, "", datetime.now(UTC), 0, 0, project)
         record.files.mkdir(parents=True)
         record.edits_folder.mkdir()
         return record
@@ -166,6 +170,7 @@ class ShotStore:
             "createdAt": begun.created_at.isoformat(),
             "sizeBytes": sum(sizes),
             "fileCount": len(sizes),
+            "project": begun.project,
         }
         part = begun.folder / "shot.json.part"
         part.write_text(json.dumps(fields, indent=2), encoding="utf-8")
@@ -192,9 +197,15 @@ class ShotStore:
                 created_at=datetime.fromisoformat(fields["createdAt"]),
                 size_bytes=fields["sizeBytes"],
                 file_count=fields["fileCount"],
+                project=fields.get("project", DEFAULT_PROJECT),
             )
         except (FileNotFoundError, NotADirectoryError):
             return None
         except (ValueError, KeyError, TypeError) as error:  # edited by hand; the other shots stay listed
             log.error("the record of shot %s cannot be read and is left out: %r", folder.name, error)
             return None
+
+
+def not_found(shot_id: str) -> NotFoundError:
+    """Return the error of a shot that is not there, or not for the one who asks."""
+    return NotFoundError(f"There is no shot {shot_id[:80]!r}.", code="shot_not_found", path=shot_id[:80])

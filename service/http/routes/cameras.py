@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 
+from service.http.access import EDITS, READS
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import Service, ServiceDep
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceQuery, PlaceReadout, Readout
@@ -14,7 +15,7 @@ from service.picture.calls import frames
 from service.stage.calls import cameras
 from service.storage.store import ShotRecord
 
-router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
+router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504), dependencies=READS)
 EDITED = problems(412)
 
 
@@ -34,7 +35,7 @@ async def get_camera(
     return state
 
 
-@router.patch("/shots/{shot}/camera", operation_id="editCamera", responses=EDITED)
+@router.patch("/shots/{shot}/camera", operation_id="editCamera", responses=EDITED, dependencies=EDITS)
 async def edit_camera(
     service: ServiceDep,
     response: Response,

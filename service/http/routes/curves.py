@@ -6,13 +6,14 @@ from typing import Annotated
 
 from fastapi import APIRouter, File, Query, Response, UploadFile
 
+from service.http.access import EDITS, READS
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import GapPolicy, ImportCurve
 from service.models.curve import CurveFileFormat, FocusCurve, ImportedCurve
 from service.stage.calls import curves
 
-router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
+router = APIRouter(tags=["focus"], responses=problems(404, 503, 504), dependencies=READS)
 
 CURVE_TYPES: dict[CurveFileFormat, str] = {
     "json": "application/json",
@@ -70,7 +71,9 @@ async def get_focus_curve(
     return Response(text, media_type=CURVE_TYPES[format], headers=headers)
 
 
-@router.put("/shots/{shot}/focus-curve", operation_id="importFocusCurve", responses=problems(412, 413))
+@router.put(
+    "/shots/{shot}/focus-curve", operation_id="importFocusCurve", responses=problems(412, 413), dependencies=EDITS
+)
 async def import_focus_curve(
     service: ServiceDep,
     response: Response,

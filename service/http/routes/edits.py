@@ -8,6 +8,7 @@ from fastapi import APIRouter, Header, Response
 
 from render.model.edit_history import revision_of
 from service.edit_context import EditContext, edits_tag
+from service.http.access import EDITS, READS
 from service.http.errors import ServiceError
 from service.http.frame_cache import matches
 from service.http.routes.parameters import EditContextDep, IfMatch, ShotId, problems, set_etag
@@ -20,7 +21,7 @@ from service.picture.calls import frames
 from service.stage.calls import edits
 from service.storage.store import ShotRecord
 
-router = APIRouter(tags=["edits"])
+router = APIRouter(tags=["edits"], dependencies=READS)
 
 
 @router.get(
@@ -48,7 +49,9 @@ async def get_edits(
     return Response(text or "#usda 1.0\n", media_type="text/plain; charset=utf-8", headers=headers)
 
 
-@router.post("/shots/{shot}/edits", operation_id="edit", responses=problems(404, 412, 413, 503, 504))
+@router.post(
+    "/shots/{shot}/edits", operation_id="edit", responses=problems(404, 412, 413, 503, 504), dependencies=EDITS
+)
 async def edit(
     service: ServiceDep, response: Response, shot: ShotId, request: EditRequest, if_match: IfMatch = None
 ) -> EditResult:
@@ -80,7 +83,9 @@ async def _with_anchors(service: Service, record: ShotRecord, request: EditReque
     return request.model_copy(update={"changes": anchor_spots(request.changes, anchors)})
 
 
-@router.put("/shots/{shot}/edits", operation_id="restoreEdits", responses=problems(404, 412, 503, 504))
+@router.put(
+    "/shots/{shot}/edits", operation_id="restoreEdits", responses=problems(404, 412, 503, 504), dependencies=EDITS
+)
 async def restore_edits(
     service: ServiceDep, response: Response, shot: ShotId, restore: Restore, context: EditContextDep
 ) -> Shot:
@@ -98,7 +103,9 @@ async def get_edit_history(service: ServiceDep, response: Response, shot: ShotId
     return history
 
 
-@router.post("/shots/{shot}/edits/undo", operation_id="undoEdit", responses=problems(404, 409, 412, 503, 504))
+@router.post(
+    "/shots/{shot}/edits/undo", operation_id="undoEdit", responses=problems(404, 409, 412, 503, 504), dependencies=EDITS
+)
 async def undo_edit(service: ServiceDep, response: Response, shot: ShotId, context: EditContextDep) -> EditHistory:
     """Take back the last edit, whoever made it: with the revision in `If-Match`, only if nobody edited since."""
     history = await service.call_stage(edits.walk_history, service.store.get(shot), "undo", context)
@@ -106,7 +113,9 @@ async def undo_edit(service: ServiceDep, response: Response, shot: ShotId, conte
     return history
 
 
-@router.post("/shots/{shot}/edits/redo", operation_id="redoEdit", responses=problems(404, 409, 412, 503, 504))
+@router.post(
+    "/shots/{shot}/edits/redo", operation_id="redoEdit", responses=problems(404, 409, 412, 503, 504), dependencies=EDITS
+)
 async def redo_edit(service: ServiceDep, response: Response, shot: ShotId, context: EditContextDep) -> EditHistory:
     """Do the edit again that was undone last; the next edit drops what was undone."""
     history = await service.call_stage(edits.walk_history, service.store.get(shot), "redo", context)

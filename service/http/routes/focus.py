@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
+from service.http.access import EDITS, READS
 from service.http.routes.parameters import (
     AspectQuery,
     CameraQuery,
@@ -28,7 +29,7 @@ from service.models.focus import (
 )
 from service.stage.calls import focus_points
 
-router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
+router = APIRouter(tags=["focus"], responses=problems(404, 503, 504), dependencies=READS)
 EDITED = problems(412)
 
 AttributeInPath = Annotated[KeyedAttribute, Path(description="The keyed attribute.", examples=["weight"])]
@@ -49,7 +50,9 @@ async def list_focus_points(
     return points
 
 
-@router.post("/shots/{shot}/focus-points", operation_id="createFocusPoint", status_code=201, responses=EDITED)
+@router.post(
+    "/shots/{shot}/focus-points", operation_id="createFocusPoint", status_code=201, responses=EDITED, dependencies=EDITS
+)
 async def create_focus_point(
     service: ServiceDep,
     response: Response,
@@ -78,7 +81,7 @@ async def get_focus_point(
     return point
 
 
-@router.patch("/shots/{shot}/focus-points/{name}", operation_id="editFocusPoint", responses=EDITED)
+@router.patch("/shots/{shot}/focus-points/{name}", operation_id="editFocusPoint", responses=EDITED, dependencies=EDITS)
 async def edit_focus_point(
     service: ServiceDep,
     response: Response,
@@ -98,7 +101,13 @@ async def edit_focus_point(
     return point
 
 
-@router.delete("/shots/{shot}/focus-points/{name}", operation_id="deleteFocusPoint", status_code=204, responses=EDITED)
+@router.delete(
+    "/shots/{shot}/focus-points/{name}",
+    operation_id="deleteFocusPoint",
+    status_code=204,
+    responses=EDITED,
+    dependencies=EDITS,
+)
 async def delete_focus_point(
     service: ServiceDep, shot: ShotId, name: PointNameInPath, context: EditContextDep, camera: CameraQuery = None
 ) -> None:
@@ -107,7 +116,9 @@ async def delete_focus_point(
     await service.call_stage(focus_points.remove_focus_point, service.store.get(shot), camera, change, context)
 
 
-@router.put("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="setKey", responses=EDITED)
+@router.put(
+    "/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="setKey", responses=EDITED, dependencies=EDITS
+)
 async def set_key(
     service: ServiceDep,
     response: Response,
@@ -127,7 +138,9 @@ async def set_key(
     return point
 
 
-@router.delete("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="deleteKey", responses=EDITED)
+@router.delete(
+    "/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="deleteKey", responses=EDITED, dependencies=EDITS
+)
 async def delete_key(
     service: ServiceDep,
     response: Response,

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Response
 
+from service.http.access import RENDERS
 from service.http.frame_cache import matches
 from service.http.frame_requests import frame_request, tag_of_frame
 from service.http.routes.parameters import ShotId, problems
@@ -18,7 +19,7 @@ from service.picture.calls import frames
 from service.storage.store import ShotRecord
 from service.workers.calls import call
 
-router = APIRouter(tags=["frames"])
+router = APIRouter(tags=["frames"], dependencies=RENDERS)
 
 MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg", "exr": "image/x-exr"}
 BINARY = {"schema": {"type": "string", "format": "binary"}}

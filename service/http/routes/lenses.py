@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, File, Path, Response, UploadFile
 
+from service.http.access import EDITS, READS
 from service.http.routes.parameters import (
     DRAWING_MAX_AGE_S,
     SHEET,
@@ -23,7 +24,7 @@ from service.models.changes import MountLensFile
 from service.models.lenses import Lens, LensList
 from service.stage.calls import cameras, lenses
 
-router = APIRouter(tags=["lenses"])
+router = APIRouter(tags=["lenses"], dependencies=READS)
 
 SVG = "image/svg+xml"
 
@@ -71,6 +72,7 @@ async def get_lens_sheet(service: ServiceDep, name: LensName) -> Response:
     operation_id="mountLensFile",
     responses=problems(404, 412, 413, 415, 503, 504),
     tags=["cameras"],
+    dependencies=EDITS,
 )
 async def mount_lens_file(
     service: ServiceDep,

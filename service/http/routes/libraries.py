@@ -7,12 +7,13 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Response
 from pydantic import Field
 
+from service.http.access import READS
 from service.http.routes.parameters import SHEET, problems, sheet_response
 from service.http.service import ServiceDep
 from service.models.libraries import Body, BodyList, Film, FilmList
 from service.stage.calls import libraries
 
-router = APIRouter(tags=["libraries"])
+router = APIRouter(tags=["libraries"], dependencies=READS)
 
 USUAL_LENSES_MM = (18.0, 25.0, 35.0, 50.0, 75.0, 100.0)
 

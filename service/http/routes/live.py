@@ -8,13 +8,14 @@ from fastapi import APIRouter, FastAPI, WebSocket
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from service.http.access import RENDERS
 from service.http.errors import RETRY_AFTER, ServiceError, problem
 from service.http.live_connection import LiveConnection
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop
 
-router = APIRouter(tags=["frames"])
+router = APIRouter(tags=["frames"], dependencies=RENDERS)
 
 PROTOCOL = """Connect a WebSocket to this address for a stream of pictures that get better, up to the exact one.
 

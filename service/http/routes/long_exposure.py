@@ -6,13 +6,14 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Response
 
+from service.http.access import RENDERS
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.models.long_exposure import LongExposureBegin, LongExposureEdit, LongExposureState
 from service.models.picture_size import check_pixels
 
-router = APIRouter(tags=["long exposures"])
+router = APIRouter(tags=["long exposures"], dependencies=RENDERS)
 
 Format = Annotated[
     Literal["png", "jpeg", "exr"],

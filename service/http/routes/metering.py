@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
+from service.http.access import READS, RENDERS
 from service.http.routes.parameters import CameraQuery, ShotId, Time, problems
 from service.http.service import ServiceDep
 from service.models.metering import ExposureReadout, MeterQuery, MeterReading
@@ -13,7 +14,7 @@ from service.picture.calls import metering
 from service.stage.calls import exposure
 from service.workers.calls import call
 
-router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
+router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504), dependencies=READS)
 
 
 @router.get("/shots/{shot}/readout/exposure", operation_id="getExposureReadout")
@@ -24,7 +25,7 @@ async def get_exposure_readout(
     return await service.call_stage(exposure.read_exposure, service.store.get(shot), camera, time)
 
 
-@router.get("/shots/{shot}/meter", operation_id="meter", responses=problems(409))
+@router.get("/shots/{shot}/meter", operation_id="meter", responses=problems(409), dependencies=RENDERS)
 async def meter(service: ServiceDep, shot: ShotId, query: Annotated[MeterQuery, Query()]) -> MeterReading:
     """Meter the light on a camera at one time: EV, lux, and stops over or under middle grey."""
     record = service.store.get(shot)

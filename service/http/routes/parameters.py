@@ -84,7 +84,18 @@ def set_etag(response: Response, etag: str) -> None:
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """Return the OpenAPI description of the errors of a route, to which 422 is added."""
+    return _described(*sorted({422, *statuses}))
+
+
+def refusals() -> dict[int | str, dict[str, Any]]:
+    """Return the OpenAPI description of the errors of every route that needs a scope."""
+    return _described(401, 403, 429)
+
+
+def _described(*statuses: int) -> dict[int | str, dict[str, Any]]:
     descriptions = {
+        401: "A key is missing, wrong or expired.",
+        403: "The key lacks the scope that this needs, or a page of another site sends the request.",
         404: "There is no such shot, camera, lens, film, body, focus point, key or revision.",
         409: "`superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`.",
         412: "It was changed since it was read: its `ETag` is not in `If-Match`.",
@@ -92,7 +103,8 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
         415: "The file is of no supported kind.",
         422: "The request or the stage is invalid; `detail` says why.",
         426: "This address is a WebSocket.",
+        429: "Too many requests, or a quota is used up; try again after `Retry-After`.",
         503: "Too many requests wait, or a worker died on this request; try again after `Retry-After`.",
         504: "The request took too long and was ended.",
     }
-    return {status: {"model": Problem, "description": descriptions[status]} for status in sorted({422, *statuses})}
+    return {status: {"model": Problem, "description": descriptions[status]} for status in statuses}

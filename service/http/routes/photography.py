@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
+from service.http.access import EDITS, READS
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import KeySetting, SetExposure, SetFilm, UnkeySetting
@@ -14,7 +15,7 @@ from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEd
 from service.models.focus import KeyEdit
 from service.stage.calls import photography
 
-router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
+router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504), dependencies=READS)
 EDITED = problems(412)
 
 _KEYED = "The keyed setting, in the unit of its name."
@@ -32,7 +33,9 @@ async def get_exposure_settings(
     return settings
 
 
-@router.patch("/shots/{shot}/camera/exposure", operation_id="editExposureSettings", responses=EDITED)
+@router.patch(
+    "/shots/{shot}/camera/exposure", operation_id="editExposureSettings", responses=EDITED, dependencies=EDITS
+)
 async def edit_exposure_settings(
     service: ServiceDep,
     response: Response,
@@ -50,7 +53,12 @@ async def edit_exposure_settings(
     return settings
 
 
-@router.put("/shots/{shot}/camera/exposure/keys/{attribute}", operation_id="setExposureKey", responses=EDITED)
+@router.put(
+    "/shots/{shot}/camera/exposure/keys/{attribute}",
+    operation_id="setExposureKey",
+    responses=EDITED,
+    dependencies=EDITS,
+)
 async def set_exposure_key(
     service: ServiceDep,
     response: Response,
@@ -69,7 +77,12 @@ async def set_exposure_key(
     return settings
 
 
-@router.delete("/shots/{shot}/camera/exposure/keys/{attribute}", operation_id="deleteExposureKey", responses=EDITED)
+@router.delete(
+    "/shots/{shot}/camera/exposure/keys/{attribute}",
+    operation_id="deleteExposureKey",
+    responses=EDITED,
+    dependencies=EDITS,
+)
 async def delete_exposure_key(
     service: ServiceDep,
     response: Response,
@@ -98,7 +111,7 @@ async def get_film_settings(
     return settings
 
 
-@router.patch("/shots/{shot}/camera/film", operation_id="editFilmSettings", responses=EDITED)
+@router.patch("/shots/{shot}/camera/film", operation_id="editFilmSettings", responses=EDITED, dependencies=EDITS)
 async def edit_film_settings(
     service: ServiceDep,
     response: Response,
@@ -116,7 +129,9 @@ async def edit_film_settings(
     return settings
 
 
-@router.put("/shots/{shot}/camera/film/keys/{attribute}", operation_id="setFilmKey", responses=EDITED)
+@router.put(
+    "/shots/{shot}/camera/film/keys/{attribute}", operation_id="setFilmKey", responses=EDITED, dependencies=EDITS
+)
 async def set_film_key(
     service: ServiceDep,
     response: Response,
@@ -135,7 +150,9 @@ async def set_film_key(
     return settings
 
 
-@router.delete("/shots/{shot}/camera/film/keys/{attribute}", operation_id="deleteFilmKey", responses=EDITED)
+@router.delete(
+    "/shots/{shot}/camera/film/keys/{attribute}", operation_id="deleteFilmKey", responses=EDITED, dependencies=EDITS
+)
 async def delete_film_key(
     service: ServiceDep,
     response: Response,

@@ -7,27 +7,33 @@ from typing import Annotated
 from fastapi import APIRouter, File, Form, Response, UploadFile
 from starlette.concurrency import run_in_threadpool
 
+from service.http.access import EDITS, READS, PrincipalDep
 from service.http.errors import ServiceError
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.http.upload import store_upload, upload_name
+from service.identity.principal import ALL_PROJECTS, DEFAULT_PROJECT, PROJECT_PATTERN, Principal
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
 from service.stage.calls import shots
 from service.workers.errors import WorkerDiedError
 
-router = APIRouter(tags=["shots"])
+router = APIRouter(tags=["shots"], dependencies=READS)
 
 
 @router.get("/shots", operation_id="listShots")
-async def list_shots(service: ServiceDep) -> ShotList:
-    """List all stored shots, newest last."""
-    return ShotList(shots=[ShotSummary.model_validate(record) for record in service.store.list()])
+async def list_shots(service: ServiceDep, principal: PrincipalDep) -> ShotList:
+    """List the stored shots of your project, newest last."""
+    records = (record for record in service.store.list() if principal.sees(record.project))
+    return ShotList(shots=[ShotSummary.model_validate(record) for record in records])
 
 
-@router.post("/shots", operation_id="createShot", status_code=201, responses=problems(413, 415, 503, 504))
+@router.post(
+    "/shots", operation_id="createShot", status_code=201, responses=problems(413, 415, 503, 504), dependencies=EDITS
+)
 async def create_shot(
     service: ServiceDep,
+    principal: PrincipalDep,
     response: Response,
     file: Annotated[UploadFile, File(description="A .usda, .usdc, .usd or .usdz file, or a .zip with all it needs.")],
     root: Annotated[
@@ -38,10 +44,18 @@ async def create_shot(
             examples=["shots/night.usda"],
         ),
     ] = None,
+    project: Annotated[
+        str | None,
+        Form(
+            pattern=PROJECT_PATTERN,
+            description="Project of the shot, for those who may see several. Left out: your own, or `default`.",
+            examples=["night-tram"],
+        ),
+    ] = None,
 ) -> Shot:
     """Upload a shot. It may not refer to files outside the upload; a refused upload leaves nothing behind."""
     name = upload_name(file.filename)
-    begun = service.store.begin(name)
+    begun = service.store.begin(name, project=_project_of_upload(principal, project))
     try:
         root_path = await run_in_threadpool(store_upload, file.file, name, root, begun.files, service.settings)
         described = await service.call_stage(shots.describe_shot, begun.with_root(root_path))
@@ -69,10 +83,19 @@ async def inspect_shot(service: ServiceDep, shot: ShotId) -> Inspection:
     return await service.call_stage(shots.inspect_shot, service.store.get(shot))
 
 
-@router.delete("/shots/{shot}", operation_id="deleteShot", status_code=204, responses=problems(404))
+@router.delete("/shots/{shot}", operation_id="deleteShot", status_code=204, responses=problems(404), dependencies=EDITS)
 async def delete_shot(service: ServiceDep, shot: ShotId) -> None:
     """Delete a shot and its edits. The demo shot is written again when the service next starts."""
     record = service.store.get(shot)
     service.long_exposures.discard(record.id)
     await run_in_threadpool(service.store.remove, record)
     service.close_shot(record.id)
+
+
+def _project_of_upload(principal: Principal, named: str | None) -> str:
+    """Return the project of a new shot. Raises `ServiceError` 403: the sender names one that they may not see."""
+    own = DEFAULT_PROJECT if principal.project == ALL_PROJECTS else principal.project
+    if named is not None and not principal.sees(named):
+        detail = f"{principal.label} may store shots in the project {own!r}, and names {named!r}."
+        raise ServiceError(403, "foreign_project", detail, path="project")
+    return named or own

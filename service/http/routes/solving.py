@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
+from service.http.access import EDITS, READS
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import KeySetting, MakeRack, SetFocus, UnkeySetting
@@ -13,7 +14,7 @@ from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
 from service.stage.calls import solving
 
-router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
+router = APIRouter(tags=["focus"], responses=problems(404, 503, 504), dependencies=READS)
 EDITED = problems(412)
 
 AttributeInPath = Annotated[
@@ -31,7 +32,7 @@ async def get_focus_settings(
     return settings
 
 
-@router.patch("/shots/{shot}/camera/focus", operation_id="editFocusSettings", responses=EDITED)
+@router.patch("/shots/{shot}/camera/focus", operation_id="editFocusSettings", responses=EDITED, dependencies=EDITS)
 async def edit_focus_settings(
     service: ServiceDep,
     response: Response,
@@ -49,7 +50,7 @@ async def edit_focus_settings(
     return settings
 
 
-@router.put("/shots/{shot}/camera/keys/{attribute}", operation_id="setCameraKey", responses=EDITED)
+@router.put("/shots/{shot}/camera/keys/{attribute}", operation_id="setCameraKey", responses=EDITED, dependencies=EDITS)
 async def set_camera_key(
     service: ServiceDep,
     response: Response,
@@ -68,7 +69,9 @@ async def set_camera_key(
     return settings
 
 
-@router.delete("/shots/{shot}/camera/keys/{attribute}", operation_id="deleteCameraKey", responses=EDITED)
+@router.delete(
+    "/shots/{shot}/camera/keys/{attribute}", operation_id="deleteCameraKey", responses=EDITED, dependencies=EDITS
+)
 async def delete_camera_key(
     service: ServiceDep,
     response: Response,
@@ -87,7 +90,7 @@ async def delete_camera_key(
     return settings
 
 
-@router.post("/shots/{shot}/racks", operation_id="createRack", status_code=201, responses=EDITED)
+@router.post("/shots/{shot}/racks", operation_id="createRack", status_code=201, responses=EDITED, dependencies=EDITS)
 async def create_rack(
     service: ServiceDep,
     response: Response,

@@ -8,8 +8,9 @@ from typing import Literal
 
 from fastapi import APIRouter, Response
 
+from service.http.access import ADMINISTERS
 from service.http.errors import RETRY_AFTER, ServiceError
-from service.http.routes.parameters import problems
+from service.http.routes.parameters import problems, refusals
 from service.http.service import ServiceDep
 from service.models.base import Model, shown_as
 from service.picture.calls import frames
@@ -58,8 +59,10 @@ async def readyz(service: ServiceDep) -> Health:
 @router.get(
     "/metrics",
     operation_id="metrics",
+    dependencies=ADMINISTERS,
     response_class=Response,
-    responses={
+    responses=refusals()
+    | {
         200: {
             "content": {
                 "text/plain": {

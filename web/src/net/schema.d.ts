@@ -253,7 +253,7 @@ export interface paths {
         };
         /**
          * List Shots
-         * @description List all stored shots, newest last.
+         * @description List the stored shots of your project, newest last.
          */
         readonly get: operations["listShots"];
         readonly put?: never;
@@ -1191,6 +1191,12 @@ export interface components {
              * @description A .usda, .usdc, .usd or .usdz file, or a .zip with all it needs.
              */
             readonly file: string;
+            /**
+             * Project
+             * @description Project of the shot, for those who may see several. Left out: your own, or `default`.
+             * @example night-tram
+             */
+            readonly project?: string | null;
             /**
              * Root
              * @description Root layer within a zip. Left out: the only stage in its topmost folder that has any.
@@ -6632,6 +6638,7 @@ export interface components {
          *       },
          *       "id": "demo",
          *       "name": "Night tram",
+         *       "project": "default",
          *       "revision": "5f70bf18a0860070",
          *       "root": "shot.usda",
          *       "sizeBytes": 48112640
@@ -6663,6 +6670,11 @@ export interface components {
              */
             readonly name: string;
             /**
+             * Project
+             * @description Project of the shot: only its members see it.
+             */
+            readonly project: string;
+            /**
              * Revision
              * @description Revision of the edits; changes with every edit.
              */
@@ -6680,7 +6692,7 @@ export interface components {
         };
         /**
          * ShotList
-         * @description All stored shots, newest last.
+         * @description The stored shots of the projects that the sender may see, newest last.
          * @example {
          *       "shots": [
          *         {
@@ -6688,6 +6700,7 @@ export interface components {
          *           "fileCount": 14,
          *           "id": "demo",
          *           "name": "Night tram",
+         *           "project": "default",
          *           "root": "shot.usda",
          *           "sizeBytes": 48112640
          *         }
@@ -6706,6 +6719,7 @@ export interface components {
          *       "fileCount": 14,
          *       "id": "demo",
          *       "name": "Night tram",
+         *       "project": "default",
          *       "root": "shot.usda",
          *       "sizeBytes": 48112640
          *     }
@@ -6728,6 +6742,11 @@ export interface components {
              * @description Name of the uploaded file.
              */
             readonly name: string;
+            /**
+             * Project
+             * @description Project of the shot: only its members see it.
+             */
+            readonly project: string;
             /**
              * Root
              * @description The root layer, relative to the shot's folder.
@@ -6976,6 +6995,33 @@ export interface operations {
                     readonly "text/plain": string;
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     readonly readyz: {
@@ -7034,8 +7080,35 @@ export interface operations {
                     readonly "application/json": components["schemas"]["BodyList"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7087,6 +7160,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Body"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7098,6 +7189,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7143,8 +7243,35 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmList"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7193,6 +7320,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Film"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7204,6 +7349,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7252,6 +7406,24 @@ export interface operations {
                     readonly "image/png": string;
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7263,6 +7435,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7308,8 +7489,35 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LensList"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7358,6 +7566,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Lens"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7369,6 +7595,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7417,6 +7652,24 @@ export interface operations {
                     readonly "image/svg+xml": string;
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7428,6 +7681,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7476,6 +7738,24 @@ export interface operations {
                     readonly "image/png": string;
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7487,6 +7767,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7532,6 +7821,33 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ShotList"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     readonly createShot: {
@@ -7556,6 +7872,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The upload, or what it unpacks to, is too large. */
             readonly 413: {
                 headers: {
@@ -7576,6 +7910,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7624,6 +7967,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7635,6 +7996,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7681,6 +8051,24 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7692,6 +8080,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7727,6 +8124,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7738,6 +8153,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7798,6 +8222,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7818,6 +8260,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7871,6 +8322,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7882,6 +8351,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7942,6 +8420,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -7962,6 +8458,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8024,6 +8529,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8044,6 +8567,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8104,6 +8636,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8124,6 +8674,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8177,6 +8736,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8188,6 +8765,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8248,6 +8834,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8268,6 +8872,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8330,6 +8943,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8350,6 +8981,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8410,6 +9050,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8430,6 +9088,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8483,6 +9150,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8494,6 +9179,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8554,6 +9248,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8574,6 +9286,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8627,6 +9348,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["GradeChoices"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8638,6 +9377,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8700,6 +9448,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8720,6 +9486,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8780,6 +9555,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8800,6 +9593,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8860,6 +9662,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8898,6 +9718,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8949,6 +9778,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraList"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -8960,6 +9807,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9018,6 +9874,24 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9029,6 +9903,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9069,6 +9952,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9089,6 +9990,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9144,6 +10054,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditResult"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9173,6 +10101,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9221,6 +10158,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9232,6 +10187,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9286,6 +10250,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9315,6 +10297,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9369,6 +10360,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9398,6 +10407,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9459,6 +10477,24 @@ export interface operations {
                     readonly "text/plain": string;
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9470,6 +10506,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9536,6 +10581,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ImportedCurve"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9565,6 +10628,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9620,6 +10692,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPointList"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9631,6 +10721,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9693,6 +10792,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9713,6 +10830,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9768,6 +10894,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9779,6 +10923,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9835,6 +10988,24 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9855,6 +11026,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9919,6 +11099,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -9939,6 +11137,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10003,6 +11210,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10023,6 +11248,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10085,6 +11319,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10105,6 +11357,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10211,6 +11472,24 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10231,6 +11510,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10279,6 +11567,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Inspection"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10290,6 +11596,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10336,6 +11651,24 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
@@ -10347,6 +11680,15 @@ export interface operations {
             };
             /** @description This address is a WebSocket. */
             readonly 426: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10386,6 +11728,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LongExposureState"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10397,6 +11757,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10431,6 +11800,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LongExposureState"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10442,6 +11829,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10488,6 +11884,24 @@ export interface operations {
                 };
                 content?: never;
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10499,6 +11913,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10533,6 +11956,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LongExposureState"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10544,6 +11985,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10579,6 +12029,24 @@ export interface operations {
                     readonly "image/x-exr": string;
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10590,6 +12058,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10653,6 +12130,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["MeterReading"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10673,6 +12168,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10725,6 +12229,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Pick"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10736,6 +12258,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10796,6 +12327,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Rack"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10816,6 +12365,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10869,6 +12427,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Readout"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10880,6 +12456,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10933,6 +12518,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureReadout"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -10944,6 +12547,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11007,6 +12619,24 @@ export interface operations {
                     readonly "application/json": components["schemas"]["PlaceReadout"];
                 };
             };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
@@ -11018,6 +12648,15 @@ export interface operations {
             };
             /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

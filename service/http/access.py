@@ -1,0 +1,104 @@
+"""Access of routes: the scope that each needs, and the shots that its sender may see.
+
+A router or route declares its scope by ``dependencies=READS`` (or `EDITS`, `RENDERS`, `ADMINISTERS`). A route that needs to know
+the sender takes a `PrincipalDep`. A route with a shot in its path answers 404 to those who may not see the project of that shot,
+as if there were none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated
+
+from fastapi import Depends, Security
+from fastapi.openapi.models import APIKey, HTTPBearer
+from fastapi.openapi.models import SecurityBase as SecurityModel
+from fastapi.params import Depends as DependsParameter
+from fastapi.security import SecurityScopes
+from fastapi.security.base import SecurityBase
+from starlette.requests import HTTPConnection
+
+from service.http.errors import ServiceError
+from service.http.service import ServiceDep
+from service.identity.principal import ALL_PROJECTS, NOBODY, Principal, ScopeName
+from service.storage.store import not_found
+
+SESSION_COOKIE = "pullfocus_session"
+
+
+class _Scheme(SecurityBase):
+    """Entry of the OpenAPI document; `IdentityMiddleware` reads the credentials, before the body of the request is received.
+
+    Args:
+        name: of the entry.
+        model: the entry.
+    """
+
+    def __init__(self, name: str, model: SecurityModel) -> None:
+        self.scheme_name = name
+        self.model = model
+
+    def __call__(self) -> None:
+        """Do nothing."""
+
+
+_BEARER = _Scheme("bearer", HTTPBearer(description="A key of this service, or a token of its OpenID Connect issuer."))
+_COOKIE = _Scheme(
+    "session",
+    APIKey.model_validate(
+        {"in": "cookie", "name": SESSION_COOKIE, "description": "The session of the page, from `POST /v1/session`."}
+    ),
+)
+
+
+def principal_of(connection: HTTPConnection) -> Principal:
+    """Return the sender of a request or the client of a WebSocket."""
+    principal = getattr(connection.state, "principal", NOBODY)
+    assert isinstance(principal, Principal)
+    return principal
+
+
+PrincipalDep = Annotated[Principal, Depends(principal_of)]
+
+
+def _check(
+    connection: HTTPConnection,
+    service: ServiceDep,
+    principal: PrincipalDep,
+    needed: SecurityScopes,
+    _bearer: Annotated[None, Depends(_BEARER)],
+    _cookie: Annotated[None, Depends(_COOKIE)],
+) -> None:
+    """Refuse a sender without the scopes of a route, or who may not see its shot.
+
+    Raises:
+        ServiceError: 401 or 403.
+        NotFoundError: there is no such shot, as far as the sender may know.
+    """
+    if principal is NOBODY:
+        raise unauthorized("This needs a key: send it as `Authorization: Bearer KEY`.")
+    for scope in needed.scopes:
+        if scope not in principal.scopes:
+            held = ", ".join(sorted(principal.scopes)) or "none"
+            detail = f"This needs the scope {scope!r}; {principal.label} has {held}."
+            raise ServiceError(403, "missing_scope", detail, path=scope)
+    shot_id = connection.path_params.get("shot")
+    if shot_id is None or principal.project == ALL_PROJECTS:
+        return
+    if not principal.sees(service.store.get(shot_id).project):
+        raise not_found(shot_id)
+
+
+def unauthorized(detail: str) -> ServiceError:
+    """Return the error of a request without valid credentials."""
+    return ServiceError(401, "unauthorized", detail, headers={"WWW-Authenticate": 'Bearer realm="pullfocus"'})
+
+
+def _needs(scope: ScopeName) -> Sequence[DependsParameter]:
+    return (Security(_check, scopes=[scope]),)
+
+
+READS = _needs("read")
+EDITS = _needs("edit")
+RENDERS = _needs("render")
+ADMINISTERS = _needs("admin")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import stat
 import tempfile
 import uuid
 from pathlib import Path
@@ -38,6 +39,25 @@ def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
             raise
     except OSError as error:
         raise _explained(error, target) from error
+
+
+def read_regular_file(path: str | os.PathLike[str], most_bytes: int) -> bytes | None:
+    """Content of a plain file; None for what is missing, larger, a link, a folder, a device or a pipe, which are not waited for.
+
+    Args:
+        path: the file.
+        most_bytes: size that it may have.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    except (OSError, ValueError):  # ValueError: a name with a null character
+        return None
+    with open(descriptor, "rb") as file:
+        status = os.fstat(descriptor)
+        if not stat.S_ISREG(status.st_mode) or status.st_size > most_bytes:
+            return None
+        content = file.read(most_bytes + 1)
+    return content if len(content) <= most_bytes else None
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import PyOpenColorIO
 
-from render.colour import DEFAULT_CONFIG, OCIO_ERRORS, config_name, working_config
+from render.colour import DEFAULT_CONFIG, OCIO_ERRORS, ConfigSource, config_name, working_config
+from render.colour.confined import ConfinedConfig
 from render.errors import SettingsError
 from render.film.cdl import NEUTRAL, Cdl, read_cdl
 from render.film.display_transform import TransformChain, print_to_display, scene_to_display, scene_to_space
@@ -27,7 +28,8 @@ class Grade:
 
     Attributes:
         config: an OpenColorIO configuration, by path or as ``ocio://name``; None takes the one used for rendering: the one that
-            the environment variable ``OCIO`` names, else OpenColorIO's default built-in one.
+            the environment variable ``OCIO`` names, else OpenColorIO's default built-in one. That of a shot from outside is
+            confined to the shot's folder.
         display: a display of that configuration; None takes its default.
         view: a view of that display; None takes its default.
         look: looks of that configuration, applied in the working space before the view, with OpenColorIO's syntax
@@ -43,7 +45,7 @@ class Grade:
             missing.
     """
 
-    config: str | None = None
+    config: str | ConfinedConfig | None = None
     display: str | None = None
     view: str | None = None
     look: str | None = None
@@ -170,10 +172,11 @@ class Grade:
                         f"the OpenColorIO configuration {config_name(config)} lacks the role {role}, by which light is handed "
                         f"from one configuration to another: add it to the roles, naming the colour space that is ACES2065-1"
                     )
-        return " ".join(str(error).split())
+        said = " ".join(str(error).split())
+        return self.config.as_sent(said) if isinstance(self.config, ConfinedConfig) else said
 
 
-def list_displays(config: str | None = None) -> dict[str, tuple[str, ...]]:
+def list_displays(config: ConfigSource = None) -> dict[str, tuple[str, ...]]:
     """Displays of a configuration and the views of each, in the configuration's order.
 
     Args:
@@ -186,7 +189,7 @@ def list_displays(config: str | None = None) -> dict[str, tuple[str, ...]]:
     return {display: tuple(read.getViews(display)) for display in read.getDisplays()}
 
 
-def list_looks(config: str | None = None) -> tuple[str, ...]:
+def list_looks(config: ConfigSource = None) -> tuple[str, ...]:
     """Looks of a configuration, in its order.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from render.colour import working_config
+from render.colour import ConfigSource, working_config
 from render.film.cdl import Cdl
 
 if TYPE_CHECKING:  # a choice by names and numbers needs no USD
@@ -33,7 +33,7 @@ class GradeChoice:
     cdl: Cdl | None = None
     space: str | None = None
 
-    def names_in(self, data: GradeData, config: str | None) -> tuple[str | None, str | None, str | None]:
+    def names_in(self, data: GradeData, config: ConfigSource) -> tuple[str | None, str | None, str | None]:
         """Display, view and look, with the shot's own filled in; None for the configuration's default.
 
         Args:

@@ -8,12 +8,13 @@ from pathlib import Path
 import PyOpenColorIO as ocio
 
 from render.colour import BUILTIN_PREFIX, working_config
+from render.colour.confined import ConfinedConfig, leaves_root
 from render.errors import InputError
 from render.stage.confinement import is_inside
 from usd_schemas.settings import Asset
 
 
-def config_file(asset: Asset, confined_to: Path | None) -> str | None:
+def config_file(asset: Asset, confined_to: Path | None) -> str | ConfinedConfig | None:
     """OpenColorIO configuration that a shot names, in the form of `render.film.Grade.config`; None where it names none.
 
     Args:
@@ -27,9 +28,11 @@ def config_file(asset: Asset, confined_to: Path | None) -> str | None:
     if not asset.path or asset.path.startswith(BUILTIN_PREFIX):
         return asset.path or None
     name = _file(asset, "film:ocio:config", confined_to)
-    if confined_to is not None:
-        _check_confined(working_config(name), name, confined_to)
-    return name
+    if confined_to is None:
+        return name
+    config = ConfinedConfig(name, confined_to)
+    _check_confined(config)
+    return config
 
 
 def cdl_file(asset: Asset, confined_to: Path | None) -> str:
@@ -49,23 +52,16 @@ def _file(asset: Asset, named_by: str, confined_to: Path | None) -> str:
     return asset.resolved
 
 
-def _check_confined(config: ocio.Config, name: str, folder: Path) -> None:
-    context = config.getCurrentContext()
+def _check_confined(source: ConfinedConfig) -> None:
+    config = working_config(source)
     for transform in _file_transforms(config):
-        file = str(context.resolveStringVar(transform.getSrc()))
-        if not all(is_inside(str(Path(found) / file), folder) for found in _search(config, name)):
+        file = str(transform.getSrc())
+        if leaves_root(config, source, file):
             raise InputError(
-                f"the OpenColorIO configuration {name} names {file}, which is outside of the shot's folder",
+                f"the OpenColorIO configuration {source} names {file}, which is outside of the shot's folder",
                 code="outside_reference",
-                path=name,
+                path=str(source),
             )
-
-
-def _search(config: ocio.Config, name: str) -> list[str]:
-    """Folders in which relative names are looked for, absolute. An archive (.ocioz) counts as its folder."""
-    base = Path(config.getWorkingDir() or Path(name).parent).absolute()
-    context = config.getCurrentContext()
-    return [str(base / context.resolveStringVar(path)) for path in config.getSearchPaths()] or [str(base)]
 
 
 def _file_transforms(config: ocio.Config) -> Iterator[ocio.FileTransform]:

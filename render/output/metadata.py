@@ -149,7 +149,7 @@ def _grade_attributes(grade: Grade) -> list[Attribute]:
         ("pullfocus:view", "string", grade.view_name),
     ]
     if grade.config:
-        named.append(("pullfocus:colorConfig", "string", grade.config))
+        named.append(("pullfocus:colorConfig", "string", str(grade.config)))
     if grade.look:
         named.append(("pullfocus:look", "string", grade.look))
     if not grade.cdl.is_neutral:

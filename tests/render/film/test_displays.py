@@ -12,7 +12,7 @@ import pytest
 from render.colour import to_working
 from render.errors import InputError, SettingsError
 from render.film import Cdl, Grade, develop, list_looks, project
-from tests.render.kits.colours import OWN_CONFIG, chart
+from tests.render.kits.colours import LOOK_WITH_A_FILE, OWN_CONFIG, chart
 from usd_schemas.settings import Asset, GradeData
 
 ACES_2 = "ocio://cg-config-v4.0.0_aces-v2.0_ocio-v2.5"  # built into OpenImageIO's own OpenColorIO, too
@@ -213,11 +213,6 @@ def test_an_unknown_name_is_answered_with_the_near_ones(setting: dict[str, str],
         Grade(**setting)  # type: ignore[arg-type]
 
     assert str(caught.value).startswith(message)
-
-
-LOOK_WITH_A_FILE = """
-looks: [!<Look> {name: Dusk, process_space: Studio Linear, transform: !<FileTransform> {src: FILE}}]
-"""
 
 
 def test_a_look_without_its_file_is_refused_before_rendering(tmp_path: Path) -> None:

@@ -22,6 +22,11 @@ colorspaces:
                0.0175411704, 0.111546553, 0.870912277, 0, 0, 0, 0, 1]
 """
 
+LOOK_WITH_A_FILE = """
+looks: [!<Look> {name: Dusk, process_space: Studio Linear, transform: !<FileTransform> {src: FILE}}]
+"""
+"""What a configuration adds for a look of a file, FILE."""
+
 
 def chart() -> FloatArray:
     """Greys, the colours of things and of lamps, and some that no thing has: ``(12, 36, 3)`` float32 in the working space.

@@ -16,6 +16,7 @@ import numpy as np
 import PyOpenColorIO as ocio
 from numpy.typing import NDArray
 
+from render.colour.confined import ConfinedConfig, ConfinedConfigError, read_confined_config
 from render.errors import InputError, SettingsError
 from render.near_names import hint, near_names
 
@@ -26,24 +27,27 @@ BUILTIN_PREFIX = "ocio://"
 DEFAULT_CONFIG = "ocio://default"
 _UNCONVERTED = ("raw", "data", "unknown", "identity", "")
 # Messages that hold bytes of a damaged file cannot always be made Python strings.
+ConfigSource = str | Path | ConfinedConfig | None
+"""Configuration file or built-in name such as ``ocio://default``; None for what the environment variable ``OCIO`` names."""
 OCIO_ERRORS = (ocio.Exception, ocio.ExceptionMissingFile, UnicodeDecodeError)
 
 
-def working_config(path: str | Path | None = None) -> ocio.Config:
+def working_config(path: ConfigSource = None) -> ocio.Config:
     """The OpenColorIO configuration to work in.
 
     Args:
         path: a configuration file, or a built-in name such as ``ocio://default``; by default the environment variable
-            ``OCIO`` where it is set, else OpenColorIO's default built-in configuration.
+            ``OCIO`` where it is set, else OpenColorIO's default built-in configuration. One that is confined reads nothing
+            outside of its folder, and nothing of the environment.
 
     Raises:
         SettingsError: the file is missing, damaged, or has no ``scene_linear`` role.
     """
-    name = config_name(path)
-    return _read_config(name, file_stamp(name))
+    stamp = file_stamp(path.path if isinstance(path, ConfinedConfig) else config_name(path))
+    return _read_config(path if isinstance(path, ConfinedConfig) else config_name(path), stamp)
 
 
-def config_name(path: str | Path | None = None) -> str:
+def config_name(path: ConfigSource = None) -> str:
     """The file or built-in name of a configuration; arguments as for `working_config`."""
     return str(path or os.environ.get("OCIO") or DEFAULT_CONFIG)
 
@@ -57,13 +61,15 @@ def file_stamp(name: str | Path) -> tuple[int, int]:
     return (status.st_mtime_ns, status.st_size)
 
 
-@functools.lru_cache(maxsize=32)
-def _read_config(name: str, stamp: tuple[int, int]) -> ocio.Config:
-    """A configuration; the stamp makes a file that was edited be read again."""
-    del stamp
+def _read_config(source: str | ConfinedConfig, stamp: tuple[int, int]) -> ocio.Config:
+    """A configuration with the role that is needed."""
+    name = str(source)
     try:
-        config = ocio.Config.CreateFromFile(name)
-    except OCIO_ERRORS as error:
+        if isinstance(source, ConfinedConfig):
+            config, _ = read_confined_config(source, stamp)
+        else:
+            config = _config_file(name, stamp)
+    except (*OCIO_ERRORS, ConfinedConfigError) as error:
         raise SettingsError(
             f"cannot read the OpenColorIO configuration {name}: {_reason(name, error)}", code="bad_colour_config"
         ) from error
@@ -73,6 +79,13 @@ def _read_config(name: str, stamp: tuple[int, int]) -> ocio.Config:
             code="bad_colour_config",
         )
     return config
+
+
+@functools.lru_cache(maxsize=32)
+def _config_file(name: str, stamp: tuple[int, int]) -> ocio.Config:
+    """A configuration file, or a built-in one; the stamp makes a file that was edited be read again."""
+    del stamp
+    return ocio.Config.CreateFromFile(name)
 
 
 def _reason(name: str, error: Exception) -> str:
@@ -86,7 +99,8 @@ def _reason(name: str, error: Exception) -> str:
     if isinstance(error, UnicodeDecodeError):
         return "it is no text"
     # OpenColorIO names the file once more, in front of what is wrong with it.
-    return " ".join(str(error).split()).removeprefix(f"Error: Loading the OCIO profile '{name}' failed. ")
+    said = " ".join(str(error).split()).removeprefix(f"Error: Loading the OCIO profile '{name}' failed. ")
+    return said.removeprefix("Error: Loading the OCIO profile failed. ")
 
 
 def to_working(

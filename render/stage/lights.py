@@ -19,7 +19,8 @@ from render.model.scene import Dome, Image, Light
 from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.findings import FindingLog
 from render.stage.limits import PlaceError
-from render.stage.materials.textures import TextureCache, TextureError
+from render.stage.materials.image_files import TextureError
+from render.stage.materials.textures import TextureCache
 from render.stage.values import UNREADABLE, schema_type, why_unreadable
 from render.stage.world import is_y_up, rigid_frame, world_from_stage
 

@@ -28,7 +28,7 @@ from render.optics.glass import D_LINE_NM, refractive_index
 from render.stage.camera.lens_data import ASPHERIC
 from render.stage.camera.planes import read_plane, rotate_plane
 from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
-from render.stage.materials.textures import TextureError
+from render.stage.materials.image_files import TextureError
 from usd_schemas import ApertureData, Asset, LensData
 from usd_schemas import Prescription as PrescriptionData
 from usd_schemas import Seidel as SeidelData

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from pxr import Ar
 
 from render.model.arrays import DoubleArray
-from render.stage.materials.textures import TextureError, as_file, read_pixels, require_inside
+from render.stage.materials.image_files import TextureError
+from render.stage.materials.textures import as_file, read_pixels, require_inside
 
 MAX_SIDE = 2048  # beyond it, neighbours are averaged: a pupil has no finer detail
 

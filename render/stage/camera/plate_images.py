@@ -17,7 +17,8 @@ from render.model.scene import Geometry, Image, Material, TextureLookup
 from render.stage.camera.plate_places import PlateError, read_numbers
 from render.stage.camera.plate_relief import DepthImages, compute_depths
 from render.stage.findings import FindingLog
-from render.stage.materials.textures import TextureCache, TextureError
+from render.stage.materials.image_files import TextureError
+from render.stage.materials.textures import TextureCache
 from render.stage.values import format_value
 
 _OPAQUE = 0.999

@@ -19,8 +19,9 @@ from render.errors import InputError
 from render.model.scene import Material, TextureLookup
 from render.stage.findings import FindingLog
 from render.stage.geometry.shape import PrimvarNames
+from render.stage.materials.image_files import TextureError
 from render.stage.materials.material import BoundMaterial
-from render.stage.materials.textures import TextureCache, TextureError
+from render.stage.materials.textures import TextureCache
 
 _RGB_INPUTS = {"base_color": "base_color"}
 _SCALAR_INPUTS = {"metalness": "metallic", "specular_roughness": "roughness"}

@@ -12,8 +12,9 @@ from pxr import Sdf, Usd, UsdShade
 from render.errors import InputError
 from render.model.scene import Image, TextureLookup, Wrap
 from render.stage.findings import FindingLog
+from render.stage.materials.image_files import TextureError
 from render.stage.materials.shading import NetworkReader, Source
-from render.stage.materials.textures import TextureCache, TextureError
+from render.stage.materials.textures import TextureCache
 
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3, "rgb": -1}
 

@@ -18,15 +18,11 @@ from render import colour
 from render.model.arrays import FloatArray, HalfArray
 from render.model.scene import Image
 from render.stage.confinement import is_inside
+from render.stage.materials.image_files import TextureError, open_image, read_error
 
 Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
 _MAX_FLOAT16 = 65504.0
 _BAND_ROWS = 256
-_MAX_PIXELS = 2**28  # 16384 x 16384: a larger file is refused before memory is allocated
-
-
-class TextureError(ValueError):
-    """Texture that cannot be read; the message gives the reason."""
 
 
 class TextureCache:
@@ -163,18 +159,10 @@ def read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
     """Read pixels ``(height, width, channels)`` in the file's own type, and the colour space that ``auto`` stands for."""
     request = oiio.ImageSpec()
     request.attribute("oiio:UnassociatedAlpha", 1)
-    handle = oiio.ImageInput.open(file, request)
-    if handle is None:
-        raise TextureError(f"cannot be read: {oiio.geterror() or 'unknown format'}")
-    try:
-        spec = handle.spec()
-        if spec.width * spec.height > _MAX_PIXELS or spec.depth > 1:
-            raise TextureError(f"is {spec.width} x {spec.height} x {spec.depth} pixels, more than 16384 x 16384")
-        pixels = handle.read_image(0, 0, 0, min(spec.nchannels, 4), oiio.UNKNOWN)
+    with open_image(file, request) as handle:
+        pixels = handle.read_image(0, 0, 0, min(handle.spec().nchannels, 4), oiio.UNKNOWN)
         if pixels is None:
-            raise TextureError(f"cannot be read: {handle.geterror()}")
-    finally:
-        handle.close()
+            raise read_error(handle)
     if source == "auto":
         # UsdPreviewSurface specification: 8-bit images of three or four channels are sRGB, the others linear.
         source = "sRGB" if pixels.dtype == np.uint8 and pixels.shape[2] >= 3 else "raw"

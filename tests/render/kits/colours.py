@@ -25,7 +25,7 @@ colorspaces:
 LOOK_WITH_A_FILE = """
 looks: [!<Look> {name: Dusk, process_space: Studio Linear, transform: !<FileTransform> {src: FILE}}]
 """
-"""What a configuration adds for a look of a file, FILE."""
+"""Addition to a configuration: a look by a file, FILE."""
 
 
 def chart() -> FloatArray:

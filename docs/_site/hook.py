@@ -14,7 +14,17 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
-from docs._site import command_line, engine_pages, keys, openapi, overview, properties, python_api, schema
+from docs._site import (
+    command_line,
+    engine_pages,
+    keys,
+    openapi,
+    overview,
+    properties,
+    python_api,
+    schema,
+    service_settings,
+)
 
 ROOT = Path(__file__).parents[2]
 PYTHON_INDEX = "reference/python/index.md"
@@ -32,6 +42,7 @@ def generated_pages() -> dict[str, str]:
         "reference/models.md": openapi.models_page(ROOT),
         "reference/engines.md": engine_pages.page(),
         "reference/properties.md": properties.page(),
+        "reference/service_settings.md": service_settings.page(),
         **python_api.pages(ROOT, PYTHON_INDEX),
     }
 

@@ -11,7 +11,7 @@ from docs._site.markdown import anchor, table
 
 Json = dict[str, Any]
 
-ROUTES_INTRODUCTION = """A running service shows the same at `/docs`, where requests can be tried. Bodies and answers are
+ROUTES_INTRODUCTION = """A running service shows the same at `/docs`, with links that try the requests. Bodies and answers are
 described in [REST models](models.md).
 
 """

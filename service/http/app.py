@@ -15,6 +15,8 @@ from service.http.guard import GuardMiddleware
 from service.http.identity import IdentityMiddleware
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
+from service.http.reference import install_reference
+from service.http.request_context import RequestContextMiddleware
 from service.http.routes import (
     cameras,
     curves,
@@ -32,6 +34,7 @@ from service.http.routes import (
     system,
 )
 from service.http.routes.parameters import refusals
+from service.http.security_headers import SecurityHeadersMiddleware
 from service.http.service import Service
 from service.http.settings import Settings
 from service.picture.calls import frames as picture_frames
@@ -74,17 +77,22 @@ def create_app(settings: Settings) -> FastAPI:
         version=system.program_version(),
         description=DESCRIPTION,
         lifespan=lifespan,
+        docs_url=None,  # their pages come from a foreign host
+        redoc_url=None,
         license_info={"name": "Apache-2.0", "identifier": "Apache-2.0"},
     )
     app.add_middleware(IdentityMiddleware)
     app.add_middleware(GuardMiddleware, settings=settings)
     app.add_middleware(MetricsMiddleware)
     install_error_handlers(app)
+    app.add_middleware(SecurityHeadersMiddleware)
+    app.add_middleware(RequestContextMiddleware)
     lens = (cameras, photography, metering, lenses, libraries)
     for routes in (shots, edits, *lens, frames, live, long_exposure, focus, solving, curves):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
     app.include_router(system.router)
     live.describe_messages(app)
+    install_reference(app)
     install_page(app, settings.static)
     return app
 

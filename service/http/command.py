@@ -10,11 +10,14 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import uvicorn
 
 from render.errors import OutputError, SettingsError
 from service.http.app import create_app
+from service.http.configuration import read_configuration
+from service.http.logs import LogFormat, set_up_logs
 from service.http.settings import Settings, default_data_folder
 from service.storage.store import ShotStore
 
@@ -34,10 +37,9 @@ def serve(arguments: Sequence[str]) -> int:
         SettingsError: the host is no address of this machine, or the port is out of range.
         OutputError: the port or the data folder is in use, or cannot be opened.
     """
-    typed = _parser().parse_args(arguments)
-    listener = _listen(typed.host, typed.port)
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
-    settings = _settings(typed)
+    settings = _settings(_parser().parse_args(arguments))
+    listener = _listen(settings.host, settings.port)
+    set_up_logs(settings.log_format)
     ShotStore(settings.data).close()  # a folder that cannot be used fails here, before the server starts
     host, port = listener.getsockname()[:2]
     shown = f"[{host}]" if ":" in host else host
@@ -46,8 +48,11 @@ def serve(arguments: Sequence[str]) -> int:
         uvicorn.Config(
             create_app(settings),
             log_config=None,
+            access_log=False,  # `service.http.request_context` logs each answer
             timeout_graceful_shutdown=5,
             ws_per_message_deflate=False,  # pictures are compressed already
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=list(settings.trusted_proxies),
         )
     )
     with suppress(KeyboardInterrupt):
@@ -59,23 +64,56 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="pullfocus serve", description="Serve the page and the REST interface.", allow_abbrev=False
     )
-    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s, this machine)")
-    parser.add_argument("--port", type=int, default=8000, help="port to listen on, 0 takes a free one (default: 8000)")
+    parser.add_argument(
+        "--config", metavar="FILE", type=Path, help="settings in TOML, by their names; the arguments below go before it"
+    )
+    given_alone = argparse.SUPPRESS
+    parser.add_argument(
+        "--host", default=given_alone, help=f"address to listen on (default: {Settings.host}, this machine)"
+    )
+    parser.add_argument(
+        "--port",
+        type=int,
+        default=given_alone,
+        help=f"port to listen on, 0 takes a free one (default: {Settings.port})",
+    )
     parser.add_argument(
         "--data",
         metavar="DIR",
         type=Path,
-        default=default_data_folder(),
-        help="folder that keeps shots and edits (default: %(default)s)",
+        default=given_alone,
+        help=f"folder that keeps shots and edits (default: {default_data_folder()})",
     )
-    parser.add_argument("--no-demo", dest="demo", action="store_false", help="do not write the demo shot")
+    parser.add_argument(
+        "--no-demo", dest="demo", action="store_false", default=given_alone, help="do not write the demo shot"
+    )
+    parser.add_argument(
+        "--log-format",
+        choices=get_args(LogFormat),
+        default=given_alone,
+        help="format of the log (default: text on a terminal, else json)",
+    )
+    parser.add_argument(
+        "--proxy-headers",
+        dest="trusted_proxies",
+        metavar="ADDRESS",
+        nargs="+",
+        default=given_alone,
+        help="proxies whose X-Forwarded-For and X-Forwarded-Proto are believed",
+    )
     return parser
 
 
 def _settings(typed: argparse.Namespace) -> Settings:
-    """Return the settings of the service. One that listens beyond this machine accepts every host name."""
-    settings = Settings(data=typed.data.expanduser().absolute(), demo=typed.demo)
-    return settings if typed.host in LOOPBACK_NAMES else replace(settings, allowed_hosts=())
+    """Return the settings of the service. One that listens beyond this machine accepts every host name, unless some are named."""
+    arguments = vars(typed)
+    file = arguments.pop("config")
+    chosen = (read_configuration(file) if file else {}) | arguments
+    if chosen.get("host", Settings.host) not in LOOPBACK_NAMES:
+        chosen.setdefault("allowed_hosts", ())
+    settings = Settings(**chosen)
+    proxies = tuple(settings.trusted_proxies)
+    return replace(settings, data=settings.data.expanduser().absolute(), trusted_proxies=proxies)
 
 
 def _listen(host: str, port: int) -> socket.socket:

@@ -6,6 +6,7 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from service.http.logs import LogFormat
 from service.models.curve import MAX_CURVE_FRAMES
 
 MEBIBYTE = 1024 * 1024
@@ -22,10 +23,14 @@ class Settings:
     """Data folder of a service, and limits that keep one client from exhausting the machine.
 
     Attributes:
+        host: address to listen on.
+        port: port to listen on; 0 takes a free one.
+        trusted_proxies: addresses of proxies whose `X-Forwarded-For` and `X-Forwarded-Proto` headers are believed.
+        log_format: `text` for people or `json` for programs. The default is text on a terminal, and JSON elsewhere.
         data: folder of shots and their edits; created when missing.
         demo: whether the demo shot is written there at start.
         static: folder of the built page.
-        allowed_hosts: names allowed in the ``Host`` header; empty allows every name. The default is loopback names only, so that
+        allowed_hosts: names allowed in the `Host` header; empty allows every name. The default is loopback names only, so that
             no web page can reach the service by pointing its own name at 127.0.0.1.
         max_upload_mb: size of one upload, MiB.
         max_unpacked_mb: size that an archive may unpack to, MiB.
@@ -40,6 +45,10 @@ class Settings:
         frame_cache_mb: size of the cache of encoded pictures, MiB.
     """
 
+    host: str = "127.0.0.1"
+    port: int = 8000
+    trusted_proxies: tuple[str, ...] = ()
+    log_format: LogFormat | None = None
     data: Path = field(default_factory=default_data_folder)
     demo: bool = True
     static: Path = Path(__file__).parents[1] / "static"

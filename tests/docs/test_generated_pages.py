@@ -7,8 +7,9 @@ from pathlib import Path
 
 from pxr import Sdf
 
-from docs._site import command_line, keys, openapi, overview, properties, python_api, schema
+from docs._site import command_line, keys, openapi, overview, properties, python_api, schema, service_settings
 from render.stage.honoured.rules import RULES
+from service.http.configuration import setting_types
 
 COMMANDS = ("record", "inspect", "focus-curve", "meter", "lenses show", "films show", "demo", "serve", "bench lens")
 ROOT = Path(__file__).parents[2]
@@ -43,6 +44,15 @@ def test_the_properties_page_has_every_rule() -> None:
         (row,) = [line for line in page.splitlines() if line.startswith(f"| `{schema_name}` |")]
         for names in (rules.honoured, *rules.neutral, *rules.ignored, *rules.named):
             assert all(f"`{name}`" in row for name in names.split() if name != "*")
+
+
+def test_the_page_of_settings_explains_each_of_them() -> None:
+    page = service_settings.page()
+    for name, default in (("port", "`8000`"), ("max_upload_mb", "`512`"), ("demo", "`true`"), ("data", "`~/")):
+        (row,) = [line for line in page.splitlines() if line.startswith(f"| `{name}` |")]
+        assert default in row
+    assert page.count("\n| `") == len(setting_types())
+    assert str(Path.home()) not in page
 
 
 def test_the_python_pages_name_every_package() -> None:

@@ -63,6 +63,7 @@ def page(browser: Browser, service: str, pixel_ratio: float) -> Iterator[Page]:
     expect.set_options(timeout=PATIENCE_MS)
     uncaught: list[str] = []
     page.on("pageerror", lambda error: uncaught.append(str(error)))
+    page.on("console", lambda said: "Content Security Policy" in said.text and uncaught.append(said.text))
     page.goto("/?shot=demo&time=1")
     yield page
     page.close()

@@ -11,7 +11,20 @@ from docs._site import command_line, keys, openapi, overview, properties, python
 from render.stage.honoured.rules import RULES
 from service.http.configuration import setting_types
 
-COMMANDS = ("record", "inspect", "focus-curve", "meter", "lenses show", "films show", "demo", "serve", "bench lens")
+COMMANDS = (
+    "record",
+    "inspect",
+    "focus-curve",
+    "meter",
+    "lenses show",
+    "films show",
+    "demo",
+    "serve",
+    "doctor",
+    "backup",
+    "restore",
+    "bench lens",
+)
 ROOT = Path(__file__).parents[2]
 
 

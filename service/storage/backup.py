@@ -1,0 +1,188 @@
+"""Backup of a data folder in one archive, also while a service works in it.
+
+::
+
+    NAME.tar.gz    the files of the folder at their relative paths, without the lock and files that are being written
+        manifest.json    written last: {"format": 1, "files": {path: SHA-256}}
+
+Uploaded files never change, and other files are replaced as a whole. Of a shot's edits the backup holds one moment: the index of
+the history is read before and after them, and again where it has changed. A shot that is deleted meanwhile is not in the backup.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import io
+import json
+import os
+import stat
+import tarfile
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+from render.errors import InputError, OutputError
+from render.files import check_writable
+from service.storage.edit_files import INDEX
+from service.storage.migration import layout_of
+from service.storage.restore import MANIFEST, verify
+
+FORMAT = 1
+_READ = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+_ATTEMPTS = 1000  # an edit takes milliseconds to write
+
+
+def back_up(data: Path, archive: Path) -> int:
+    """Write a backup, and read it again to see that it is whole.
+
+    Args:
+        data: the data folder.
+        archive: the file to write; it is there as a whole or not at all.
+
+    Returns:
+        The number of files in it.
+
+    Raises:
+        InputError: there is no data folder, or a file of it cannot be read.
+        OutputError: the archive cannot be written.
+    """
+    if not (data / "shots").is_dir():
+        raise InputError(
+            f"{data} is no data folder of the service: it has no folder `shots`", code="no_data", path=str(data)
+        )
+    layout_of(data)
+    check_writable(archive)
+    part = archive.with_name(f".{archive.name[:100]}.{uuid.uuid4().hex}.part")
+    try:
+        sums = _write(data, part)
+        verify(part)
+        os.replace(part, archive)
+    except OSError as error:
+        raise OutputError(f"the backup {archive} cannot be written: {error}", path=str(archive)) from error
+    finally:
+        part.unlink(missing_ok=True)
+    return len(sums)
+
+
+def _write(data: Path, part: Path) -> dict[str, str]:
+    sums: dict[str, str] = {}
+    with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:  # it holds keys
+        with tarfile.open(fileobj=file, mode="w:gz", compresslevel=3) as tar:
+            for path in _top(data):
+                _add(tar, data, path, sums)
+            manifest = json.dumps({"format": FORMAT, "files": sums}, indent=1).encode()
+            _add_bytes(tar, MANIFEST, manifest, 0o600, {})
+        file.flush()
+        os.fsync(file.fileno())
+    return sums
+
+
+def _top(data: Path) -> Iterator[Path]:
+    """Yield what a backup holds: all but the lock, with the layout first."""
+    names = sorted(path.name for path in data.iterdir())
+    yield from (data / name for name in names if name not in ("lock", MANIFEST))
+
+
+def _add(tar: tarfile.TarFile, data: Path, path: Path, sums: dict[str, str]) -> None:
+    """Add a file or a folder with all that is in it. What has gone since its folder was listed is left out."""
+    try:
+        mode = path.lstat().st_mode
+        if stat.S_ISDIR(mode):
+            _add_folder(tar, data, path, sums)
+        elif stat.S_ISREG(mode) and not path.name.endswith(".part"):
+            _add_file(tar, data, path, sums)
+    except FileNotFoundError:
+        return
+
+
+def _add_folder(tar: tarfile.TarFile, data: Path, folder: Path, sums: dict[str, str]) -> None:
+    entry = tarfile.TarInfo(str(folder.relative_to(data)))
+    entry.type, entry.mode = tarfile.DIRTYPE, 0o700
+    tar.addfile(entry)
+    if folder.name == "edits" and folder.parent.parent.parent == data:  # shots/ID/edits, trash/ID/edits
+        for file, content in edits_at_one_moment(folder).items():
+            _add_bytes(tar, str((folder / file).relative_to(data)), content, 0o600, sums)
+        return
+    names = sorted((path.name for path in folder.iterdir()), key=lambda name: (name == "shot.json", name))
+    for name in names:  # the record of a shot comes last, as where it is accepted
+        _add(tar, data, folder / name, sums)
+
+
+def edits_at_one_moment(folder: Path) -> dict[str, bytes]:
+    """Read the edits of a shot with their history as they were at one moment.
+
+    Args:
+        folder: of the edits.
+
+    Returns:
+        Contents by paths in the folder.
+
+    Raises:
+        InputError: they do not stand still, or a state that the index names is missing.
+    """
+    for _ in range(_ATTEMPTS):
+        index = _read(folder / "history" / INDEX)
+        edits = _read(folder / "edits.usda")
+        names = [f"history/{name}" for name in _states(index)]
+        states = {name: _read(folder / name) for name in names}
+        if _read(folder / "history" / INDEX) == index and None not in states.values():
+            found = {**states, f"history/{INDEX}": index, "edits.usda": edits}
+            return {name: content for name, content in found.items() if content is not None}
+    raise InputError(
+        f"the edits in {folder} cannot be read as a whole: a state of their history is missing", path=str(folder)
+    )
+
+
+def _states(index: bytes | None) -> list[str]:
+    """Names of the files of the states in an index. A damaged index is kept as it is, and its states with it are not known."""
+    try:
+        revisions = [str(entry["revision"]) for entry in json.loads(index or b'{"states": []}')["states"]]
+        return [f"{revision}.usda" for revision in revisions if revision.isalnum()]
+    except (ValueError, KeyError, TypeError):
+        return []
+
+
+def _read(file: Path) -> bytes | None:
+    """Read a file that a worker wrote; None where there is none, or a link or a pipe in its place."""
+    if file.parent.is_symlink():
+        return None
+    try:
+        with open(os.open(file, _READ), "rb") as opened:
+            return opened.read() if stat.S_ISREG(os.fstat(opened.fileno()).st_mode) else None
+    except OSError as error:
+        if error.errno in (errno.ENOENT, errno.ELOOP, errno.ENOTDIR, errno.EISDIR):
+            return None
+        raise
+
+
+def _add_file(tar: tarfile.TarFile, data: Path, path: Path, sums: dict[str, str]) -> None:
+    name = str(path.relative_to(data))
+    with open(os.open(path, _READ), "rb") as file:
+        state = os.fstat(file.fileno())
+        entry = tarfile.TarInfo(name)
+        entry.size, entry.mode = state.st_size, state.st_mode & 0o666
+        summing = _Summing(file)
+        tar.addfile(entry, summing)  # type: ignore[arg-type]  # it reads and does nothing else
+    sums[name] = summing.sum.hexdigest()
+
+
+def _add_bytes(tar: tarfile.TarFile, name: str, content: bytes, mode: int, sums: dict[str, str]) -> None:
+    entry = tarfile.TarInfo(name)
+    entry.size, entry.mode = len(content), mode
+    tar.addfile(entry, io.BytesIO(content))
+    sums[name] = hashlib.sha256(content).hexdigest()
+
+
+class _Summing:
+    """A file that sums up what is read from it."""
+
+    def __init__(self, file: io.BufferedReader) -> None:
+        self._file = file
+        self.sum = hashlib.sha256()
+
+    def read(self, size: int) -> bytes:
+        """Read a part."""
+        content = self._file.read(size)
+        self.sum.update(content)
+        return content

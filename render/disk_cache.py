@@ -141,12 +141,12 @@ def load_arrays(kind: str, key: str) -> Arrays | None:
         return None
     path = _path(folder, kind, key)
     try:
-        content = path.read_bytes()
-        found = _unpack(content)
+        with path.open("rb") as file:
+            found = _unpack(file.read())
+            with suppress(OSError):
+                os.utime(file.fileno())  # used now: removed last
     except (OSError, ValueError, KeyError, EOFError):
         return None
-    with suppress(OSError):
-        os.utime(path)  # used now: removed last
     return found
 
 

@@ -38,7 +38,7 @@ def system_call(number: int, *arguments: int | ctypes.c_void_p | None) -> int:
 
     Args:
         number: its number on this architecture.
-        arguments: integers of up to 64 bits, and pointers.
+        arguments: integers of up to 64 bits, and pointers from `address_of`.
 
     Returns:
         The result, 0 or more.
@@ -49,6 +49,11 @@ def system_call(number: int, *arguments: int | ctypes.c_void_p | None) -> int:
     words = [ctypes.c_uint64(argument) if isinstance(argument, int) else argument for argument in arguments]
     result: int = _function("syscall", ctypes.c_long)(ctypes.c_long(number), *words)
     return _checked(result)
+
+
+def address_of(value: ctypes.Structure | ctypes.c_uint32) -> ctypes.c_void_p:
+    """Return a pointer for `system_call`. The caller keeps the value."""
+    return ctypes.cast(ctypes.pointer(value), ctypes.c_void_p)
 
 
 def forbid_new_privileges() -> None:

@@ -23,11 +23,10 @@ from __future__ import annotations
 import ctypes
 import os
 import stat
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable
 from pathlib import Path
 
-from service.workers.sandbox.kernel import machine, system_call
+from service.workers.sandbox.kernel import address_of, machine, system_call
 
 _CREATE_RULESET, _ADD_RULE, _RESTRICT_SELF = 444, 445, 446  # on all architectures
 _VERSION_FLAG = 1
@@ -80,7 +79,7 @@ def restrict_files(version: int, rules: Iterable[tuple[Path, int]]) -> None:
     Args:
         version: the ABI to use, from `abi`.
         rules: paths with their rights, `READ`, `WRITE` or `DEVICE`; those of a folder hold for all that is in it. A path that
-            does not exist is left out.
+            cannot be reached is left out.
 
     Raises:
         OSError: the kernel refuses.
@@ -88,7 +87,7 @@ def restrict_files(version: int, rules: Iterable[tuple[Path, int]]) -> None:
     known = sum(rights for since, rights in _FILE_RIGHTS if since <= version)
     ruleset = _Ruleset(known, _TCP if version >= _TCP_ABI else 0, _SCOPES if version >= _SCOPES_ABI else 0)
     size = 8 if version < _TCP_ABI else 16 if version < _SCOPES_ABI else 24
-    descriptor = system_call(_CREATE_RULESET, _address(ruleset), size, 0)
+    descriptor = system_call(_CREATE_RULESET, address_of(ruleset), size, 0)
     try:
         for path, rights in rules:
             _allow(descriptor, path, rights & known)
@@ -98,20 +97,13 @@ def restrict_files(version: int, rules: Iterable[tuple[Path, int]]) -> None:
 
 
 def _allow(ruleset: int, path: Path, rights: int) -> None:
-    with suppress(FileNotFoundError, NotADirectoryError), _opened(path) as descriptor:
+    try:
+        descriptor = os.open(path, os.O_PATH | os.O_CLOEXEC)
+    except OSError:  # there is none, or not for us
+        return
+    try:
         is_folder = stat.S_ISDIR(os.fstat(descriptor).st_mode)
         rule = _PathRule(rights if is_folder else rights & _OF_FILES, descriptor)
-        system_call(_ADD_RULE, ruleset, _PATH_BENEATH, _address(rule), 0)
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[int]:
-    descriptor = os.open(path, os.O_PATH | os.O_CLOEXEC)
-    try:
-        yield descriptor
+        system_call(_ADD_RULE, ruleset, _PATH_BENEATH, address_of(rule), 0)
     finally:
         os.close(descriptor)
-
-
-def _address(structure: ctypes.Structure) -> ctypes.c_void_p:
-    return ctypes.cast(ctypes.pointer(structure), ctypes.c_void_p)

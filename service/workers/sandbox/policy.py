@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from service.workers.sandbox import landlock, seccomp
-from service.workers.sandbox.kernel import drop_capabilities, forbid_new_privileges
+from service.workers.sandbox.kernel import drop_capabilities, forbid_new_privileges, machine
 from service.workers.sandbox.limits import Limits, set_limits
 from service.workers.sandbox.program import graphics_devices, graphics_paths, program_paths
 
@@ -93,24 +92,21 @@ def enter(sandbox: Sandbox, offered: Support | None = None) -> Held:
 
     Returns:
         What holds now.
+
+    Raises:
+        OSError: the kernel refuses what it offers; the process must end.
     """
-    offered = offered or support()
-    rules = list(_rules(sandbox))
+    used = offered or support()
+    held = Held(used, _other_threads())
     set_limits(sandbox.limits)
-    other_threads = _other_threads()
-    has_landlock, has_seccomp = False, False
-    with suppress(OSError):
+    if machine():
         drop_capabilities()
-    with suppress(OSError):
         forbid_new_privileges()
-        if offered.landlock_abi:
-            landlock.restrict_files(offered.landlock_abi, rules)
-            has_landlock = True
-    with suppress(OSError):
-        if offered.seccomp:
-            seccomp.forbid_calls()
-            has_seccomp = True
-    return Held(Support(offered.landlock_abi if has_landlock else 0, has_seccomp), other_threads)
+    if used.landlock_abi:
+        landlock.restrict_files(used.landlock_abi, _rules(sandbox))
+    if used.seccomp:
+        seccomp.forbid_calls()
+    return held
 
 
 def _rules(sandbox: Sandbox) -> Iterator[tuple[Path, int]]:

@@ -10,6 +10,7 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import PullfocusError
+from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
 from service.http.identity import IdentityMiddleware
@@ -29,6 +30,7 @@ from service.http.routes import (
     long_exposure,
     metering,
     photography,
+    quarantine,
     shots,
     solving,
     system,
@@ -38,7 +40,6 @@ from service.http.security_headers import SecurityHeadersMiddleware
 from service.http.service import Service
 from service.http.settings import Settings
 from service.picture.calls import frames as picture_frames
-from service.stage.calls import shots as stage_shots
 from service.workers.calls import call
 from service.workers.errors import WorkerError
 
@@ -64,7 +65,8 @@ def create_app(settings: Settings) -> FastAPI:
         service = Service.start(settings)
         app.state.service = service
         try:
-            service.picture_queue.submit(call(picture_frames.warm_up))  # not awaited: makes the first picture quicker
+            # Not awaited: it makes the first picture quicker.
+            service.lanes.live.submit(call(picture_frames.warm_up), service.place_of(None))
             if settings.demo:
                 await _ensure_demo(service)
             yield
@@ -83,12 +85,13 @@ def create_app(settings: Settings) -> FastAPI:
     )
     app.add_middleware(IdentityMiddleware)
     app.add_middleware(GuardMiddleware, settings=settings)
+    app.add_middleware(ClientMiddleware)
     app.add_middleware(MetricsMiddleware)
     install_error_handlers(app)
     app.add_middleware(SecurityHeadersMiddleware)
     app.add_middleware(RequestContextMiddleware)
     lens = (cameras, photography, metering, lenses, libraries)
-    for routes in (shots, edits, *lens, frames, live, long_exposure, focus, solving, curves):
+    for routes in (shots, quarantine, edits, *lens, frames, live, long_exposure, focus, solving, curves):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
     app.include_router(system.router)
     live.describe_messages(app)
@@ -103,7 +106,7 @@ async def _ensure_demo(service: Service) -> None:
         return
     begun = service.store.begin("Demo shot", DEMO_ID)
     try:
-        root = await service.call_stage(stage_shots.write_demo, begun.files)
+        root = await service.write_demo(begun)
         await run_in_threadpool(service.store.accept, begun, root)
     except (PullfocusError, WorkerError) as error:
         log.error("the demo shot could not be written: %s", error)

@@ -33,9 +33,9 @@ from service.workers.errors import (
     QueueFullError,
     StoppingError,
     SupersededError,
+    UnfitError,
     WorkerDiedError,
     WorkerError,
-    WorkerTimeoutError,
 )
 
 log = logging.getLogger("pullfocus.service")
@@ -52,8 +52,8 @@ STATUS_OF_ERROR: tuple[tuple[type[PullfocusError | WorkerError], int], ...] = (
     (SupersededError, 409),
     (QueueFullError, 503),
     (StoppingError, 503),
+    (UnfitError, 422),
     (WorkerDiedError, 503),
-    (WorkerTimeoutError, 504),
 )
 RETRY_AFTER = {"Retry-After": "1"}
 MAX_FINDINGS = 20

@@ -9,11 +9,13 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from fastapi import WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
 
+from service.http.clients import present_client
 from service.http.errors import ServiceError, answer_to
 from service.http.frame_requests import frame_request, tag_of_frame
 from service.http.service import Service
@@ -27,7 +29,7 @@ from service.picture.requests import LivePicture
 from service.storage.store import ShotRecord
 from service.workers.calls import stream_call
 from service.workers.errors import SupersededError
-from service.workers.worker_queue import QueuedStream
+from service.workers.jobs import Job
 
 MAX_UNACKNOWLEDGED = 2
 """Pictures that may be sent before the client acknowledges one."""
@@ -38,7 +40,7 @@ Value = TypeVar("Value")
 
 
 class LiveConnection:
-    """Serves one connection. Runs in the event loop; the queue's callbacks come from a thread of its own.
+    """Serves one connection. Runs in the event loop; the lane's callbacks come from threads of its own.
 
     Requests are numbered in order of arrival, since their ids are chosen by the client.
 
@@ -53,7 +55,8 @@ class LiveConnection:
         self._socket = socket
         self._shot_id = shot_id
         self._loop = asyncio.get_running_loop()
-        self._stream: QueuedStream[state.PictureWorkerState] | None = None
+        self._job: Job[state.PictureWorkerState] | None = None
+        self._client = replace(present_client(), viewer=self)
         self._problems: deque[str] = deque()
         self._unsent_readout: str | None = None
         self._unsent_picture: tuple[_Request, LivePicture] | None = None
@@ -119,8 +122,10 @@ class LiveConnection:
                 self._queue_item(pending, _cached_picture(cached, request.rays))
                 return
         frame = frame_request(self._service, record, edits, request)
-        self._stream = self._service.picture_queue.submit_stream(
+        self._job = self._service.lanes.live.submit_stream(
             stream_call(live.stream_pictures, frame, request.changes, request.budget_ms, request.moving),
+            self._service.place_of(record),
+            self._client,
             on_item=self._from_thread(lambda item: self._queue_item(pending, item)),
             on_end=self._from_thread(lambda error: self._end(pending, error)),
             group=self,
@@ -204,9 +209,9 @@ class LiveConnection:
                 await self._socket.send_text(readout)
 
     def _cancel_stream(self) -> None:
-        if self._stream is not None:
-            self._service.picture_queue.cancel_stream(self._stream)
-        self._stream = None
+        if self._job is not None:
+            self._service.lanes.live.cancel(self._job)
+        self._job = None
 
 
 class _Request:

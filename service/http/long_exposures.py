@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from render.errors import PullfocusError
 from render.model.shutter_intervals import ShutterInterval
+from service.http.clients import present_client
 from service.http.errors import ServiceError
 from service.models.long_exposure import LongExposureBegin, LongExposureState
-from service.picture.calls import long_exposure, state
+from service.picture.calls import long_exposure
+from service.picture.calls import state as picture_state
 from service.picture.requests import ExposureProgress, FrameRequest
 from service.storage.store import ShotRecord
-from service.workers.calls import call
+from service.workers.calls import Call, call
 from service.workers.errors import QueueFullError, WorkerError
-from service.workers.worker_queue import WorkerQueue
+from service.workers.jobs import Client
+from service.workers.lane import Lane
+from service.workers.places import Place
+
+Reply = TypeVar("Reply")
 
 BUSY_PAUSE_S = 0.5
 """Time before an interval is submitted again after the queue was full."""
@@ -32,6 +39,7 @@ class _Exposure:
         edits: text of the edit layer when the exposure began.
         request: the client's request.
         intervals: begin and end of each interval, USD time codes.
+        client: who it is made for.
         progress: progress so far.
         is_open: whether the shutter is open.
         problem: why the exposure failed, or None.
@@ -43,6 +51,7 @@ class _Exposure:
     edits: str
     request: LongExposureBegin
     intervals: list[tuple[float, float]]
+    client: Client
     progress: ExposureProgress = field(default_factory=ExposureProgress)
     is_open: bool = False
     problem: str | None = None
@@ -81,18 +90,24 @@ class _Exposure:
 
 
 class LongExposures:
-    """All long exposures of a service. Runs in its event loop; the pictures are in the picture process.
+    """All long exposures of a service. Runs in its event loop; the pictures are in the workers of the lane ``exposure``.
 
     Args:
-        pictures: queue of the picture process.
+        lane: of the workers that hold them.
+        place_of: returns what a worker that serves a shot may see.
         max_px: limit of width times height of a picture.
     """
 
-    def __init__(self, pictures: WorkerQueue[state.PictureWorkerState], max_px: int) -> None:
-        self._pictures = pictures
+    def __init__(
+        self,
+        lane: Lane[picture_state.PictureWorkerState],
+        place_of: Callable[[ShotRecord], Place],
+        max_px: int,
+    ) -> None:
+        self._lane = lane
+        self._place_of = place_of
         self._max_px = max_px
         self._by_shot: dict[str, _Exposure] = {}
-        self._discarding: set[asyncio.Task[None]] = set()
 
     async def begin(self, record: ShotRecord, request: LongExposureBegin) -> LongExposureState:
         """Begin a long exposure with the shutter open, in place of the one that the shot had.
@@ -102,7 +117,7 @@ class LongExposures:
             WorkerError: the picture process did not complete the call.
         """
         intervals = ShutterInterval(request.first, request.last, request.step).intervals()
-        exposure = _Exposure(secrets.token_hex(8), record, record.edit_text(), request, intervals)
+        exposure = _Exposure(secrets.token_hex(8), record, record.edit_text(), request, intervals, present_client())
         frame = FrameRequest(
             record=record,
             edits=exposure.edits,
@@ -113,8 +128,9 @@ class LongExposures:
             settings=request.model_dump(exclude={"camera", "first", "last", "step", "nd_stops", "height", "film"}),
             finish={"film": request.film, "display": None, "view": None, "look": None},
         )
-        await self._pictures.result(call(long_exposure.begin_exposure, exposure.key, frame, request.nd_stops))
-        self.discard(record.id)
+        await self._call(exposure, call(long_exposure.begin_exposure, exposure.key, frame, request.nd_stops))
+        if record.id in self._by_shot:
+            self._by_shot[record.id].is_open = False
         self._by_shot[record.id] = exposure
         self._open(exposure)
         return exposure.state()
@@ -149,32 +165,27 @@ class LongExposures:
             WorkerError: the picture process did not complete the call.
         """
         exposure = self._get(shot_id)
-        return await self._pictures.result(
-            call(long_exposure.develop_exposure, exposure.key, exposure.record, exposure.edits, file_format)
+        return await self._call(
+            exposure, call(long_exposure.develop_exposure, exposure.key, exposure.record, exposure.edits, file_format)
         )
 
     def discard(self, shot_id: str) -> None:
-        """Close the shutter of a shot's exposure, if it has one, and free its memory in the picture process."""
+        """Close the shutter of a shot's exposure, if it has one, and end the worker that holds it."""
         exposure = self._by_shot.pop(shot_id, None)
-        if exposure is None:
-            return
-        exposure.is_open = False
-        if exposure.task is not None:
-            exposure.task.cancel()
-        discarding = asyncio.create_task(self._discard(exposure.key))
-        self._discarding.add(discarding)  # the event loop holds only a weak reference to a task
-        discarding.add_done_callback(self._discarding.discard)
+        if exposure is not None:
+            exposure.is_open = False
+            self._lane.pool.close_place(shot_id, self._lane.role)
 
     def close(self) -> None:
         """Cancel all exposures, because the service stops."""
-        exposing = [exposure.task for exposure in self._by_shot.values() if exposure.task is not None]
-        for task in (*exposing, *self._discarding):
-            task.cancel()
+        for exposure in self._by_shot.values():
+            if exposure.task is not None:
+                exposure.task.cancel()
         self._by_shot.clear()
 
-    async def _discard(self, key: str) -> None:
-        with suppress(WorkerError, PullfocusError):
-            await self._pictures.result(call(long_exposure.discard_exposure, key))
+    async def _call(self, exposure: _Exposure, work: Call[picture_state.PictureWorkerState, Reply]) -> Reply:
+        """Run a call in the worker that holds the exposure."""
+        return await self._lane.result(work, self._place_of(exposure.record), exposure.client)
 
     def _get(self, shot_id: str) -> _Exposure:
         if shot_id not in self._by_shot:
@@ -194,11 +205,11 @@ class LongExposures:
             begin, end = exposure.intervals[exposure.progress.intervals]
             interval = call(long_exposure.expose_interval, exposure.key, exposure.record, exposure.edits, begin, end)
             try:
-                exposure.progress = await self._pictures.result(interval)
+                exposure.progress = await self._call(exposure, interval)
             except QueueFullError:
                 await asyncio.sleep(BUSY_PAUSE_S)
                 continue
-            except WorkerError as error:
+            except (WorkerError, ServiceError) as error:
                 exposure.problem = str(error)
             except PullfocusError as error:
                 exposure.problem = error.detail

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from collections import Counter as Counts
+from collections.abc import Iterable
 
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.workers.worker_queue import WorkerQueue
+from service.http.lanes import Lanes
+from service.workers.lane import Finished
+from service.workers.pool import WorkerPool
 
 BUCKETS_S = (0.005, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 60)
 LIVE_BUCKETS_S = (0.03, 0.06, 0.09, 0.12, 0.18, 0.25, 0.4, 0.8, 1.6, 4)
@@ -23,10 +25,10 @@ class Metrics:
     """Counters of one service, in a registry of their own so that two services can share a process.
 
     Args:
-        queues: queues of the workers, which are measured too.
+        pool: the worker processes, which are measured too.
     """
 
-    def __init__(self, queues: Sequence[WorkerQueue[Any]]) -> None:
+    def __init__(self, pool: WorkerPool) -> None:
         self.registry = CollectorRegistry()
         self.requests = Histogram(
             "pullfocus_request_seconds", "Time to answer a request.", LABELS, buckets=BUCKETS_S, registry=self.registry
@@ -44,33 +46,74 @@ class Metrics:
             registry=self.registry,
         )
         self.live_viewers = Gauge("pullfocus_live_viewers", "Open live connections.", registry=self.registry)
-        self.registry.register(_QueueCollector(queues))
+        self.waits = Histogram(
+            "pullfocus_lane_wait_seconds", "Time that work waits.", ("lane",), buckets=BUCKETS_S, registry=self.registry
+        )
+        self.runs = Histogram(
+            "pullfocus_lane_run_seconds", "Time that work takes.", ("lane",), buckets=BUCKETS_S, registry=self.registry
+        )
+        self.registry.register(_PoolCollector(pool))
+
+    def watch(self, lanes: Lanes) -> None:
+        """Measure the lanes, too, from now on."""
+        self.registry.register(_LaneCollector(lanes))
+
+    def note_finished(self, finished: Finished) -> None:
+        """Count work that was done. Any thread may call this."""
+        self.waits.labels(finished.lane).observe(finished.waited_s)
+        self.runs.labels(finished.lane).observe(finished.ran_s)
 
     def text(self) -> bytes:
         """All counters in Prometheus' text format."""
         return generate_latest(self.registry)
 
 
-class _QueueCollector(Collector):
-    """Measures the queues when the counters are read."""
+class _LaneCollector(Collector):
+    """Measures the lanes when the counters are read."""
 
-    def __init__(self, queues: Sequence[WorkerQueue[Any]]) -> None:
-        self._queues = queues
+    def __init__(self, lanes: Lanes) -> None:
+        self._lanes = lanes
 
     def collect(self) -> Iterable[Metric]:
-        return self._families()
+        waiting = GaugeMetricFamily("pullfocus_lane_waiting", "Requests that wait.", labels=["lane"])
+        running = GaugeMetricFamily("pullfocus_lane_running", "Requests that are worked on.", labels=["lane"])
+        oldest = GaugeMetricFamily(
+            "pullfocus_lane_oldest_waiting_seconds", "Time that the oldest waiting request has waited.", labels=["lane"]
+        )
+        for lane in self._lanes:
+            waiting.add_metric([lane.role.name], lane.waiting)
+            running.add_metric([lane.role.name], lane.running)
+            oldest.add_metric([lane.role.name], lane.oldest_waiting_s)
+        return waiting, running, oldest
 
-    def _families(self) -> Iterator[Metric]:
-        waiting = GaugeMetricFamily("pullfocus_lane_waiting", "Requests that wait for a worker.", labels=["worker"])
-        busy = GaugeMetricFamily("pullfocus_lane_busy", "Whether a worker is at work.", labels=["worker"])
-        starts = CounterMetricFamily("pullfocus_worker_starts", "Times a worker was started.", labels=["worker"])
-        for queue in self._queues:
-            waiting.add_metric([queue.worker.name], queue.waiting)
-            busy.add_metric([queue.worker.name], queue.busy)
-            starts.add_metric([queue.worker.name], queue.worker.starts)
-        yield waiting
-        yield busy
-        yield starts
+
+class _PoolCollector(Collector):
+    """Measures the worker processes when the counters are read."""
+
+    def __init__(self, pool: WorkerPool) -> None:
+        self._pool = pool
+
+    def collect(self) -> Iterable[Metric]:
+        starts = CounterMetricFamily(
+            "pullfocus_worker_starts", "Worker processes that were started.", labels=["worker"]
+        )
+        for name, count in self._pool.starts.copy().items():
+            starts.add_metric([name], count)
+        ends = CounterMetricFamily("pullfocus_worker_ends", "Worker processes that ended.", labels=["worker", "reason"])
+        for (name, reason), count in self._pool.ends.copy().items():
+            ends.add_metric([name, reason], count)
+        memory = GaugeMetricFamily(
+            "pullfocus_worker_memory_bytes", "Memory of the worker processes.", labels=["worker"]
+        )
+        for name, total in self._memory_bytes().items():
+            memory.add_metric([name], total)
+        return starts, ends, memory
+
+    def _memory_bytes(self) -> Counts[str]:
+        total: Counts[str] = Counts()
+        for process in self._pool.processes():
+            total[process.role.name] += process.memory_bytes()
+        return total
 
 
 class MetricsMiddleware:

@@ -1,10 +1,11 @@
-"""State that all requests of one running service share: the store, the worker queues, the caches and the counters."""
+"""State that all requests of one running service share: the store, the lanes of work, the caches and the counters."""
 
 from __future__ import annotations
 
+import logging
+import os
 import secrets
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Concatenate, ParamSpec, TypeVar
@@ -12,17 +13,24 @@ from typing import Annotated, Concatenate, ParamSpec, TypeVar
 from fastapi import Depends, WebSocket
 from starlette.requests import HTTPConnection
 
+from service.http.clients import present_client
 from service.http.frame_cache import FrameCache
+from service.http.lanes import PRELOAD, Lanes
 from service.http.long_exposures import LongExposures
 from service.http.metrics import Metrics
+from service.http.quarantine import Quarantine
 from service.http.settings import MEBIBYTE, Settings
+from service.models.shots import Shot
 from service.picture import calls as picture
 from service.stage import calls as stage
-from service.storage.store import ShotStore
+from service.storage.store import ShotRecord, ShotStore
 from service.workers.calls import call
-from service.workers.errors import WorkerError
-from service.workers.process import WorkerProcess
-from service.workers.worker_queue import WorkerQueue
+from service.workers.forking import Template
+from service.workers.places import Place
+from service.workers.pool import WorkerPool
+from service.workers.sandbox import support, worker_environment
+
+log = logging.getLogger("pullfocus.service")
 
 Arguments = ParamSpec("Arguments")
 Reply = TypeVar("Reply")
@@ -35,8 +43,9 @@ class Service:
     Attributes:
         settings: its limits.
         store: the shots on disk.
-        stage_queue: queue of the process that reads and edits stages; the only writer of edit layers.
-        picture_queue: queue of the process that owns GL.
+        quarantine: shots that have ended too many workers.
+        pool: the worker processes.
+        lanes: the work that waits for them.
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
         live_sockets: the live connections that are open.
@@ -45,8 +54,9 @@ class Service:
 
     settings: Settings
     store: ShotStore
-    stage_queue: WorkerQueue[stage.opened.OpenedShots]
-    picture_queue: WorkerQueue[picture.state.PictureWorkerState]
+    quarantine: Quarantine
+    pool: WorkerPool
+    lanes: Lanes
     frame_cache: FrameCache
     metrics: Metrics
     live_sockets: set[WebSocket] = field(default_factory=set)
@@ -54,54 +64,55 @@ class Service:
 
     @classmethod
     def start(cls, settings: Settings) -> Service:
-        """Open the data folder and start the queues; their processes start with the first call.
+        """Open the data folder and start the lanes; their processes start with the first call.
 
         Raises:
             OutputError: the data folder cannot be written, or another service uses it.
         """
         store = ShotStore(settings.data)
-        stage_queue = WorkerQueue(
-            WorkerProcess("stage", stage.opened.OpenedShots),
-            max_waiting=settings.max_waiting,
-            timeout_s=settings.stage_timeout_s,
+        quarantine = Quarantine(store, settings.max_blames)
+        settings.cache.mkdir(mode=0o700, parents=True, exist_ok=True)
+        environment = worker_environment(os.environ, cache=settings.cache, scratch=settings.cache)
+        log.info(support().describe())
+        pool = WorkerPool(
+            Template(PRELOAD, environment), max_bytes=settings.kept_memory_mb * MEBIBYTE, on_blame=quarantine.blame
         )
-        picture_queue = WorkerQueue(
-            WorkerProcess("picture", picture.state.PictureWorkerState),
-            max_waiting=settings.max_waiting,
-            timeout_s=settings.frame_timeout_s,
-        )
-        frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
-        return cls(settings, store, stage_queue, picture_queue, frame_cache, Metrics((stage_queue, picture_queue)))
+        metrics = Metrics(pool)
+        lanes = Lanes.start(settings, pool, metrics.note_finished)
+        metrics.watch(lanes)
+        return cls(settings, store, quarantine, pool, lanes, FrameCache(settings.frame_cache_mb * MEBIBYTE), metrics)
 
     @cached_property
     def long_exposures(self) -> LongExposures:
         """The long exposures of all shots."""
-        return LongExposures(self.picture_queue, self.settings.max_picture_px)
+        return LongExposures(self.lanes.exposure, self.place_of, self.settings.max_picture_px)
 
     def close(self) -> None:
         """End the workers and release the data folder."""
-        self.stage_queue.close()
-        self.picture_queue.close()
+        self.lanes.close()
+        self.pool.close()
         self.store.close()
 
     async def call_stage(
         self,
-        function: Callable[Concatenate[stage.opened.OpenedShots, Arguments], Reply],
+        function: Callable[Concatenate[stage.opened.OpenedShot, Arguments], Reply],
         *args: Arguments.args,
         **kwargs: Arguments.kwargs,
     ) -> Reply:
-        """Call a function in the stage process.
+        """Call a function in the stage worker of the shot that it is about.
 
         Args:
             function: one of a module of `service.stage.calls`.
-            *args: its arguments after the worker's state.
+            *args: its arguments after the worker's state; the first is the record of the shot, if it is about one.
             **kwargs: its keyword arguments.
 
         Raises:
             PullfocusError: the function raised it.
             WorkerError: the worker did not complete the call.
+            ServiceError: 423, the shot is in quarantine.
         """
-        return await self.stage_queue.result(call(function, *args, **kwargs))
+        place = self.place_of(_record_among(args), may_edit=True)
+        return await self.lanes.stage.result(call(function, *args, **kwargs), place, present_client())
 
     async def call_picture(
         self,
@@ -109,24 +120,53 @@ class Service:
         *args: Arguments.args,
         **kwargs: Arguments.kwargs,
     ) -> Reply:
-        """Call a function in the picture process.
+        """Call a function in the live picture worker of the shot that it is about; see `call_stage`."""
+        place = self.place_of(_record_among(args))
+        return await self.lanes.live.result(call(function, *args, **kwargs), place, present_client())
 
-        Args:
-            function: one of a module of `service.picture.calls`.
-            *args: its arguments after the worker's state.
-            **kwargs: its keyword arguments.
+    async def check_upload(self, begun: ShotRecord) -> Shot:
+        """Open an upload for the first time, in a process of its own that ends afterwards.
 
         Raises:
-            PullfocusError: the function raised it.
-            WorkerError: the worker did not complete the call.
+            PullfocusError: the upload cannot be shown.
+            WorkerError: the process ended or took too long.
         """
-        return await self.picture_queue.result(call(function, *args, **kwargs))
+        place = Place(begun.id, (begun.files, *self.settings.worker_read), (self.settings.cache,))
+        return await self.lanes.check.result(call(stage.shots.describe_shot, begun), place, present_client())
+
+    async def write_demo(self, begun: ShotRecord) -> str:
+        """Author the demo shot in the folder of a new shot, and return its root layer. Raises `OutputError`, `WorkerError`."""
+        return await self.lanes.check.result(
+            call(stage.shots.write_demo, begun.files), Place(begun.id, (), (begun.files, self.settings.cache))
+        )
+
+    def place_of(self, record: ShotRecord | None, *, may_edit: bool = False) -> Place:
+        """Return what a worker that serves a shot may see.
+
+        Args:
+            record: the shot; None for work that is about none.
+            may_edit: whether it may write the shot's edits.
+
+        Raises:
+            ServiceError: 423, the shot is in quarantine.
+        """
+        if record is None:
+            return Place(read=self.settings.worker_read, write=(self.settings.cache,))
+        self.quarantine.check(record)
+        if may_edit:
+            record.edits_folder.mkdir(exist_ok=True)  # a sandbox lets a worker write to folders that exist
+        write = (self.settings.cache, *((record.edits_folder,) if may_edit else ()))
+        return Place(record.id, (record.files, *self.settings.worker_read), write)
 
     def close_shot(self, shot_id: str) -> None:
-        """Tell the workers to close a removed shot. Not awaited; a worker whose queue is full keeps the shot open."""
-        with suppress(WorkerError):
-            self.stage_queue.submit(call(stage.shots.close_shot, shot_id))
-            self.picture_queue.submit(call(picture.frames.close_shot, shot_id))
+        """End the workers of a shot that was removed or refused."""
+        self.pool.close_place(shot_id)
+
+
+def _record_among(arguments: Sequence[object]) -> ShotRecord | None:
+    """Return the shot that a call is about: its first argument, where that is a shot."""
+    first = arguments[0] if arguments else None
+    return first if isinstance(first, ShotRecord) else None
 
 
 def _service(connection: HTTPConnection) -> Service:

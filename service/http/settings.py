@@ -18,6 +18,12 @@ def default_data_folder() -> Path:
     return Path(base) / "pullfocus"
 
 
+def default_cache_folder() -> Path:
+    """Return the folder of the workers' cache by default: ``$XDG_CACHE_HOME/pullfocus-service``, else in ``~/.cache``."""
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "pullfocus-service"
+
+
 @dataclass(frozen=True)
 class Settings:
     """Data folder of a service, and limits that keep one client from exhausting the machine.
@@ -38,10 +44,19 @@ class Settings:
         max_archive_ratio: size of an unpacked archive over its own.
         max_picture_px: width times height of one picture.
         max_curve_frames: frames of one focus curve.
-        max_waiting: requests that may wait for each worker process; one more is answered 503.
+        max_waiting: requests that may wait in each lane; one more is answered 503.
+        max_waiting_each: requests of one client that may wait in each lane; one more is answered 503.
         max_viewers: live connections at a time; one more is answered 503.
-        frame_timeout_s: time for one call of the picture process, waiting not counted.
-        stage_timeout_s: time for one call of the stage process, waiting not counted.
+        frame_timeout_s: time for one picture, waiting not counted.
+        stage_timeout_s: time for one reading or edit of a stage, waiting not counted.
+        check_memory_mb: memory of a process that opens an upload for the first time, MiB.
+        stage_memory_mb: memory of a process that reads and edits a shot, MiB.
+        picture_memory_mb: memory of a process that draws pictures of a shot, MiB.
+        kept_memory_mb: memory of all shots that are kept open between requests, MiB.
+        pictures_at_a_time: pictures that are drawn at a time; 0 takes one for every four cores.
+        worker_read: files and folders beside a shot's own that worker processes may read, such as libraries of assets.
+        max_blames: times that a shot may end a worker process before it is quarantined.
+        cache: folder in which workers keep compiled shaders and tables; created when missing.
         frame_cache_mb: size of the cache of encoded pictures, MiB.
     """
 
@@ -59,8 +74,17 @@ class Settings:
     max_archive_ratio: int = 200
     max_picture_px: int = 4096 * 2304
     max_curve_frames: int = MAX_CURVE_FRAMES
-    max_waiting: int = 32
-    max_viewers: int = 32
+    max_waiting: int = 128
+    max_waiting_each: int = 128
+    max_viewers: int = 64
     frame_timeout_s: float = 300.0
     stage_timeout_s: float = 120.0
+    check_memory_mb: int = 3072
+    stage_memory_mb: int = 6144
+    picture_memory_mb: int = 8192
+    kept_memory_mb: int = 4096
+    pictures_at_a_time: int = 0
+    worker_read: tuple[Path, ...] = ()
+    max_blames: int = 3
+    cache: Path = field(default_factory=default_cache_folder)
     frame_cache_mb: int = 256

@@ -29,12 +29,6 @@ def warm_up(state: PictureWorkerState) -> None:
 
 
 @picture_function
-def close_shot(state: PictureWorkerState, shot_id: str) -> None:
-    """Close a shot that was removed."""
-    state.close(shot_id)
-
-
-@picture_function
 def render_frame(state: PictureWorkerState, request: FrameRequest, file_format: str, live: bool = False) -> bytes:
     """Render and encode one frame. Unless it is live, the picture is the one that `pullfocus record` writes.
 

@@ -57,7 +57,7 @@ def stream_pictures(
             is_moving=is_moving,
         )
         is_first = True
-        for shown in state.progressive(request.record.id, shot).pictures(preview, is_stale=is_stale):
+        for shown in state.progressive(shot).pictures(preview, is_stale=is_stale):
             yield _encode(shown, settings.width)
             if is_first and unsaved:
                 yield readout_model(shot.focus.read(request.camera, request.time), request.time)

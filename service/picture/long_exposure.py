@@ -11,13 +11,10 @@ from service.picture.requests import ExposureProgress, FrameRequest
 from service.picture.state import PictureWorkerState, picture_function
 from service.storage.store import ShotRecord
 
-MAX_EXPOSURES = 4
-"""Long exposures that the process keeps; beyond that the oldest is lost."""
-
 
 @picture_function
 def begin_exposure(state: PictureWorkerState, key: str, request: FrameRequest, nd_stops: float | None) -> None:
-    """Prepare a long exposure with the shutter closed.
+    """Prepare a long exposure with the shutter closed, in place of the one before.
 
     Args:
         state: the worker's state.
@@ -35,9 +32,7 @@ def begin_exposure(state: PictureWorkerState, key: str, request: FrameRequest, n
         exposure = LongExposure(
             state.renderer, shot, camera, request.time, settings, nd_stops=nd_stops, stock=request.finish["film"]
         )
-    state.exposures[key] = exposure
-    while len(state.exposures) > MAX_EXPOSURES:
-        state.exposures.pop(next(iter(state.exposures)))
+    state.exposure = key, exposure
 
 
 @picture_function
@@ -88,16 +83,10 @@ def develop_exposure(state: PictureWorkerState, key: str, record: ShotRecord, ed
     return encode(file_format, picture.frame, picture.graded, picture.metadata)
 
 
-@picture_function
-def discard_exposure(state: PictureWorkerState, key: str) -> None:
-    """Discard an exposure, if the process still holds it."""
-    state.exposures.pop(key, None)
-
-
 def _exposure(state: PictureWorkerState, key: str) -> LongExposure:
-    if key not in state.exposures:
+    if state.exposure is None or state.exposure[0] != key:
         raise NotFoundError(
-            "The picture process that held the long exposure is gone, or holds newer ones: begin it anew.",
+            "The picture process that held the long exposure is gone, or holds a newer one: begin it anew.",
             code="exposure_lost",
         )
-    return state.exposures[key]
+    return state.exposure[1]

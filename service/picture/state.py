@@ -1,8 +1,7 @@
-"""State of the picture process: the GL context, the opened shots and what is kept between pictures."""
+"""State of a picture worker: the GL context, the opened shot and what is kept between pictures."""
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable
 from functools import cached_property
 from typing import Concatenate, ParamSpec, TypeVar
@@ -12,11 +11,8 @@ from render.pictures.live_finisher import LiveFinisher
 from render.pictures.long_exposure import LongExposure
 from render.pictures.progressive.renderer import ProgressiveRenderer
 from render.shot import Shot
-from service.stage.opened import OpenedShots
+from service.stage.opened import OpenedShot
 from service.workers.calls import register
-
-MAX_PROGRESSIVES = 2
-"""Shots for which the process keeps the intermediate results of live pictures."""
 
 Arguments = ParamSpec("Arguments")
 Reply = TypeVar("Reply")
@@ -24,19 +20,19 @@ Reply = TypeVar("Reply")
 
 @register
 class PictureWorkerState:
-    """The GL context and the opened shots of the picture process.
+    """The GL context and the opened shot of a picture worker.
 
     The context is created by the first call that needs it, so that a machine without GL answers that call with an error.
 
     Attributes:
-        opened: the shots that are open.
-        exposures: long exposures by their key, oldest first.
+        opened: the shot that is open.
+        exposure: the long exposure that it holds, after its key; or None.
     """
 
     def __init__(self) -> None:
-        self.opened = OpenedShots()
-        self.exposures: dict[str, LongExposure] = {}
-        self._progressives: OrderedDict[str, tuple[Shot, ProgressiveRenderer]] = OrderedDict()
+        self.opened = OpenedShot()
+        self.exposure: tuple[str, LongExposure] | None = None
+        self._progressive: ProgressiveRenderer | None = None
 
     @cached_property
     def renderer(self) -> FrameRenderer:
@@ -48,28 +44,18 @@ class PictureWorkerState:
         """Film and grade on the graphics device. Raises `GraphicsError` where no context can be created."""
         return LiveFinisher(self.renderer)
 
-    def progressive(self, shot_id: str, shot: Shot) -> ProgressiveRenderer:
-        """Return the progressive renderer of an opened shot, which keeps intermediate results between pictures.
+    def progressive(self, shot: Shot) -> ProgressiveRenderer:
+        """Return the progressive renderer of the opened shot, which keeps intermediate results between pictures.
 
         Args:
-            shot_id: id of the shot.
-            shot: the shot as it is open now; results of an earlier opening are discarded.
+            shot: the shot.
 
         Raises:
             GraphicsError: no context can be created.
         """
-        kept = self._progressives.pop(shot_id, None)
-        if kept is None or kept[0] is not shot:
-            kept = shot, ProgressiveRenderer(self.renderer, shot, self.live_finisher)
-        self._progressives[shot_id] = kept
-        if len(self._progressives) > MAX_PROGRESSIVES:
-            self._progressives.popitem(last=False)
-        return kept[1]
-
-    def close(self, shot_id: str) -> None:
-        """Close a shot, if it is open, and discard its intermediate results."""
-        self.opened.close(shot_id)
-        self._progressives.pop(shot_id, None)
+        if self._progressive is None:
+            self._progressive = ProgressiveRenderer(self.renderer, shot, self.live_finisher)
+        return self._progressive
 
 
 def picture_function(

@@ -6,20 +6,20 @@ from service.edit_context import EditContext
 from service.models.cameras import CameraList, CameraState, PlaceReadout, Readout
 from service.models.changes import MountLensFile, SetCamera
 from service.stage.editing import apply_in_context
-from service.stage.opened import OpenedShots, stage_function
+from service.stage.opened import OpenedShot, stage_function
 from service.stage.read_cameras import place_readout_model, read_camera_state, read_cameras, readout_model
 from service.storage.store import ShotRecord
 
 
 @stage_function
-def list_cameras(opened: OpenedShots, record: ShotRecord, time: float) -> CameraList:
+def list_cameras(opened: OpenedShot, record: ShotRecord, time: float) -> CameraList:
     """Read the cameras at one time. Those whose numbers make no picture are listed apart."""
     with opened.use(record) as shot:
         return read_cameras(shot, time)
 
 
 @stage_function
-def read_camera(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> CameraState:
+def read_camera(opened: OpenedShot, record: ShotRecord, camera: str | None, time: float) -> CameraState:
     """Read one camera at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
         return read_camera_state(shot, camera, time)
@@ -27,7 +27,7 @@ def read_camera(opened: OpenedShots, record: ShotRecord, camera: str | None, tim
 
 @stage_function
 def change_camera(
-    opened: OpenedShots,
+    opened: OpenedShot,
     record: ShotRecord,
     camera: str | None,
     change: SetCamera | MountLensFile,
@@ -47,7 +47,7 @@ def change_camera(
 
 
 @stage_function
-def read_lens(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> Readout:
+def read_lens(opened: OpenedShot, record: ShotRecord, camera: str | None, time: float) -> Readout:
     """Compute the readout of the lens at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
         return readout_model(shot.focus.read(camera, time), time)
@@ -55,7 +55,7 @@ def read_lens(opened: OpenedShots, record: ShotRecord, camera: str | None, time:
 
 @stage_function
 def read_place(
-    opened: OpenedShots,
+    opened: OpenedShot,
     record: ShotRecord,
     camera: str | None,
     time: float,

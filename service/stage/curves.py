@@ -7,14 +7,14 @@ from service.edit_context import EditContext
 from service.models.changes import ImportCurve
 from service.models.curve import CurveFileFormat, ImportedCurve
 from service.stage.editing import apply_in_context
-from service.stage.opened import OpenedShots, stage_function
+from service.stage.opened import OpenedShot, stage_function
 from service.stage.shots import curve_frames
 from service.storage.store import ShotRecord
 
 
 @stage_function
 def compute_curve(
-    opened: OpenedShots,
+    opened: OpenedShot,
     record: ShotRecord,
     camera: str | None,
     frames: str | None,
@@ -32,7 +32,7 @@ def compute_curve(
 
 @stage_function
 def import_curve(
-    opened: OpenedShots,
+    opened: OpenedShot,
     record: ShotRecord,
     camera: str | None,
     change: ImportCurve,

@@ -39,7 +39,7 @@ def apply_in_context(
     context: EditContext,
     max_curve_frames: int = MAX_CURVE_FRAMES,
 ) -> list[Outcome]:
-    """Apply changes to a camera within an edit of its shot (`OpenedShots.edit`), which takes them all back on an error.
+    """Apply changes to a camera within an edit of its shot (`OpenedShot.edit`), which takes them all back on an error.
 
     Args:
         shot: within an edit.

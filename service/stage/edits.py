@@ -12,7 +12,7 @@ from service.models.edits import ChangedResource, EditHistory, EditRequest, Edit
 from service.models.shots import Shot
 from service.models.solving import Rack
 from service.stage.editing import apply_in_context, resource_tags
-from service.stage.opened import OpenedShots, stage_function
+from service.stage.opened import OpenedShot, stage_function
 from service.stage.read_state import read_state
 from service.stage.shots import shot_model
 from service.storage.store import ShotRecord
@@ -20,7 +20,7 @@ from service.storage.store import ShotRecord
 
 @stage_function
 def apply_edit(
-    opened: OpenedShots, record: ShotRecord, request: EditRequest, context: EditContext, max_curve_frames: int
+    opened: OpenedShot, record: ShotRecord, request: EditRequest, context: EditContext, max_curve_frames: int
 ) -> EditResult:
     """Apply an edit: all of its changes or none, as one entry of the history.
 
@@ -57,7 +57,7 @@ def apply_edit(
 
 
 @stage_function
-def read_history(opened: OpenedShots, record: ShotRecord) -> EditHistory:
+def read_history(opened: OpenedShot, record: ShotRecord) -> EditHistory:
     """Read the edit history of a shot."""
     with opened.use(record) as shot:
         return _history_model(shot.edits.history)
@@ -65,7 +65,7 @@ def read_history(opened: OpenedShots, record: ShotRecord) -> EditHistory:
 
 @stage_function
 def walk_history(
-    opened: OpenedShots, record: ShotRecord, step: Literal["undo", "redo"], context: EditContext
+    opened: OpenedShot, record: ShotRecord, step: Literal["undo", "redo"], context: EditContext
 ) -> EditHistory:
     """Undo or redo one step. Raises `EndOfHistoryError`."""
     with opened.change(record) as shot:
@@ -78,7 +78,7 @@ def walk_history(
 
 
 @stage_function
-def restore_edits(opened: OpenedShots, record: ShotRecord, revision: str, context: EditContext) -> Shot:
+def restore_edits(opened: OpenedShot, record: ShotRecord, revision: str, context: EditContext) -> Shot:
     """Restore the edits of an earlier revision, as an edit that can be undone.
 
     Raises:

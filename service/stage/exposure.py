@@ -6,12 +6,12 @@ import math
 
 from render.shot import Shot
 from service.models.metering import EquivalentExposure, ExposureReadout
-from service.stage.opened import OpenedShots, stage_function
+from service.stage.opened import OpenedShot, stage_function
 from service.storage.store import ShotRecord
 
 
 @stage_function
-def read_exposure(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> ExposureReadout:
+def read_exposure(opened: OpenedShot, record: ShotRecord, camera: str | None, time: float) -> ExposureReadout:
     """Compute EV, T-stop, bellows factor and equivalents of a camera's exposure at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
         return exposure_readout(shot, camera, time)

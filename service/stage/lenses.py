@@ -11,18 +11,18 @@ from render.shot.lens.lens_alone import library_lens_alone
 from render.shot.lens.lens_choice import THIN, LensChoice, library_choice, library_entry
 from render.stage.camera.lenses import make_lens
 from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface, LensTables
-from service.stage.opened import OpenedShots, stage_function
+from service.stage.opened import OpenedShot, stage_function
 from usd_schemas import LibraryLens, library_lenses
 
 
 @stage_function
-def list_lenses(opened: OpenedShots) -> LensList:
+def list_lenses(opened: OpenedShot) -> LensList:
     """List the lens library."""
     return LensList(lenses=[_summary(entry) for entry in library_lenses()])
 
 
 @stage_function
-def read_library_lens(opened: OpenedShots, name: str) -> Lens:
+def read_library_lens(opened: OpenedShot, name: str) -> Lens:
     """Read one lens of the library. Raises `NotFoundError`."""
     entry = library_entry(name)
     prescription = make_lens(entry.lens, entry.name).prescription
@@ -38,7 +38,7 @@ def read_library_lens(opened: OpenedShots, name: str) -> Lens:
 
 
 @stage_function
-def draw_lens_section(opened: OpenedShots, name: str) -> bytes:
+def draw_lens_section(opened: OpenedShot, name: str) -> bytes:
     """Draw the section of a lens of the library, wide open and focused at infinity, as SVG. Raises `NotFoundError`."""
     return _section_svg(name)
 
@@ -51,7 +51,7 @@ def _section_svg(name: str) -> bytes:
 
 
 @stage_function
-def draw_lens_sheet(opened: OpenedShots, name: str) -> bytes:
+def draw_lens_sheet(opened: OpenedShot, name: str) -> bytes:
     """Draw the data sheet of a lens of the library, wide open and focused at infinity, as PNG. Raises `NotFoundError`."""
     return _sheet_png(name)
 

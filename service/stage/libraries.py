@@ -20,18 +20,18 @@ from service.models.libraries import (
     FramingGuide,
     Shape,
 )
-from service.stage.opened import OpenedShots, stage_function
+from service.stage.opened import OpenedShot, stage_function
 from usd_schemas import LibraryBody, LibraryFilm, SchemaError, library_bodies, library_body, library_film, library_films
 
 
 @stage_function
-def list_films(opened: OpenedShots) -> FilmList:
+def list_films(opened: OpenedShot) -> FilmList:
     """List the film library."""
     return FilmList(films=[_film_summary(entry) for entry in library_films()])
 
 
 @stage_function
-def read_film(opened: OpenedShots, name: str) -> Film:
+def read_film(opened: OpenedShot, name: str) -> Film:
     """Read one stock of the library. Raises `NotFoundError`."""
     entry = film_entry(name)
     film = entry.film
@@ -49,7 +49,7 @@ def read_film(opened: OpenedShots, name: str) -> Film:
 
 
 @stage_function
-def draw_film_sheet(opened: OpenedShots, name: str) -> bytes:
+def draw_film_sheet(opened: OpenedShot, name: str) -> bytes:
     """Draw the data sheet of a stock of the library as PNG. Raises `NotFoundError`."""
     return _film_sheet_png(name)
 
@@ -62,14 +62,14 @@ def _film_sheet_png(name: str) -> bytes:
 
 
 @stage_function
-def list_bodies(opened: OpenedShots) -> BodyList:
+def list_bodies(opened: OpenedShot) -> BodyList:
     """List the library of camera bodies, and the aspect ratios that pictures are framed for."""
     shapes = [Shape(name=name, aspect=aspect) for name, aspect in ASPECTS.items()]
     return BodyList(bodies=[_body_summary(body) for body in library_bodies()], shapes=shapes)
 
 
 @stage_function
-def read_body(opened: OpenedShots, name: str, focal_lengths_mm: tuple[float, ...]) -> Body:
+def read_body(opened: OpenedShot, name: str, focal_lengths_mm: tuple[float, ...]) -> Body:
     """Read one body of the library, with its fields of view at some focal lengths. Raises `NotFoundError`."""
     body = body_entry(name)
     return Body(

@@ -1,8 +1,7 @@
-"""Shots that a worker process holds open between calls; state of the stage process."""
+"""The shot that a worker process holds open between calls; state of the stage workers."""
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Concatenate, ParamSpec, TypeVar
@@ -14,18 +13,16 @@ from service.storage.edit_files import load_history, save_history
 from service.storage.store import ShotRecord
 from service.workers.calls import register
 
-MAX_OPEN = 4
-
 Arguments = ParamSpec("Arguments")
 Reply = TypeVar("Reply")
 
 
 @register
-class OpenedShots:
-    """Shots that a worker process holds open, by id; the least recently used is closed first."""
+class OpenedShot:
+    """The one shot that a worker process holds open. A worker sees the files of no other (see `service.workers.places`)."""
 
     def __init__(self) -> None:
-        self._shots: OrderedDict[str, Shot] = OrderedDict()
+        self._shot: Shot | None = None
 
     @contextmanager
     def use(self, record: ShotRecord, edit_text: str | None = None) -> Iterator[Shot]:
@@ -40,7 +37,7 @@ class OpenedShots:
             StageError: the shot is no stage, or refers to files that were not sent with it.
         """
         try:
-            shot = self._get(record)
+            shot = self._get(record, load_edits=edit_text is None)
             if edit_text is not None and edit_text != shot.edits.history.present.text:
                 shot.edits.replace(edit_text)
             yield shot
@@ -78,29 +75,22 @@ class OpenedShots:
                     _save_history_again(record, shot)
                 raise
 
-    def close(self, shot_id: str) -> None:
-        """Close a shot, if it is open."""
-        self._shots.pop(shot_id, None)
-
-    def _get(self, record: ShotRecord) -> Shot:
-        if record.id not in self._shots:
+    def _get(self, record: ShotRecord, *, load_edits: bool) -> Shot:
+        if self._shot is None:
             if not record.root_path.is_file():
                 raise NotFoundError(f"There is no shot {record.id!r} any more.", code="shot_not_found", path=record.id)
-            edits = record.edits if record.edits.is_file() else None
+            edits = record.edits if load_edits and record.edits.is_file() else None
             shot = Shot.open(record.root_path, confined_to=record.files, edits=edits)
-            kept = load_history(record.history)
+            kept = load_history(record.history) if load_edits else None  # a picture worker may not read these
             if kept is not None:
                 shot.edits.resume(kept)
-            self._shots[record.id] = shot
-            if len(self._shots) > MAX_OPEN:
-                self._shots.popitem(last=False)
-        self._shots.move_to_end(record.id)
-        return self._shots[record.id]
+            self._shot = shot
+        return self._shot
 
 
 def stage_function(
-    function: Callable[Concatenate[OpenedShots, Arguments], Reply],
-) -> Callable[Concatenate[OpenedShots, Arguments], Reply]:
+    function: Callable[Concatenate[OpenedShot, Arguments], Reply],
+) -> Callable[Concatenate[OpenedShot, Arguments], Reply]:
     """Register a function that the HTTP process may call in the stage process (see `service.workers.calls`)."""
     return register(function)
 

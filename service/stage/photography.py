@@ -8,28 +8,26 @@ from service.models.exposure import ExposureSettings
 from service.models.film_settings import FilmSettings, GradeChoices
 from service.stage import read_photography
 from service.stage.editing import apply_in_context
-from service.stage.opened import OpenedShots, stage_function
+from service.stage.opened import OpenedShot, stage_function
 from service.storage.store import ShotRecord
 
 
 @stage_function
-def read_exposure_settings(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, time: float
-) -> ExposureSettings:
+def read_exposure_settings(opened: OpenedShot, record: ShotRecord, camera: str | None, time: float) -> ExposureSettings:
     """Read how a camera exposes at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
         return read_photography.read_exposure_settings(shot, camera, time)
 
 
 @stage_function
-def read_film_settings(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> FilmSettings:
+def read_film_settings(opened: OpenedShot, record: ShotRecord, camera: str | None, time: float) -> FilmSettings:
     """Read the film and grade of a camera at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
         return read_photography.read_film_settings(shot, camera, time)
 
 
 @stage_function
-def read_grade_choices(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> GradeChoices:
+def read_grade_choices(opened: OpenedShot, record: ShotRecord, camera: str | None, time: float) -> GradeChoices:
     """Read the displays, views and looks that a camera's picture can be graded by.
 
     Raises:
@@ -42,7 +40,7 @@ def read_grade_choices(opened: OpenedShots, record: ShotRecord, camera: str | No
 
 @stage_function
 def change_exposure_settings(
-    opened: OpenedShots,
+    opened: OpenedShot,
     record: ShotRecord,
     camera: str | None,
     change: SetExposure | KeySetting | UnkeySetting,
@@ -64,7 +62,7 @@ def change_exposure_settings(
 
 @stage_function
 def change_film_settings(
-    opened: OpenedShots,
+    opened: OpenedShot,
     record: ShotRecord,
     camera: str | None,
     change: SetFilm | KeySetting | UnkeySetting,

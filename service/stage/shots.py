@@ -1,7 +1,7 @@
 """Functions of the stage process that concern a shot as a whole.
 
 The stage process is the only one that edits shots: calls run one after the other, and each edit is on disk before its reply is
-sent. Every function takes the worker's `OpenedShots` first and replies with a model; `service.stage.calls` names these modules
+sent. Every function takes the worker's `OpenedShot` first and replies with a model; `service.stage.calls` names these modules
 for the HTTP process.
 """
 
@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+
+from pxr import UsdUtils
 
 from render.demo.shot import write_demo as write_demo_files
 from render.errors import SettingsError, StageError
@@ -18,35 +20,33 @@ from render.shot import Shot as OpenShot
 from render.shot.inspection import inspect_shot as inspect_open_shot
 from service.models.inspection import Inspection, Note, ValidationFinding
 from service.models.shots import FrameRange, Shot, ShotSummary
-from service.stage.opened import OpenedShots, as_sent, stage_function
+from service.stage.opened import OpenedShot, as_sent, stage_function
 from service.stage.read_cameras import default_camera_model, readout_model
 from service.storage.store import ShotRecord
 
 
 @stage_function
-def describe_shot(opened: OpenedShots, record: ShotRecord) -> Shot:
+def describe_shot(opened: OpenedShot, record: ShotRecord) -> Shot:
     """Open a shot and read its frame range and cameras. Raises the errors of `render.shot.Shot.open`."""
     with opened.use(record) as shot:
         return shot_model(record, shot)
 
 
 @stage_function
-def inspect_shot(opened: OpenedShots, record: ShotRecord) -> Inspection:
+def inspect_shot(opened: OpenedShot, record: ShotRecord) -> Inspection:
     """Read a shot at its first frame and list its contents and what of it is not honoured. Raises `StageError`."""
     with opened.use(record) as shot:
         return inspection_model(record, shot)
 
 
 @stage_function
-def close_shot(opened: OpenedShots, shot_id: str) -> None:
-    """Close a shot that was removed or refused."""
-    opened.close(shot_id)
-
-
-@stage_function
-def write_demo(opened: OpenedShots, folder: Path) -> str:
+def write_demo(opened: OpenedShot, folder: Path) -> str:
     """Author the demo shot and return its root layer, relative to the folder. Raises `OutputError`."""
-    return write_demo_files(folder).relative_to(folder).as_posix()
+    silenced = UsdUtils.CoalescingDiagnosticDelegate()  # USD warns that a sandbox lets it set no permissions
+    try:
+        return write_demo_files(folder).relative_to(folder).as_posix()
+    finally:
+        silenced.TakeUncoalescedDiagnostics()
 
 
 def shot_model(record: ShotRecord, shot: OpenShot) -> Shot:

@@ -7,12 +7,12 @@ from service.models.changes import KeySetting, MakeRack, SetFocus, UnkeySetting
 from service.models.solving import FocusSettings, Rack
 from service.stage import read_solving
 from service.stage.editing import apply_in_context
-from service.stage.opened import OpenedShots, stage_function
+from service.stage.opened import OpenedShot, stage_function
 from service.storage.store import ShotRecord
 
 
 @stage_function
-def read_focus_settings(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> FocusSettings:
+def read_focus_settings(opened: OpenedShot, record: ShotRecord, camera: str | None, time: float) -> FocusSettings:
     """Read the focus settings at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
         return read_solving.read_focus_settings(shot, camera, time)
@@ -20,7 +20,7 @@ def read_focus_settings(opened: OpenedShots, record: ShotRecord, camera: str | N
 
 @stage_function
 def change_focus_settings(
-    opened: OpenedShots,
+    opened: OpenedShot,
     record: ShotRecord,
     camera: str | None,
     change: SetFocus | KeySetting | UnkeySetting,
@@ -41,7 +41,7 @@ def change_focus_settings(
 
 @stage_function
 def make_rack(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, change: MakeRack, context: EditContext
+    opened: OpenedShot, record: ShotRecord, camera: str | None, change: MakeRack, context: EditContext
 ) -> Rack:
     """Rack from one focus point to another. Raises `NotFoundError` or `SettingsError`."""
     with opened.edit(record, context) as shot:

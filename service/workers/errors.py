@@ -4,16 +4,20 @@
 
     WorkerError
     ├── QueueFullError        too many calls wait
-    ├── SupersededError       a newer call of the same group replaced this one
+    ├── SupersededError       a newer call of the same group replaced this one, or its client has gone
     ├── StoppingError         the service is stopping
     ├── WorkerDiedError       the process ended during the call
-    ├── WorkerTimeoutError    the process took too long and was ended
+    │   └── UnfitError        because of what it worked on
     └── WorkerFailedError     the function raised something that is no `PullfocusError`: a bug
 """
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Literal
+
+End = Literal["memory", "crash", "cpu", "timeout", "unsafe", "killed", "cancelled", "stopping", "released"]
+"""Why a worker process ended: ``released`` where it was of no more use. `BLAMED` are those that the shot is to blame for."""
+BLAMED: tuple[End, ...] = ("memory", "crash", "cpu", "timeout", "unsafe")
 
 
 class WorkerError(Exception):
@@ -51,15 +55,23 @@ class StoppingError(WorkerError):
 
 
 class WorkerDiedError(WorkerError):
-    """The worker process ended during the call; the next call starts another."""
+    """The worker process ended during the call; the next call starts another.
+
+    Attributes:
+        end: why it ended.
+    """
 
     code = "worker_died"
 
+    def __init__(self, message: str, end: End = "crash") -> None:
+        super().__init__(message)
+        self.end = end
 
-class WorkerTimeoutError(WorkerError):
-    """The worker process did not reply in time and was ended."""
 
-    code = "timeout"
+class UnfitError(WorkerDiedError):
+    """The request ended the worker process: it crashed it, or took more memory or time than a worker has."""
+
+    code = "unfit"
 
 
 class WorkerFailedError(WorkerError):

@@ -1,30 +1,36 @@
-"""A worker process: it runs one call at a time, and a fresh process replaces it when it dies.
+"""A worker process as the service sees it: it runs one call at a time, for one shot.
 
 Work that can crash a process (a graphics driver, a parser reading an untrusted file) runs here and never in the HTTP process.
-A `service.workers.calls.Call` is pickled to the worker; the reply, or the error that was raised, is pickled back. The worker
-creates its ``state`` once and passes it to every call. A `StreamCall` has any number of replies.
+A `service.workers.calls.Call` is sent to the worker; the reply, or the error that was raised, comes back. The worker creates its
+``state`` once and passes it to every call. A `StreamCall` has any number of replies.
 """
 
 from __future__ import annotations
 
 import logging
-import multiprocessing
-import pickle
+import os
 import signal
-import time
-import traceback
 from collections.abc import Callable, Iterator
-from contextlib import closing, suppress
-from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from contextlib import suppress
+from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from render.errors import InputError, PullfocusError, SettingsError
-from service.workers.calls import Call, StreamCall, name_of, resolve
-from service.workers.errors import WorkerDiedError, WorkerFailedError, WorkerTimeoutError
-from service.workers.streaming import Signals, StaleCheck
+from service.workers.calls import Call, StreamCall
+from service.workers.errors import (
+    End,
+    StoppingError,
+    SupersededError,
+    UnfitError,
+    WorkerDiedError,
+    WorkerError,
+    WorkerFailedError,
+)
+from service.workers.forking import Exit, Template
+from service.workers.messages import Answer, Assignment, Begun, Order, UnsafeMessageError, pack, receive_answer
+from service.workers.places import Place
+from service.workers.roles import Role
+from service.workers.streaming import Signals, create_memory
 
 log = logging.getLogger("pullfocus.service")
 
@@ -32,88 +38,111 @@ State = TypeVar("State")
 Reply = TypeVar("Reply")
 Item = TypeVar("Item")
 
-
-@dataclass(frozen=True)
-class _Answer:
-    """A message from the worker: a value, an error that was raised on purpose, or the traceback of a bug."""
-
-    value: object = None
-    error: PullfocusError | None = None
-    fault: str = ""
-    is_last: bool = True
-
-    @property
-    def is_value(self) -> bool:
-        """Whether the call succeeded."""
-        return self.error is None and not self.fault
+NEAR_LIMIT = 0.6
+"""A worker that crashed with this share of its memory in use is taken to have run out of it: allocators ask for large pieces."""
+_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
-@dataclass(frozen=True)
-class _StreamOrder(Generic[State]):
-    """A stream call as it is sent to the worker."""
-
-    call: StreamCall[State, Any]
-    serial: int
-    has_yielded: bool
-    grace_s: float
+class NotBegunError(Exception):
+    """The worker ended before it began with the call, which can be sent to another one."""
 
 
 class WorkerProcess(Generic[State]):
-    """The parent's side of a worker process. Not thread-safe: one thread calls it (see `service.workers.worker_queue`).
+    """A worker process. One thread at a time calls it; any thread may end it.
 
     Args:
-        name: of the process, for logs.
-        make_state: registered class or function that creates the worker's state, or a reference to it; sent by name.
+        template: forks it.
+        role: its kind.
+        place: the shot that it serves.
 
     Attributes:
-        starts: number of processes started so far.
-        proven: whether the current process has completed a call and has not failed since.
+        role: its kind.
+        place: the shot that it serves.
         signals: interrupt a running stream; any thread may set them.
+        end: why it ended, or None.
+
+    Raises:
+        WorkerDiedError: it cannot be started.
     """
 
-    def __init__(self, name: str, make_state: Callable[[], State]) -> None:
-        self.name = name
-        self.starts = 0
-        self.proven = False
-        self._make_state = name_of(make_state)
-        # A forked GL context or USD thread pool would be broken.
-        self._context = multiprocessing.get_context("spawn")
-        self.signals = Signals(self._context)
-        self._process: BaseProcess | None = None
-        self._pipe: Connection | None = None
+    def __init__(self, template: Template, role: Role[State], place: Place) -> None:
+        self.role = role
+        self.place = place
+        self.end: End | None = None
+        self._template = template
+        self._ending: End | None = None
+        self._oom_kills = _count_oom_kills()
+        self._pipe, there = Pipe()
+        memory = create_memory()
+        try:
+            self.signals = Signals(memory)
+            self._forked = template.fork(there.fileno(), memory)
+        except WorkerDiedError:
+            self._pipe.close()
+            raise
+        finally:
+            there.close()
+            os.close(memory)
+        with suppress(OSError):  # it has ended already: the first call finds out
+            self._pipe.send_bytes(pack(Assignment(role, place)))
 
     @property
-    def pid(self) -> int | None:
-        """Process id of the worker, or None before the first request and after a death."""
-        return self._process.pid if self._process is not None and self._process.is_alive() else None
+    def pid(self) -> int:
+        """Process id; another process may have it after the end."""
+        return self._forked.pid
 
-    def call(self, call: Call[State, Reply], timeout_s: float) -> Reply:
-        """Run a call in the worker, starting one when there is none.
+    def is_alive(self) -> bool:
+        """Whether the worker, which runs no call, can take one."""
+        try:
+            return self.end is None and not self._pipe.poll()  # an idle worker sends nothing: what comes is its end
+        except OSError:
+            return False
+
+    def cpu_s(self) -> float:
+        """Processor time that the worker has used, s; 0 where it has ended."""
+        with suppress(OSError, ValueError, IndexError):
+            fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+            return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
+        return 0.0
+
+    def memory_bytes(self) -> int:
+        """Memory that the worker holds for itself, without what it shares with its template; 0 where it has ended."""
+        with suppress(OSError, ValueError, IndexError):
+            _, resident, shared, *_ = Path(f"/proc/{self.pid}/statm").read_text().split()
+            return (int(resident) - int(shared)) * _PAGE_BYTES
+        return 0
+
+    def call(self, call: Call[State, Reply], cpu_s: float) -> Reply:
+        """Run a call in the worker.
+
+        Args:
+            call: the function and its arguments.
+            cpu_s: processor time that it may take, s.
 
         Raises:
             PullfocusError: the function raised it.
-            WorkerDiedError: the worker died; the next call starts another.
-            WorkerTimeoutError: no answer in ``timeout_s``; the worker was ended.
-            WorkerFailedError: the function raised anything else.
+            NotBegunError: the worker had ended before.
+            WorkerError: the worker ended during the call, or the function raised anything else.
         """
-        value: Reply = self._unpack(next(self._answers(call, timeout_s)))
+        value: Reply = self._unpack(next(self._answers(Order(call, cpu_s))))
         return value
 
     def stream(
         self,
         call: StreamCall[State, Item],
-        timeout_s: float,
+        cpu_s: float,
         deliver: Callable[[Item], None],
         *,
         serial: int,
         has_yielded: bool = False,
         grace_s: float = 0.0,
     ) -> bool:
-        """Run a stream call in the worker, starting one when there is none.
+        """Run a stream call in the worker.
 
         Args:
             call: the generator function and its arguments.
-            timeout_s: time for all of it.
+            cpu_s: processor time that it may take, s.
             deliver: called with each item.
             serial: number of the stream in `signals`; unique, not 0.
             has_yielded: as for `service.workers.streaming.StaleCheck`.
@@ -125,102 +154,96 @@ class WorkerProcess(Generic[State]):
         Raises:
             PullfocusError: the function raised it; and the other errors of `call`.
         """
-        for answer in self._answers(_StreamOrder(call, serial, has_yielded, grace_s), timeout_s):
+        for answer in self._answers(Order(call, cpu_s, serial, has_yielded, grace_s)):
             value = self._unpack(answer)
             if not answer.is_last:
                 deliver(value)
         return bool(value)
 
-    def _answers(self, order: object, timeout_s: float) -> Iterator[_Answer]:
-        """Send an order to the worker, starting one when there is none, and yield its answers."""
-        process, pipe = self._ensure_running()
-        deadline_s = time.monotonic() + timeout_s
-        answer = None
+    def _answers(self, order: Order[State]) -> Iterator[Answer]:
+        """Send an order and yield its answers."""
+        has_begun = False
         try:
-            pipe.send(order)
-            while answer is None or not answer.is_last:
-                if not wait([pipe, process.sentinel], deadline_s - time.monotonic()):
-                    self.close()
-                    raise WorkerTimeoutError(f"The {self.name} worker took longer than {timeout_s:g} s and was ended.")
-                # The answer of a worker that then died is still in the pipe.
-                answer = pipe.recv()
+            self._pipe.send_bytes(pack(order))
+            while True:
+                answer = receive_answer(self._pipe)
+                if isinstance(answer, Begun):
+                    has_begun = True
+                    continue
                 yield answer
+                if answer.is_last:
+                    return
+        except UnsafeMessageError as error:
+            log.error("the %s worker was ended: %s", self.role.name, error)
+            raise _explain(self.role, self.close("unsafe")) from error
         except (EOFError, OSError) as error:
-            self.close()
-            raise WorkerDiedError(f"The {self.name} worker ended while it worked on this request.") from error
+            end = self._bury()
+            if not has_begun and end == "killed":
+                raise NotBegunError from error
+            raise _explain(self.role, end) from error
 
-    def _unpack(self, answer: _Answer) -> Any:
-        self.proven = self.proven if isinstance(answer.error, InputError | SettingsError) else answer.is_value
+    def _unpack(self, answer: Answer) -> Any:
         if answer.error is not None:
             raise answer.error
         if answer.fault:
-            log.error("the %s worker failed:\n%s", self.name, answer.fault)
-            raise WorkerFailedError(f"The {self.name} worker failed on this request; the service's log says why.")
+            log.error("the %s worker failed:\n%s", self.role.name, answer.fault)
+            raise WorkerFailedError(f"The {self.role.name} worker failed on this request; the service's log says why.")
         return answer.value
 
-    def _ensure_running(self) -> tuple[BaseProcess, Connection]:
-        if self._process is None or self._pipe is None or not self._process.is_alive():
-            self.close()
-            here, there = self._context.Pipe()
-            arguments = (there, self._make_state, self.signals)
-            process = self._context.Process(target=_serve, args=arguments, name=f"pullfocus-{self.name}", daemon=True)
-            process.start()
-            there.close()
-            self._process, self._pipe = process, here
-            self.starts += 1
-        return self._process, self._pipe
+    def kill(self, why: End) -> None:
+        """End the worker at once. The thread that runs a call there gets the error that belongs to the reason."""
+        if self.end is None:
+            self._ending = self._ending or why
+            self._forked.kill()
 
-    def kill(self) -> None:
-        """End the worker at once. The only method that any thread may call."""
-        if self._process is not None and self._process.is_alive():
-            self._process.kill()
+    def close(self, why: End = "released") -> End:
+        """End the worker, release what it holds, and return why it ended."""
+        self.kill(why)
+        return self._bury()
 
-    def close(self) -> None:
-        """End the worker and release its pipe."""
-        if self._pipe is not None:
+    def _bury(self) -> End:
+        """Release what an ended worker holds, and find out why it ended."""
+        if self.end is None:
+            why = self._ending
+            self._forked.kill()  # it may have closed its pipe and go on
             self._pipe.close()
-        if self._process is not None:
-            self._process.kill()
-            self._process.join()
-            self._process.close()
-        self._process = self._pipe = None
-        self.proven = False
+            self.end = why or _judge(self._template.reap(self._forked), self.role, _count_oom_kills() - self._oom_kills)
+        return self.end
 
 
-def _serve(pipe: Connection, make_state: str, signals: Signals) -> None:
-    """Run calls until the parent is gone. Runs in the worker."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the parent, which then closes the pipe
-    with suppress(OSError):  # Linux only: when memory runs out, the kernel ends a worker rather than the service
-        Path("/proc/self/oom_score_adj").write_text("500")
-    state = resolve(make_state)()
-    with suppress(EOFError, BrokenPipeError):  # the parent is gone
-        while True:
-            order: Call[Any, object] | _StreamOrder[Any] = pipe.recv()
-            pipe.send_bytes(_answer(order, state, pipe, signals))
+def _judge(end: Exit, role: Role[Any], oom_kills: int) -> End:
+    """Judge why a worker ended that the service did not end."""
+    if end.signal == signal.SIGXCPU:
+        return "cpu"
+    if end.signal == signal.SIGKILL:
+        return "memory" if oom_kills else "killed"
+    return "memory" if end.peak_bytes > NEAR_LIMIT * role.limits.memory_bytes else "crash"
 
 
-def _answer(
-    order: Call[State, object] | _StreamOrder[State], state: State, pipe: Connection, signals: Signals
-) -> bytes:
-    """Run a call and pickle its reply. A reply that cannot be pickled is a fault of the program, not the end of the worker."""
-    try:
-        if isinstance(order, _StreamOrder):
-            return pickle.dumps(_Answer(value=_stream(order, state, pipe, signals)))
-        return pickle.dumps(_Answer(value=order.run(state)))
-    except (EOFError, BrokenPipeError):  # the parent is gone
-        raise
-    except PullfocusError as error:
-        return pickle.dumps(_Answer(error=error))
-    except Exception:
-        return pickle.dumps(_Answer(fault=traceback.format_exc()))
+def _explain(role: Role[Any], end: End) -> WorkerError:
+    match end:
+        case "memory":
+            limit_mb = role.limits.memory_bytes >> 20
+            return UnfitError(
+                f"This takes more than the {limit_mb:,} MiB of memory that a {role.name} worker has.", end
+            )
+        case "timeout" | "cpu":
+            return UnfitError(f"This takes longer than a {role.name} worker may work on a request.", end)
+        case "crash" | "unsafe":
+            return UnfitError(f"The {role.name} worker crashed on this request.", end)
+        case "stopping":
+            return StoppingError()
+        case "cancelled":
+            return SupersededError()
+        case "killed" | "released":
+            return WorkerDiedError(f"The {role.name} worker was ended while it worked on this request.", end)
 
 
-def _stream(order: _StreamOrder[State], state: State, pipe: Connection, signals: Signals) -> bool:
-    """Send the items of a stream. Returns whether the stream came to its end."""
-    is_stale = StaleCheck(signals, order.serial, has_yielded=order.has_yielded, grace_s=order.grace_s)
-    items: Any = order.call.run(state, is_stale)
-    with closing(items):
-        for item in items:
-            pipe.send_bytes(pickle.dumps(_Answer(value=item, is_last=False)))
-            is_stale.has_yielded = True
-    return not is_stale.has_ended
+def _count_oom_kills() -> int:
+    """Count the processes of this machine that the kernel has ended because memory ran out; 0 where it does not say."""
+    with suppress(OSError, ValueError):
+        for line in Path("/proc/vmstat").read_text().splitlines():
+            name, count = line.split()
+            if name == "oom_kill":
+                return int(count)
+    return 0

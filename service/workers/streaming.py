@@ -7,10 +7,10 @@ the stream that was cancelled, and how many calls wait for the worker.
 from __future__ import annotations
 
 import ctypes
+import mmap
+import os
 import time
 from collections.abc import Callable
-from multiprocessing.context import SpawnContext
-from typing import Any
 
 IsStale = Callable[[], bool]
 """Polled by a generator function between its pieces of work; True once it must end."""
@@ -20,30 +20,39 @@ class Signals:
     """Shared memory that the service writes and a running worker reads.
 
     Args:
-        context: starts the worker's process, which inherits the memory.
+        descriptor: of the memory, from `create_memory`; it may be closed afterwards.
     """
 
-    def __init__(self, context: SpawnContext) -> None:
-        self._cancelled: Any = context.RawValue(ctypes.c_uint64, 0)
-        self._queue_length: Any = context.RawValue(ctypes.c_uint64, 0)
+    def __init__(self, descriptor: int) -> None:
+        self._numbers = (ctypes.c_uint64 * 2).from_buffer(mmap.mmap(descriptor, _BYTES))
 
     @property
     def cancelled_stream(self) -> int:
         """Serial number of the stream that was cancelled last; 0 is none."""
-        return int(self._cancelled.value)
+        return self._numbers[0]
 
     @cancelled_stream.setter
     def cancelled_stream(self, serial: int) -> None:
-        self._cancelled.value = serial
+        self._numbers[0] = serial
 
     @property
     def queue_length(self) -> int:
         """Number of calls that wait for the worker."""
-        return int(self._queue_length.value)
+        return self._numbers[1]
 
     @queue_length.setter
     def queue_length(self, count: int) -> None:
-        self._queue_length.value = count
+        self._numbers[1] = count
+
+
+_BYTES = 2 * ctypes.sizeof(ctypes.c_uint64)
+
+
+def create_memory() -> int:
+    """Create the memory of a `Signals` and return its descriptor, which the caller closes."""
+    descriptor = os.memfd_create("pullfocus-signals")
+    os.ftruncate(descriptor, _BYTES)
+    return descriptor
 
 
 class StaleCheck:

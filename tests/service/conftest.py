@@ -26,6 +26,12 @@ class Running:
     settings: Settings
     app: object
 
+    def worker(self, role: str, shot: str) -> int:
+        """Process id of the one worker of a role that serves a shot."""
+        workers = self.internal.pool.processes()
+        (pid,) = [worker.pid for worker in workers if (worker.role.name, worker.place.key) == (role, shot)]
+        return pid
+
     @property
     def internal(self) -> Service:
         """The application's queues, caches and counters."""
@@ -127,6 +133,16 @@ def until(true: Callable[[], bool]) -> None:
     """Wait for something to become true; the test's own time limit ends it."""
     while not true():
         time.sleep(0.005)
+
+
+def is_running(process_id: int) -> bool:
+    """Whether a process is there and no zombie."""
+    time.sleep(0.02)
+    try:
+        with open(f"/proc/{process_id}/stat") as stat:
+            return stat.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 def send(client: httpx.Client, name: str, content: bytes, **fields: str) -> httpx.Response:

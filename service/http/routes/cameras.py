@@ -15,7 +15,7 @@ from service.picture.calls import frames
 from service.stage.calls import cameras
 from service.storage.store import ShotRecord
 
-router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504), dependencies=READS)
+router = APIRouter(tags=["cameras"], responses=problems(404, 423, 503), dependencies=READS)
 EDITED = problems(412)
 
 

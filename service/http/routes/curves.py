@@ -13,7 +13,7 @@ from service.models.changes import GapPolicy, ImportCurve
 from service.models.curve import CurveFileFormat, FocusCurve, ImportedCurve
 from service.stage.calls import curves
 
-router = APIRouter(tags=["focus"], responses=problems(404, 503, 504), dependencies=READS)
+router = APIRouter(tags=["focus"], responses=problems(404, 423, 503), dependencies=READS)
 
 CURVE_TYPES: dict[CurveFileFormat, str] = {
     "json": "application/json",

@@ -50,7 +50,7 @@ async def get_edits(
 
 
 @router.post(
-    "/shots/{shot}/edits", operation_id="edit", responses=problems(404, 412, 413, 503, 504), dependencies=EDITS
+    "/shots/{shot}/edits", operation_id="edit", responses=problems(404, 412, 413, 423, 503), dependencies=EDITS
 )
 async def edit(
     service: ServiceDep, response: Response, shot: ShotId, request: EditRequest, if_match: IfMatch = None
@@ -84,7 +84,7 @@ async def _with_anchors(service: Service, record: ShotRecord, request: EditReque
 
 
 @router.put(
-    "/shots/{shot}/edits", operation_id="restoreEdits", responses=problems(404, 412, 503, 504), dependencies=EDITS
+    "/shots/{shot}/edits", operation_id="restoreEdits", responses=problems(404, 412, 423, 503), dependencies=EDITS
 )
 async def restore_edits(
     service: ServiceDep, response: Response, shot: ShotId, restore: Restore, context: EditContextDep
@@ -95,7 +95,7 @@ async def restore_edits(
     return restored
 
 
-@router.get("/shots/{shot}/edits/history", operation_id="getEditHistory", responses=problems(404, 503, 504))
+@router.get("/shots/{shot}/edits/history", operation_id="getEditHistory", responses=problems(404, 423, 503))
 async def get_edit_history(service: ServiceDep, response: Response, shot: ShotId) -> EditHistory:
     """The states that the edits have had, and what an undo and a redo would do."""
     history = await service.call_stage(edits.read_history, service.store.get(shot))
@@ -104,7 +104,7 @@ async def get_edit_history(service: ServiceDep, response: Response, shot: ShotId
 
 
 @router.post(
-    "/shots/{shot}/edits/undo", operation_id="undoEdit", responses=problems(404, 409, 412, 503, 504), dependencies=EDITS
+    "/shots/{shot}/edits/undo", operation_id="undoEdit", responses=problems(404, 409, 412, 423, 503), dependencies=EDITS
 )
 async def undo_edit(service: ServiceDep, response: Response, shot: ShotId, context: EditContextDep) -> EditHistory:
     """Take back the last edit, whoever made it: with the revision in `If-Match`, only if nobody edited since."""
@@ -114,7 +114,7 @@ async def undo_edit(service: ServiceDep, response: Response, shot: ShotId, conte
 
 
 @router.post(
-    "/shots/{shot}/edits/redo", operation_id="redoEdit", responses=problems(404, 409, 412, 503, 504), dependencies=EDITS
+    "/shots/{shot}/edits/redo", operation_id="redoEdit", responses=problems(404, 409, 412, 423, 503), dependencies=EDITS
 )
 async def redo_edit(service: ServiceDep, response: Response, shot: ShotId, context: EditContextDep) -> EditHistory:
     """Do the edit again that was undone last; the next edit drops what was undone."""

@@ -29,7 +29,7 @@ from service.models.focus import (
 )
 from service.stage.calls import focus_points
 
-router = APIRouter(tags=["focus"], responses=problems(404, 503, 504), dependencies=READS)
+router = APIRouter(tags=["focus"], responses=problems(404, 423, 503), dependencies=READS)
 EDITED = problems(412)
 
 AttributeInPath = Annotated[KeyedAttribute, Path(description="The keyed attribute.", examples=["weight"])]

@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Query, Response
 
 from service.http.access import RENDERS
+from service.http.clients import present_client
 from service.http.frame_cache import matches
 from service.http.frame_requests import frame_request, tag_of_frame
 from service.http.routes.parameters import ShotId, problems
@@ -29,7 +30,7 @@ BINARY = {"schema": {"type": "string", "format": "binary"}}
     "/shots/{shot}/frame",
     operation_id="getFrame",
     response_class=Response,
-    responses=problems(404, 409, 503, 504)
+    responses=problems(404, 409, 423, 503)
     | {
         200: {"content": dict.fromkeys(MEDIA_TYPES.values(), BINARY), "description": "The picture."},
         304: {"description": "The picture is the one that `If-None-Match` names."},
@@ -61,14 +62,17 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
         return cached
     live = query.live and query.format != "exr"  # an EXR holds scene-linear light, which has no film or grade
     request = frame_request(service, record, edits, query)
-    group = (query.client, record.id) if query.client else None
-    picture = await service.picture_queue.result(call(frames.render_frame, request, query.format, live), group)
+    client = present_client()
+    group = (client, query.client, record.id) if query.client else None
+    picture = await service.lanes.final.result(
+        call(frames.render_frame, request, query.format, live), service.place_of(record), client, group=group
+    )
     service.frame_cache.put(tag, picture)
     service.metrics.frames.labels("rendered").inc()
     return picture
 
 
-@router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 503, 504))
+@router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 423, 503))
 async def pick(service: ServiceDep, shot: ShotId, request: PickRequest) -> Pick:
     """Find the surface under a pixel. Its `anchor` places a focus point on it."""
     record = service.store.get(shot)

@@ -31,13 +31,13 @@ SVG = "image/svg+xml"
 LensName = Annotated[str, Path(alias="name", description="A lens's name.", examples=["planar_50"], max_length=80)]
 
 
-@router.get("/lenses", operation_id="listLenses", responses=problems(503, 504))
+@router.get("/lenses", operation_id="listLenses", responses=problems(503))
 async def list_lenses(service: ServiceDep) -> LensList:
     """List the lens library. Its names are the values of `lens` in an edit of a camera."""
     return await service.call_stage(lenses.list_lenses)
 
 
-@router.get("/lenses/{name}", operation_id="getLens", responses=problems(404, 503, 504))
+@router.get("/lenses/{name}", operation_id="getLens", responses=problems(404, 503))
 async def get_lens(service: ServiceDep, name: LensName) -> Lens:
     """Read a lens of the library with its optical data."""
     return await service.call_stage(lenses.read_library_lens, name)
@@ -47,7 +47,7 @@ async def get_lens(service: ServiceDep, name: LensName) -> Lens:
     "/lenses/{name}/section.svg",
     operation_id="getLensSection",
     response_class=Response,
-    responses=problems(404, 503, 504)
+    responses=problems(404, 503)
     | {200: {"content": {SVG: {"schema": {"type": "string", "format": "binary"}}}, "description": "The picture."}},
 )
 async def get_lens_section(service: ServiceDep, name: LensName) -> Response:
@@ -60,7 +60,7 @@ async def get_lens_section(service: ServiceDep, name: LensName) -> Response:
     "/lenses/{name}/sheet.png",
     operation_id="getLensSheet",
     response_class=Response,
-    responses=problems(404, 503, 504) | SHEET,
+    responses=problems(404, 503) | SHEET,
 )
 async def get_lens_sheet(service: ServiceDep, name: LensName) -> Response:
     """Draw the data sheet of a lens: its section, its numbers, its errors over the field, and its bokeh."""
@@ -70,7 +70,7 @@ async def get_lens_sheet(service: ServiceDep, name: LensName) -> Response:
 @router.put(
     "/shots/{shot}/camera/lens",
     operation_id="mountLensFile",
-    responses=problems(404, 412, 413, 415, 503, 504),
+    responses=problems(404, 412, 413, 415, 423, 503),
     tags=["cameras"],
     dependencies=EDITS,
 )

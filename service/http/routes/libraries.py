@@ -21,13 +21,13 @@ FilmName = Annotated[str, Path(alias="name", description="A stock's name.", exam
 BodyName = Annotated[str, Path(alias="name", description="A body's name.", examples=["alexa_35"], max_length=80)]
 
 
-@router.get("/films", operation_id="listFilms", responses=problems(503, 504))
+@router.get("/films", operation_id="listFilms", responses=problems(503))
 async def list_films(service: ServiceDep) -> FilmList:
     """List the film library. The names of its camera stocks are the values of `stock` in an edit of a camera's film."""
     return await service.call_stage(libraries.list_films)
 
 
-@router.get("/films/{name}", operation_id="getFilm", responses=problems(404, 503, 504))
+@router.get("/films/{name}", operation_id="getFilm", responses=problems(404, 503))
 async def get_film(service: ServiceDep, name: FilmName) -> Film:
     """Read a stock of the library with its data. An unambiguous part of the name is enough."""
     return await service.call_stage(libraries.read_film, name)
@@ -37,20 +37,20 @@ async def get_film(service: ServiceDep, name: FilmName) -> Film:
     "/films/{name}/sheet.png",
     operation_id="getFilmSheet",
     response_class=Response,
-    responses=problems(404, 503, 504) | SHEET,
+    responses=problems(404, 503) | SHEET,
 )
 async def get_film_sheet(service: ServiceDep, name: FilmName) -> Response:
     """Draw the data sheet of a stock: its curves, a grey ramp, a colour chart, its grain and a scene."""
     return sheet_response(await service.call_stage(libraries.draw_film_sheet, name))
 
 
-@router.get("/bodies", operation_id="listBodies", responses=problems(503, 504))
+@router.get("/bodies", operation_id="listBodies", responses=problems(503))
 async def list_bodies(service: ServiceDep) -> BodyList:
     """List camera bodies and film formats, whose names are the values of `body` in an edit of a camera, and aspect ratios."""
     return await service.call_stage(libraries.list_bodies)
 
 
-@router.get("/bodies/{name}", operation_id="getBody", responses=problems(404, 503, 504))
+@router.get("/bodies/{name}", operation_id="getBody", responses=problems(404, 503))
 async def get_body(
     service: ServiceDep,
     name: BodyName,

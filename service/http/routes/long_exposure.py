@@ -22,7 +22,7 @@ Format = Annotated[
 
 
 @router.post(
-    "/shots/{shot}/long-exposure", operation_id="beginLongExposure", status_code=201, responses=problems(404, 503, 504)
+    "/shots/{shot}/long-exposure", operation_id="beginLongExposure", status_code=201, responses=problems(404, 423, 503)
 )
 async def begin_long_exposure(service: ServiceDep, shot: ShotId, begin: LongExposureBegin) -> LongExposureState:
     """Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
@@ -47,7 +47,7 @@ async def edit_long_exposure(service: ServiceDep, shot: ShotId, edit: LongExposu
     "/shots/{shot}/long-exposure/picture",
     operation_id="getLongExposurePicture",
     response_class=Response,
-    responses=problems(404, 503, 504)
+    responses=problems(404, 423, 503)
     | {200: {"content": dict.fromkeys(MEDIA_TYPES.values(), BINARY), "description": "The picture so far."}},
 )
 async def get_long_exposure_picture(service: ServiceDep, shot: ShotId, format: Format = "png") -> Response:

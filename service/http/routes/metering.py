@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from service.http.access import READS, RENDERS
+from service.http.clients import present_client
 from service.http.routes.parameters import CameraQuery, ShotId, Time, problems
 from service.http.service import ServiceDep
 from service.models.metering import ExposureReadout, MeterQuery, MeterReading
@@ -14,7 +15,7 @@ from service.picture.calls import metering
 from service.stage.calls import exposure
 from service.workers.calls import call
 
-router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504), dependencies=READS)
+router = APIRouter(tags=["cameras"], responses=problems(404, 423, 503), dependencies=READS)
 
 
 @router.get("/shots/{shot}/readout/exposure", operation_id="getExposureReadout")
@@ -30,6 +31,7 @@ async def meter(service: ServiceDep, shot: ShotId, query: Annotated[MeterQuery, 
     """Meter the light on a camera at one time: EV, lux, and stops over or under middle grey."""
     record = service.store.get(shot)
     spot = query.point if query.x is None or query.y is None else (query.x, query.y)
-    group = ("meter", query.client, record.id) if query.client else None
+    client = present_client()
+    group = ("meter", client, query.client, record.id) if query.client else None
     reading = call(metering.meter_light, record, record.edit_text(), query.camera, query.time, query.mode, spot)
-    return await service.picture_queue.result(reading, group)
+    return await service.lanes.live.result(reading, service.place_of(record), client, group=group)

@@ -101,10 +101,10 @@ def _described(*statuses: int) -> dict[int | str, dict[str, Any]]:
         412: "It was changed since it was read: its `ETag` is not in `If-Match`.",
         413: "The upload, or what it unpacks to, is too large.",
         415: "The file is of no supported kind.",
-        422: "The request or the stage is invalid; `detail` says why.",
+        422: "The request or the stage is invalid, or takes more than a worker has; `detail` says why.",
+        423: "The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again.",
         426: "This address is a WebSocket.",
         429: "Too many requests, or a quota is used up; try again after `Retry-After`.",
         503: "Too many requests wait, or a worker died on this request; try again after `Retry-After`.",
-        504: "The request took too long and was ended.",
     }
     return {status: {"model": Problem, "description": descriptions[status]} for status in statuses}

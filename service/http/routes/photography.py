@@ -15,7 +15,7 @@ from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEd
 from service.models.focus import KeyEdit
 from service.stage.calls import photography
 
-router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504), dependencies=READS)
+router = APIRouter(tags=["cameras"], responses=problems(404, 423, 503), dependencies=READS)
 EDITED = problems(412)
 
 _KEYED = "The keyed setting, in the unit of its name."

@@ -9,6 +9,7 @@ from starlette.concurrency import run_in_threadpool
 
 from service.http.access import EDITS, READS, PrincipalDep
 from service.http.errors import ServiceError
+from service.http.quarantine import REASONS
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.http.upload import store_upload, upload_name
@@ -16,7 +17,7 @@ from service.identity.principal import ALL_PROJECTS, DEFAULT_PROJECT, PROJECT_PA
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
 from service.stage.calls import shots
-from service.workers.errors import WorkerDiedError
+from service.workers.errors import BLAMED, WorkerDiedError
 
 router = APIRouter(tags=["shots"], dependencies=READS)
 
@@ -29,7 +30,7 @@ async def list_shots(service: ServiceDep, principal: PrincipalDep) -> ShotList:
 
 
 @router.post(
-    "/shots", operation_id="createShot", status_code=201, responses=problems(413, 415, 503, 504), dependencies=EDITS
+    "/shots", operation_id="createShot", status_code=201, responses=problems(413, 415, 503), dependencies=EDITS
 )
 async def create_shot(
     service: ServiceDep,
@@ -58,26 +59,26 @@ async def create_shot(
     begun = service.store.begin(name, project=_project_of_upload(principal, project))
     try:
         root_path = await run_in_threadpool(store_upload, file.file, name, root, begun.files, service.settings)
-        described = await service.call_stage(shots.describe_shot, begun.with_root(root_path))
+        described = await service.check_upload(begun.with_root(root_path))
         record = await run_in_threadpool(service.store.accept, begun, root_path)
     except BaseException as error:
         service.store.discard(begun)
         service.close_shot(begun.id)
-        if isinstance(error, WorkerDiedError):
-            detail = f"{name} is damaged in a way that ended the process which tried to read it."
+        if isinstance(error, WorkerDiedError) and error.end in BLAMED:
+            detail = f"{name} was not accepted: {REASONS[error.end]}."
             raise ServiceError(422, "stage_unreadable", detail, path=name) from error
         raise
     response.headers["Location"] = f"/v1/shots/{record.id}"
     return described.model_copy(update=ShotSummary.model_validate(record).model_dump())
 
 
-@router.get("/shots/{shot}", operation_id="getShot", responses=problems(404, 503, 504))
+@router.get("/shots/{shot}", operation_id="getShot", responses=problems(404, 423, 503))
 async def get_shot(service: ServiceDep, shot: ShotId) -> Shot:
     """Read a shot with its frame range and cameras."""
     return await service.call_stage(shots.describe_shot, service.store.get(shot))
 
 
-@router.get("/shots/{shot}/inspect", operation_id="inspectShot", responses=problems(404, 503, 504))
+@router.get("/shots/{shot}/inspect", operation_id="inspectShot", responses=problems(404, 423, 503))
 async def inspect_shot(service: ServiceDep, shot: ShotId) -> Inspection:
     """Inspect a shot: its contents, features that are not honoured, and what the validators find in its cameras."""
     return await service.call_stage(shots.inspect_shot, service.store.get(shot))

@@ -14,7 +14,7 @@ from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
 from service.stage.calls import solving
 
-router = APIRouter(tags=["focus"], responses=problems(404, 503, 504), dependencies=READS)
+router = APIRouter(tags=["focus"], responses=problems(404, 423, 503), dependencies=READS)
 EDITED = problems(412)
 
 AttributeInPath = Annotated[

@@ -45,8 +45,6 @@ async def livez() -> Health:
 @router.get("/readyz", operation_id="readyz", responses=problems(503))
 async def readyz(service: ServiceDep) -> Health:
     """Answer once the picture process has a GL context and is idle or busy."""
-    if service.picture_queue.busy and service.picture_queue.worker.proven:
-        return Health()
     try:
         async with asyncio.timeout(READY_WITHIN_S):
             await service.call_picture(frames.warm_up)

@@ -58,6 +58,7 @@ def worker_environment(environ: Mapping[str, str], *, cache: Path, scratch: Path
     return kept | {
         "HOME": NO_HOME,
         "TMPDIR": str(scratch),
+        "MPLCONFIGDIR": str(cache),
         "XDG_CACHE_HOME": str(cache),
         "__GL_SHADER_DISK_CACHE_PATH": str(cache),  # of NVIDIA's driver
         "OPENBLAS_NUM_THREADS": "1",  # no thread is to exist before the worker enters its sandbox

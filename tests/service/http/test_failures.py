@@ -6,11 +6,10 @@ import errno
 import os
 import subprocess
 import sys
-import time
 
 from service.http.settings import Settings
 from service.storage.store import ShotStore
-from tests.service.conftest import ROOM, running, send, until
+from tests.service.conftest import ROOM, is_running, running, send, until
 
 SHAPE = {"code", "detail", "path", "errors"}
 
@@ -70,35 +69,27 @@ def test_without_gl_all_but_pictures_works(tmp_path, monkeypatch):
         assert service.client.get(f"/v1/shots/{shot}/readout", params={"time": 1}).status_code == 200
 
 
-WITH_A_WORKER = """
+WITH_A_BUSY_WORKER = """
 import time
-from tests.service.workers.fake_work import Tally, process_id
+from tests.service.workers.fake_work import echo, process_id
+from tests.service.workers.kit import tally_lane, tally_pool
 from service.workers.calls import call
-from service.workers.process import WorkerProcess
 if __name__ == "__main__":
-    worker = WorkerProcess("orphan", Tally)
-    print(worker.call(call(process_id), 60), flush=True)
-    time.sleep(60)
+    with tally_pool() as pool, tally_lane(pool) as lane:
+        worker_id = lane.submit(call(process_id)).result(60)
+        print(pool.template.pid, worker_id, flush=True)
+        lane.submit(call(echo, pause_s=60))
+        time.sleep(60)
 """
 
 
-def test_a_worker_does_not_outlive_a_killed_service(tmp_path):
+def test_busy_workers_do_not_outlive_a_killed_service(tmp_path):
     script = tmp_path / "parent.py"
-    script.write_text(WITH_A_WORKER)
+    script.write_text(WITH_A_BUSY_WORKER)
     command = [sys.executable, str(script)]
     environment = os.environ | {"PYTHONPATH": os.getcwd()}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as parent:
-        worker_id = int(parent.stdout.readline())
-        assert is_running(worker_id)
+        processes = [int(word) for word in parent.stdout.readline().split()]
+        assert all(is_running(process) for process in processes)
         parent.kill()
-    until(lambda: not is_running(worker_id))
-
-
-def is_running(process_id: int) -> bool:
-    """Whether a process is there and no zombie."""
-    time.sleep(0.02)
-    try:
-        with open(f"/proc/{process_id}/stat") as stat:
-            return stat.read().rsplit(")", 1)[1].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
+    until(lambda: not any(is_running(process) for process in processes))

@@ -16,6 +16,7 @@ from service.http.live_connection import MAX_PROBLEMS, LiveConnection
 from service.http.metrics import Metrics
 from service.models.cameras import READOUT_EXAMPLE, Readout
 from service.picture.requests import LivePicture
+from service.workers.places import NOWHERE
 
 SPENT = dict.fromkeys(("read_ms", "peel_ms", "blur_ms", "finish_ms", "total_ms", "encode_ms"), 1.0)
 PREVIEW = LivePicture("preview", "jpeg", 24, 14, SPENT, 0, 0.25, 0.0, b"preview")
@@ -71,11 +72,11 @@ class Pictures:
         self.streams: list[SimpleNamespace] = []
         self.dropped: list[SimpleNamespace] = []
 
-    def submit_stream(self, work: object, **callbacks: object) -> SimpleNamespace:
+    def submit_stream(self, work: object, place: object, client: object, **callbacks: object) -> SimpleNamespace:
         self.streams.append(SimpleNamespace(work=work, **callbacks))
         return self.streams[-1]
 
-    def cancel_stream(self, stream: SimpleNamespace) -> None:
+    def cancel(self, stream: SimpleNamespace) -> None:
         self.dropped.append(stream)
 
     async def show(self, index: int, shown: LivePicture) -> None:
@@ -98,9 +99,10 @@ def serve(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
         service = SimpleNamespace(
             settings=SimpleNamespace(max_picture_px=10**6),
             store=SimpleNamespace(get=lambda shot: record),
-            picture_queue=pictures,
+            lanes=SimpleNamespace(live=pictures),
+            place_of=lambda record: NOWHERE,
             frame_cache=FrameCache(10**6),
-            metrics=Metrics(queues=()),
+            metrics=Metrics(SimpleNamespace()),
             run_id="run",
         )
         connection = asyncio.create_task(LiveConnection(service, socket, "room").serve())
@@ -124,7 +126,7 @@ def test_late_pictures_of_an_old_request_do_not_replace_a_cached_one():
         await socket.request(3, time=2)
         assert pictures.dropped == [pictures.streams[1]]
         await pictures.show(1, BETTER)
-        pictures.streams[1].on_end(ServiceError(504, "timeout", "It took too long."))
+        pictures.streams[1].on_end(ServiceError(422, "unfit", "It took too long."))
         assert socket.pictures[1:] == [(1, "preview"), (1, "refining")]  # two are unacknowledged
         await socket.send(ack=3)
         assert socket.pictures[3:] == [(3, "final")]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 
 from render.errors import StageError
 from service.workers.calls import register
@@ -16,6 +17,7 @@ class Tally:
 
     def __init__(self) -> None:
         self.calls = 0
+        self.held = b""
 
 
 @register
@@ -45,6 +47,32 @@ def crash(state: Tally) -> None:
 @register
 def unpicklable(state: Tally) -> object:
     return lambda: None
+
+
+@register
+def devour_memory(state: Tally) -> None:
+    """End the process as C++ does when it gets no memory."""
+    with suppress(MemoryError):
+        while True:
+            state.held += b"x" * (64 << 20)
+    os.abort()
+
+
+@register
+def hold_memory(state: Tally, count: int) -> None:
+    state.held = b"x" * count
+
+
+class Evil:
+    """Runs a command where it is unpickled without care."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return os.system, ("touch /nonexistent/evil",)
+
+
+@register
+def lie(state: Tally) -> object:
+    return Evil()
 
 
 @register

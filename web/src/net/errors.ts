@@ -103,7 +103,6 @@ function adviceFor(error: ServiceError): string {
     case 422:
       return "Nothing was changed.";
     case 503:
-    case 504:
       return "Try again in a moment.";
     default:
       return error.status >= 500 ? "If it fails again, the service’s log says more." : "Nothing was changed.";

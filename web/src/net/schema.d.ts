@@ -878,6 +878,26 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/quarantine": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        readonly post?: never;
+        /**
+         * Release Shot
+         * @description Release a shot from quarantine, where one is that has ended worker processes, so that it is opened again.
+         */
+        readonly delete: operations["releaseShot"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/racks": {
         readonly parameters: {
             readonly query?: never;
@@ -7042,7 +7062,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Health"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7098,7 +7118,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7118,15 +7138,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7187,7 +7198,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7207,15 +7218,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7261,7 +7263,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7281,15 +7283,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7347,7 +7340,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7367,15 +7360,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7433,7 +7417,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7453,15 +7437,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7507,7 +7482,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7527,15 +7502,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7593,7 +7559,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7613,15 +7579,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7679,7 +7636,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7699,15 +7656,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7765,7 +7713,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7785,15 +7733,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7908,7 +7847,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7928,15 +7867,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -7994,8 +7924,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8014,15 +7953,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8078,7 +8008,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8151,8 +8081,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8171,15 +8110,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8258,8 +8188,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8278,15 +8217,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8349,8 +8279,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8369,15 +8308,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8456,8 +8386,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8476,15 +8415,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8565,8 +8495,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8585,15 +8524,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8672,8 +8602,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8692,15 +8631,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8763,8 +8693,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8783,15 +8722,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8870,8 +8800,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8890,15 +8829,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8979,8 +8909,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8999,15 +8938,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9086,8 +9016,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9106,15 +9045,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9177,8 +9107,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9197,15 +9136,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9284,8 +9214,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9304,15 +9243,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9375,8 +9305,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9395,15 +9334,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9484,8 +9414,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9504,15 +9443,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9591,8 +9521,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9611,15 +9550,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9716,8 +9646,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9736,15 +9675,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9805,8 +9735,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9825,15 +9764,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -9901,7 +9831,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9988,8 +9918,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10008,15 +9947,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10099,8 +10029,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10119,15 +10058,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10185,8 +10115,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10205,15 +10144,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10295,8 +10225,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10315,15 +10254,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10405,8 +10335,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10425,15 +10364,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10504,8 +10434,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10524,15 +10463,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10626,8 +10556,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10646,15 +10585,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10719,8 +10649,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10739,15 +10678,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10828,8 +10758,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10848,15 +10787,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10921,8 +10851,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -10941,15 +10880,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11024,8 +10954,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11044,15 +10983,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11135,8 +11065,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11155,15 +11094,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11246,8 +11176,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11266,15 +11205,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11355,8 +11285,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11375,15 +11314,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11508,8 +11438,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11528,15 +11467,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11594,8 +11524,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11614,15 +11553,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11669,7 +11599,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11755,7 +11685,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11827,8 +11757,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11847,15 +11786,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -11911,7 +11841,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11983,7 +11913,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12056,8 +11986,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12076,15 +12015,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12166,8 +12096,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12186,15 +12125,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12256,8 +12186,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12283,8 +12222,65 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
+        };
+    };
+    readonly releaseShot: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 204: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12363,8 +12359,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12383,15 +12388,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12454,8 +12450,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12474,15 +12479,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12545,8 +12541,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12565,15 +12570,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12646,8 +12642,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request or the stage is invalid; `detail` says why. */
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -12666,15 +12671,6 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
-                headers: {
-                    readonly [name: string]: unknown;
-                };
-                content: {
-                    readonly "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request took too long and was ended. */
-            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

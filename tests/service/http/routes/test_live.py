@@ -286,9 +286,9 @@ def test_a_viewer_that_disconnects_leaves_no_work_behind(service, client, room):
     with opened(client, room) as live:
         live.request(id=1, **(SLOW | {"rays": 4000}))
         live.receive()
-        assert service.internal.picture_queue.busy
+        assert service.internal.lanes.live.running
     began_s = time.monotonic()
-    until(lambda: not service.internal.picture_queue.busy)
+    until(lambda: not service.internal.lanes.live.running)
     assert time.monotonic() - began_s < 15
     until(lambda: service.internal.metrics.live_viewers._value.get() == 0)
 
@@ -349,10 +349,10 @@ def test_no_more_viewers_than_are_taken_may_watch(tmp_path):
 def test_a_viewer_that_stops_leaves_no_work_behind(service, live):
     live.request(id=1, **(SLOW | {"rays": 4000}))
     live.receive()
-    assert service.internal.picture_queue.busy
+    assert service.internal.lanes.live.running
     live.socket.send('{"stop": true}')
     began_s = time.monotonic()
-    until(lambda: not service.internal.picture_queue.busy)
+    until(lambda: not service.internal.lanes.live.running)
     assert time.monotonic() - began_s < 15
 
 

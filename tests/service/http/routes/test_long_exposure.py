@@ -88,7 +88,7 @@ def test_pictures_come_between_its_intervals(client, room):
 def test_a_dead_picture_process_loses_it_and_says_so(service, client, room):
     begin(client, room, last=1001)
     until(lambda: state(client, room)["intervals"] >= 1)
-    os.kill(service.internal.picture_queue.worker.pid, signal.SIGKILL)
+    os.kill(service.worker("exposure", room), signal.SIGKILL)
     until(lambda: state(client, room)["shutter"] == "failed")
     assert state(client, room)["problem"]
     lost = client.get(f"{address(room)}/picture")
@@ -102,7 +102,7 @@ def test_a_shot_that_is_removed_takes_its_exposure_along(service, client, room_f
     begin(client, shot, last=1001)
     assert client.delete(f"/v1/shots/{shot}").status_code == 204
     assert client.get(address(shot)).status_code == 404
-    until(lambda: not service.internal.picture_queue.busy)
+    until(lambda: not service.internal.lanes.exposure.running)
 
 
 @pytest.mark.parametrize(

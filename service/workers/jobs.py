@@ -1,0 +1,138 @@
+"""Work that waits or runs in a lane: calls, which have one reply, and streams, which have any number of items."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
+
+from service.workers.calls import Call, StreamCall
+from service.workers.errors import SupersededError
+from service.workers.places import Place
+from service.workers.process import WorkerProcess
+
+State = TypeVar("State")
+
+FIRST_GRACE_S = 0.25
+"""Time that a stream keeps others waiting after its first interruption; it doubles with each further one."""
+
+
+@dataclass(frozen=True)
+class Client:
+    """Client that work is done for.
+
+    Attributes:
+        principal: whose key it is, or the address of a client without one; the work that waits is limited for each.
+        viewer: a connection, or the principal; viewers take turns.
+    """
+
+    principal: str = ""
+    viewer: Hashable = ""
+
+
+NOBODY = Client()
+"""The service itself."""
+
+
+@dataclass(eq=False)
+class CallWork(Generic[State]):
+    """A call, and the future of its reply."""
+
+    call: Call[State, Any]
+    future: Future[Any] = field(default_factory=Future)
+    grace_s: float = 0.0
+
+    def begin(self) -> bool:
+        """Mark the call as running. Returns False where the caller has cancelled it."""
+        return self.future.running() or self.future.set_running_or_notify_cancel()
+
+    def run(self, process: WorkerProcess[State], cpu_s: float, serial: int) -> bool:
+        """Run the call to its end. Returns True."""
+        self.future.set_result(process.call(self.call, cpu_s))
+        return True
+
+    def fail(self, error: Exception) -> None:
+        """End the call with an error, after `begin`."""
+        self.future.set_exception(error)
+
+
+@dataclass(eq=False)
+class StreamWork(Generic[State]):
+    """A stream. The callbacks run in a thread of the lane and must not raise.
+
+    Attributes:
+        call: the generator function and its arguments.
+        on_item: called with each item.
+        on_end: called once, after the last item; with the error that ended the stream, or None.
+        has_yielded: whether there was an item, in this run or an interrupted one.
+        is_cancelled: whether its items are of no more use.
+        grace_s: time that it keeps others waiting after its first item.
+    """
+
+    call: StreamCall[State, Any]
+    on_item: Callable[[Any], None]
+    on_end: Callable[[Exception | None], None]
+    has_yielded: bool = False
+    is_cancelled: bool = False
+    grace_s: float = 0.0
+
+    def begin(self) -> bool:
+        """Return False where the stream was cancelled."""
+        return not self.is_cancelled
+
+    def run(self, process: WorkerProcess[State], cpu_s: float, serial: int) -> bool:
+        """Run the stream, or a part of it. Returns False where it was interrupted and has to run again."""
+
+        def deliver(item: Any) -> None:
+            self.has_yielded = True
+            if self.is_cancelled:
+                process.signals.cancelled_stream = serial
+            self.on_item(item)
+
+        is_complete = process.stream(
+            self.call, cpu_s, deliver, serial=serial, has_yielded=self.has_yielded, grace_s=self.grace_s
+        )
+        if is_complete or self.is_cancelled:
+            self.on_end(None if is_complete else SupersededError())
+            return True
+        self.grace_s = max(FIRST_GRACE_S, 2 * self.grace_s)
+        return False
+
+    def fail(self, error: Exception) -> None:
+        """End the stream with an error."""
+        self.is_cancelled = True
+        self.on_end(error)
+
+
+@dataclass(eq=False)
+class Job(Generic[State]):
+    """Work in a lane.
+
+    Attributes:
+        work: the call or stream.
+        place: the shot that it is about.
+        client: who it is done for.
+        group: newer work of the same group replaces it.
+        serial: its number, not 0.
+        position: orders the jobs of one viewer: its number, that of the job whose place it took, or a new one where it was
+            interrupted.
+        queued_s: monotonic time at which it was queued.
+        begun_s: monotonic time at which it last began to run.
+        process: runs it, or None.
+        is_overdue: whether it runs for so long that it no longer keeps others waiting.
+        unwanted_s: monotonic time at which the client of a running call went away, or None.
+    """
+
+    work: CallWork[State] | StreamWork[State]
+    place: Place
+    client: Client
+    group: Hashable | None
+    serial: int
+    position: int
+    queued_s: float = field(default_factory=time.monotonic)
+    begun_s: float = 0.0
+    process: WorkerProcess[State] | None = None
+    is_overdue: bool = False
+    unwanted_s: float | None = None

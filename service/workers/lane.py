@@ -1,0 +1,411 @@
+"""Lane of one kind of work: bounded, fair to its viewers, and not to be blocked by one of them.
+
+A lane runs a few jobs at a time, each in a worker process that serves its shot (`service.workers.pool`).
+
+- *Turns.* Of the jobs that wait, that of the viewer who has used the least time is next (`service.workers.turns`).
+- *Groups.* A page that scrubs through time asks for more pictures than can be rendered. Calls carry a *group* (one client viewing
+  one shot); a newer call of a group takes the place of those that still wait, which fail with `SupersededError`. One that is
+  running is finished: its picture is cached and likely to be requested again.
+- *Streams.* A stream is a long call that yields items on the way. It ends early for a newer call of its group, once it has
+  yielded an item (else a moving pointer would never see a picture), and it is put back in the lane for other jobs that wait. Each
+  time this happens it may run longer before the next time, so that it reaches its end however many other jobs there are.
+- *Patience.* A job that runs for longer than `PATIENCE_S` while others wait becomes overdue: it runs on, and does not count among
+  those that run at a time. The processor is then shared by the kernel.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import logging
+import os
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from service.workers.calls import Call, StreamCall
+from service.workers.errors import QueueFullError, StoppingError, SupersededError, WorkerDiedError
+from service.workers.jobs import NOBODY, CallWork, Client, Job, StreamWork
+from service.workers.places import NOWHERE, Place
+from service.workers.pool import WorkerPool
+from service.workers.process import NotBegunError
+from service.workers.roles import Role
+from service.workers.turns import Turns
+
+log = logging.getLogger("pullfocus.service")
+State = TypeVar("State")
+Reply = TypeVar("Reply")
+Item = TypeVar("Item")
+
+PATIENCE_S = 1.0
+"""Time after which a job no longer keeps others waiting."""
+MAX_OVERDUE = 4
+"""Jobs of a lane that may be overdue at a time."""
+UNWANTED_S = 1.0
+"""Time that a call may go on after its client has gone, before its process is ended."""
+TICK_S = 0.1
+ATTEMPTS = 3
+"""Processes that a call is sent to, where each has ended before it began."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A job that was run.
+
+    Attributes:
+        lane: name of the lane.
+        client: who it was done for.
+        place: the shot that it was about.
+        waited_s: time in the queue, s.
+        ran_s: time in the worker, s.
+        cpu_s: processor time of the worker, s.
+        error: what ended it, or None.
+    """
+
+    lane: str
+    client: Client
+    place: Place
+    waited_s: float
+    ran_s: float
+    cpu_s: float
+    error: Exception | None
+
+
+class Lane(Generic[State]):
+    """Lane of the jobs that one role of workers does. Any thread may use it.
+
+    Args:
+        role: of the workers.
+        pool: of the processes; other lanes use it too.
+        slots: jobs that run at a time, those that are overdue not counted.
+        max_waiting: jobs that may wait.
+        max_waiting_each: jobs of one principal that may wait.
+        timeout_s: time for one job, waiting not counted.
+        on_finished: called after each job, in a thread of the lane; it must not raise.
+    """
+
+    def __init__(
+        self,
+        role: Role[State],
+        pool: WorkerPool,
+        *,
+        slots: int = 1,
+        max_waiting: int,
+        max_waiting_each: int | None = None,
+        timeout_s: float,
+        on_finished: Callable[[Finished], None] = lambda finished: None,
+    ) -> None:
+        self.role = role
+        self.pool = pool
+        self._slots = slots
+        self._max_waiting = max_waiting
+        self._max_waiting_each = max_waiting if max_waiting_each is None else max_waiting_each
+        self._timeout_s = timeout_s
+        self._on_finished = on_finished
+        self._queue: list[Job[State]] = []
+        self._running: list[Job[State]] = []
+        self._turns = Turns()
+        self._serials = itertools.count(1)
+        self._changed = threading.Condition()
+        self._is_stopping = False
+        self._is_closed = False
+        self._threads = ThreadPoolExecutor(slots + MAX_OVERDUE, thread_name_prefix=f"lane-{role.name}")
+        self._watcher = threading.Thread(target=self._watch, name=f"watch-{role.name}", daemon=True)
+        self._watcher.start()
+
+    @property
+    def waiting(self) -> int:
+        """Jobs in the queue, those that run not counted."""
+        return len(self._queue)
+
+    @property
+    def running(self) -> int:
+        """Jobs that run."""
+        return len(self._running)
+
+    @property
+    def oldest_waiting_s(self) -> float:
+        """Time that the oldest waiting job has waited, s; 0 where none waits."""
+        with self._changed:
+            return max((time.monotonic() - job.queued_s for job in self._queue), default=0.0)
+
+    def submit(
+        self,
+        call: Call[State, Reply],
+        place: Place = NOWHERE,
+        client: Client = NOBODY,
+        *,
+        group: Hashable | None = None,
+    ) -> Future[Reply]:
+        """Put a call in the lane; those of the same group that still wait are superseded.
+
+        Args:
+            call: the function and its arguments.
+            place: the shot that it is about.
+            client: who it is made for.
+            group: one client viewing one shot.
+
+        Raises:
+            QueueFullError: too many jobs wait.
+            StoppingError: the service stops.
+        """
+        work: CallWork[State] = CallWork(call)
+        self._enqueue(work, place, client, group)
+        return work.future
+
+    async def result(
+        self,
+        call: Call[State, Reply],
+        place: Place = NOWHERE,
+        client: Client = NOBODY,
+        *,
+        group: Hashable | None = None,
+    ) -> Reply:
+        """Put a call in the lane and wait for its reply; see `submit`. Cancelling this ends the call."""
+        work: CallWork[State] = CallWork(call)
+        job = self._enqueue(work, place, client, group)
+        try:
+            reply: Reply = await asyncio.wrap_future(work.future)
+        except asyncio.CancelledError:
+            self.cancel(job)
+            raise
+        return reply
+
+    def submit_stream(
+        self,
+        call: StreamCall[State, Item],
+        place: Place = NOWHERE,
+        client: Client = NOBODY,
+        *,
+        on_item: Callable[[Item], None],
+        on_end: Callable[[Exception | None], None],
+        group: Hashable | None = None,
+    ) -> Job[State]:
+        """Put a stream in the lane; jobs of the same group that wait, and a stream of it that runs, are superseded.
+
+        Args:
+            call: the generator function and its arguments.
+            place: the shot that it is about.
+            client: who it is made for.
+            on_item: called with each item, in a thread of the lane; it must not raise.
+            on_end: called once after the last item, likewise; with the error that ended the stream, or None.
+            group: one client viewing one shot.
+
+        Returns:
+            The job, for `cancel`.
+
+        Raises:
+            QueueFullError: too many jobs wait.
+            StoppingError: the service stops.
+        """
+        return self._enqueue(StreamWork(call, on_item, on_end), place, client, group)
+
+    def cancel(self, job: Job[State]) -> None:
+        """End a job that nobody wants any more, as soon as possible. Does nothing where it has ended.
+
+        A stream ends between two pieces of work. The process of a call is ended where it goes on for longer than `UNWANTED_S`.
+        """
+        with self._changed:
+            if job in self._queue:
+                self._remove(job, SupersededError())
+            elif job in self._running:
+                job.unwanted_s = job.unwanted_s or time.monotonic()
+                if isinstance(job.work, StreamWork):
+                    job.work.is_cancelled = True
+                    self._signal_end(job)
+
+    def stop(self) -> None:
+        """Take no more jobs. Those that wait or run go on."""
+        with self._changed:
+            self._is_stopping = True
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """Fail the jobs that wait and those that run, and end their processes."""
+        with self._changed:
+            self._is_stopping = self._is_closed = True
+            for job in list(self._queue):
+                self._remove(job, StoppingError())
+            for job in self._running:
+                if job.process is not None:
+                    job.process.kill("stopping")
+            self._changed.notify_all()
+        self._threads.shutdown()
+        self._watcher.join()
+
+    def _enqueue(
+        self, work: CallWork[State] | StreamWork[State], place: Place, client: Client, group: Hashable | None
+    ) -> Job[State]:
+        with self._changed:
+            if self._is_stopping:
+                raise StoppingError
+            # Checked before anything is superseded: older work of the group goes on where this job finds no room.
+            same = [other for other in self._queue if group is not None and other.group == group]
+            ahead = [other for other in self._queue if other not in same]
+            if len(ahead) >= self._max_waiting:
+                raise QueueFullError(
+                    f"{len(ahead)} requests wait for the {self.role.name} lane already; try again soon."
+                )
+            if sum(other.client.principal == client.principal for other in ahead) >= self._max_waiting_each:
+                raise QueueFullError(
+                    f"{self._max_waiting_each} of your requests wait for the {self.role.name} lane already; try again soon."
+                )
+            serial = next(self._serials)
+            job = Job(work, place, client, group, serial, min((other.position for other in same), default=serial))
+            if group is not None:
+                self._supersede(group, same)
+            self._queue.append(job)
+            self._dispatch()
+            return job
+
+    def _supersede(self, group: Hashable, waiting: list[Job[State]]) -> None:
+        for job in waiting:
+            self._remove(job, SupersededError())
+        for job in self._running:
+            if job.group == group and isinstance(job.work, StreamWork):
+                job.work.is_cancelled = True
+                if job.work.has_yielded:  # otherwise after its first item
+                    self._signal_end(job)
+
+    def _signal_end(self, job: Job[State]) -> None:
+        if job.process is not None:
+            job.process.signals.cancelled_stream = job.serial
+
+    def _remove(self, job: Job[State], error: Exception) -> None:
+        self._queue.remove(job)
+        if isinstance(job.work, StreamWork) or job.work.begin():
+            job.work.fail(error)
+        self._publish()
+
+    def _publish(self) -> None:
+        """Tell the running workers how many jobs wait, and waiting threads that something has changed."""
+        for job in self._running:
+            if job.process is not None:
+                job.process.signals.queue_length = len(self._queue)
+        self._changed.notify_all()
+
+    def _dispatch(self) -> None:
+        """Begin jobs while there is room."""
+        while sum(not job.is_overdue for job in self._running) < self._slots:
+            job = self._next()
+            if job is None:
+                break
+            self._queue.remove(job)
+            if not job.work.begin():
+                if isinstance(job.work, StreamWork):
+                    job.work.fail(SupersededError())
+                continue
+            job.begun_s = time.monotonic()
+            self._turns.begin(job.client.viewer)
+            self._running.append(job)
+            self._threads.submit(self._run, job)
+        self._publish()
+
+    def _next(self) -> Job[State] | None:
+        """Choose the next job: the first one of the viewer who has used the least time, among those whose shot is free."""
+        free = (job for job in self._queue if self._is_free(job.place))
+        return min(free, key=lambda job: (self._turns.used_s(job.client.viewer), job.position), default=None)
+
+    def _is_free(self, place: Place) -> bool:
+        """Whether a job of a place may begin: a shot has one process, or others beside those that are overdue."""
+        if place.key is None:
+            return True
+        same = [job for job in self._running if job.place.key == place.key]
+        return not same if self.role.is_single else all(job.is_overdue for job in same)
+
+    def _run(self, job: Job[State]) -> None:
+        """Run a job in a thread of the lane."""
+        error: Exception | None = None
+        cpu_s = 0.0
+        is_complete = True
+        for _ in range(ATTEMPTS):
+            try:
+                process = self.pool.take(self.role, job.place)
+            except WorkerDiedError as cause:
+                error = cause
+                break
+            with self._changed:
+                job.process = process
+                if self._is_closed:
+                    process.kill("stopping")
+                self._publish()
+            began_cpu_s = process.cpu_s()
+            try:
+                error = None
+                is_complete = job.work.run(process, self._timeout_s * (os.cpu_count() or 1), job.serial)
+                break
+            except NotBegunError:
+                error = WorkerDiedError(
+                    f"The {self.role.name} worker ended before it began with this request.", "killed"
+                )
+            except Exception as cause:
+                error = cause
+                break
+            finally:
+                cpu_s += max(0.0, process.cpu_s() - began_cpu_s)
+                self.pool.give_back(process)
+        if isinstance(error, WorkerDiedError):
+            log.error("%s (%s)", error, error.end)
+        if error is not None:
+            job.work.fail(error)
+        self._finish(job, is_complete=is_complete, cpu_s=cpu_s, error=error)
+
+    def _finish(self, job: Job[State], *, is_complete: bool, cpu_s: float, error: Exception | None) -> None:
+        now_s = time.monotonic()
+        finished = Finished(
+            self.role.name, job.client, job.place, job.begun_s - job.queued_s, now_s - job.begun_s, cpu_s, error
+        )
+        with suppress(Exception):
+            self._on_finished(finished)
+        with self._changed:
+            self._running.remove(job)
+            self._turns.charge(job.client.viewer, finished.ran_s)
+            if not is_complete:
+                self._requeue(job)
+            elif not self._queue:
+                self._turns.forget_others([other.client.viewer for other in self._running])
+            self._dispatch()
+
+    def _requeue(self, job: Job[State]) -> None:
+        """Put an interrupted stream at the end of the queue."""
+        if self._is_closed:
+            job.work.fail(StoppingError())
+        elif not job.work.begin():
+            job.work.fail(SupersededError())
+        else:
+            job.process, job.is_overdue, job.queued_s = None, False, time.monotonic()
+            job.position = next(self._serials)
+            self._queue.append(job)
+
+    def _watch(self) -> None:
+        """End jobs that take too long or that nobody wants, and let others begin beside those that are overdue."""
+        with self._changed:
+            while not self._is_closed:
+                self._changed.wait(TICK_S if self._running else None)
+                now_s = time.monotonic()
+                for job in self._running:
+                    self._watch_job(job, now_s)
+                self._dispatch_beside_overdue(now_s)
+
+    def _watch_job(self, job: Job[State], now_s: float) -> None:
+        if job.process is None:
+            return
+        if now_s - job.begun_s > self._timeout_s:
+            job.process.kill("timeout")
+        elif job.unwanted_s is not None and now_s - job.unwanted_s > UNWANTED_S:
+            job.process.kill("cancelled")
+
+    def _dispatch_beside_overdue(self, now_s: float) -> None:
+        if not self._queue:
+            return
+        overdue = Counter(job.is_overdue for job in self._running)[True]
+        for job in list(self._running):
+            if not job.is_overdue and overdue < MAX_OVERDUE and now_s - job.begun_s > PATIENCE_S + job.work.grace_s:
+                job.is_overdue = True
+                overdue += 1
+                self._dispatch()

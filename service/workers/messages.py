@@ -1,0 +1,153 @@
+"""Messages between the service and a worker process, over a pipe that both hold.
+
+A hostile file may have taken control of a worker. Its messages are therefore read by a restricted unpickler, which makes plain
+values and the models and errors of this program, and calls nothing else. Messages of the service are trusted.
+"""
+
+from __future__ import annotations
+
+import io
+import pickle
+from dataclasses import dataclass, is_dataclass
+from enum import Enum
+from importlib import import_module
+from multiprocessing.connection import Connection
+from typing import Any, Generic, TypeVar
+
+from pydantic import BaseModel
+
+from render.errors import PullfocusError
+from service.workers.calls import Call, StreamCall
+from service.workers.places import Place
+from service.workers.roles import Role
+
+State = TypeVar("State")
+
+MAX_MESSAGE_BYTES = 1 << 30
+"""Limit on the size of a worker's message: twice that of the largest picture, as OpenEXR with all channels."""
+
+_PLAIN = {
+    "builtins": {"complex", "set", "frozenset", "bytearray"},
+    "collections": {"OrderedDict"},
+    "datetime": {"datetime", "date", "timedelta", "timezone"},
+}
+_OWN = (
+    "render.errors",
+    "render.model.",
+    "service.edit_context",
+    "service.models.",
+    "service.picture.requests",
+    __name__,
+)
+"""Modules whose classes may be in an answer: they load neither USD nor GL."""
+
+
+@dataclass(frozen=True)
+class Assignment(Generic[State]):
+    """First message to a worker.
+
+    Attributes:
+        role: its kind.
+        place: the shot that it serves.
+    """
+
+    role: Role[State]
+    place: Place
+
+
+@dataclass(frozen=True)
+class Order(Generic[State]):
+    """A call, as it is sent to a worker.
+
+    Attributes:
+        call: the function and its arguments.
+        cpu_s: processor time that it may take, s.
+        serial: number of the stream in `service.workers.streaming.Signals`; 0 for a plain call.
+        has_yielded: as for `service.workers.streaming.StaleCheck`.
+        grace_s: likewise.
+    """
+
+    call: Call[State, Any] | StreamCall[State, Any]
+    cpu_s: float
+    serial: int = 0
+    has_yielded: bool = False
+    grace_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A message of a worker.
+
+    Attributes:
+        value: the reply, or an item of a stream.
+        error: raised by the function on purpose.
+        fault: traceback of a bug.
+        is_last: whether it ends the call.
+    """
+
+    value: object = None
+    error: PullfocusError | None = None
+    fault: str = ""
+    is_last: bool = True
+
+
+@dataclass(frozen=True)
+class Begun:
+    """First message of a worker after an order: from here on, the call may have had effects."""
+
+
+class UnsafeMessageError(Exception):
+    """A worker sent something that is no answer."""
+
+
+def pack(message: object) -> bytes:
+    """Pickle a message. Raises what pickle raises for a value that has no copy."""
+    return pickle.dumps(message, pickle.HIGHEST_PROTOCOL)
+
+
+def receive_trusted(pipe: Connection) -> Any:
+    """Read a message of the service, in the worker. Raises `EOFError` where the service is gone."""
+    return pickle.loads(pipe.recv_bytes())
+
+
+def receive_answer(pipe: Connection) -> Answer | Begun:
+    """Read a message of a worker, in the service.
+
+    Raises:
+        EOFError: the worker is gone.
+        OSError: the worker is gone, or sent more than `MAX_MESSAGE_BYTES`.
+        UnsafeMessageError: it is no answer, or holds an object of a class that is not allowed.
+    """
+    return read_answer(pipe.recv_bytes(MAX_MESSAGE_BYTES))
+
+
+def read_answer(content: bytes) -> Answer | Begun:
+    """Unpickle an answer. Raises `UnsafeMessageError`: it is none, or holds an object of a class that is not allowed."""
+    try:
+        answer = _AnswerReader(io.BytesIO(content)).load()
+    except Exception as error:  # whatever a damaged pickle, or a value that a model refuses, raises
+        raise UnsafeMessageError(f"a message cannot be read: {error!r}") from error
+    if not isinstance(answer, Answer | Begun):
+        raise UnsafeMessageError(f"a message is a {type(answer).__name__}")
+    return answer
+
+
+def sendable_error(error: PullfocusError) -> PullfocusError:
+    """Return an error as the nearest class that an answer may hold, with the same text."""
+    kind = next(kind for kind in type(error).__mro__ if kind.__module__.startswith(_OWN))
+    return error if kind is type(error) else kind(error.detail, code=error.code, path=error.path)
+
+
+class _AnswerReader(pickle.Unpickler):
+    def find_class(self, module: str, name: str) -> Any:
+        """Return a class that may be in an answer. Raises `pickle.UnpicklingError` for all others."""
+        if name in _PLAIN.get(module, ()):
+            return super().find_class(module, name)
+        found = getattr(import_module(module), name, None) if module.startswith(_OWN) else None
+        if isinstance(found, type) and found.__module__ == module and _is_value(found):
+            return found
+        raise pickle.UnpicklingError(f"{module}.{name} may not be in an answer")
+
+
+def _is_value(kind: type) -> bool:
+    return is_dataclass(kind) or issubclass(kind, BaseModel | PullfocusError | Enum)

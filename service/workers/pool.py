@@ -1,0 +1,121 @@
+"""The worker processes of a service, kept between calls while memory allows."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from service.workers.errors import BLAMED, End
+from service.workers.forking import Template
+from service.workers.places import Place
+from service.workers.process import WorkerProcess
+from service.workers.roles import Role
+
+State = TypeVar("State")
+
+
+class WorkerPool:
+    """Worker processes by role and place. Any thread may use it.
+
+    A process serves one shot at a time and one call at a time. Between calls it keeps the shot open; the processes that were not
+    used for longest are ended where all of them hold more memory than they may.
+
+    Args:
+        template: forks them.
+        max_bytes: memory that all processes may hold while they are idle.
+        max_idle: processes that may be idle.
+        on_blame: called with a place's key and the reason when a shot has ended its worker, in any thread.
+    """
+
+    def __init__(
+        self,
+        template: Template,
+        *,
+        max_bytes: int,
+        max_idle: int = 16,
+        on_blame: Callable[[str, End], None] = lambda key, end: None,
+    ) -> None:
+        self.template = template
+        self.starts: Counter[str] = Counter()
+        self.ends: Counter[tuple[str, End]] = Counter()
+        self._max_bytes = max_bytes
+        self._max_idle = max_idle
+        self._on_blame = on_blame
+        self._lock = threading.Lock()
+        self._idle: list[WorkerProcess[Any]] = []  # that which was used last comes last
+        self._busy: set[WorkerProcess[Any]] = set()
+        self._left: set[WorkerProcess[Any]] = set()  # busy with a shot that was closed
+
+    def take(self, role: Role[State], place: Place) -> WorkerProcess[State]:
+        """Return an idle process of a role and place, or start one. The caller gives it back.
+
+        Raises:
+            WorkerDiedError: no process can be started.
+        """
+        with self._lock:
+            found = [process for process in self._idle if process.role == role and process.place == place]
+            for process in reversed(found):
+                self._idle.remove(process)
+                if process.is_alive():
+                    self._busy.add(process)
+                    return cast("WorkerProcess[State]", process)
+                self._note(process, process.close("killed"))
+        started = WorkerProcess(self.template, role, place)
+        with self._lock:
+            self.starts[role.name] += 1
+            self._busy.add(started)
+        return started
+
+    def give_back(self, process: WorkerProcess[Any]) -> None:
+        """Take a process back after a call, in whatever state it is."""
+        with self._lock:
+            self._busy.discard(process)
+            is_of_use = process.end is None and not process.role.is_thrown_away and process not in self._left
+            self._left.discard(process)
+            unused = [] if is_of_use else [process]
+            if is_of_use:
+                self._idle.append(process)
+                unused += self._surplus()
+            for each in unused:
+                self._note(each, each.close())
+        if process.place.key is not None and process.end in BLAMED:
+            self._on_blame(process.place.key, process.end)
+
+    def close_place(self, key: str, role: Role[Any] | None = None) -> None:
+        """End the processes of a shot, all or those of one role: those that are busy, after their call."""
+
+        def is_meant(process: WorkerProcess[Any]) -> bool:
+            return process.place.key == key and role in (None, process.role)
+
+        with self._lock:
+            self._left |= {process for process in self._busy if is_meant(process)}
+            for process in [process for process in self._idle if is_meant(process)]:
+                self._idle.remove(process)
+                self._note(process, process.close())
+
+    def processes(self) -> list[WorkerProcess[Any]]:
+        """Return all processes, idle ones first."""
+        with self._lock:
+            return [*self._idle, *self._busy]
+
+    def close(self) -> None:
+        """End all processes that are idle, and the template, which ends the others."""
+        with self._lock:
+            for process in self._idle:
+                process.close("stopping")
+            self._idle.clear()
+        self.template.close()
+
+    def _surplus(self) -> list[WorkerProcess[Any]]:
+        """Remove the idle processes that are too many, or hold too much, and return them."""
+        held = [process.memory_bytes() for process in self._idle]
+        count = max(0, len(self._idle) - self._max_idle)
+        while count < len(held) and sum(held[count:]) > self._max_bytes:
+            count += 1
+        surplus, self._idle = self._idle[:count], self._idle[count:]
+        return surplus
+
+    def _note(self, process: WorkerProcess[Any], end: End) -> None:
+        self.ends[process.role.name, end] += 1

@@ -1,0 +1,73 @@
+"""The template process: it imports what workers need, once, and forks a worker whenever the service asks.
+
+A worker is there within milliseconds, and shares the memory of the imported modules. The template does nothing but import and
+fork. It never has a second thread, since a fork copies one thread only, and so it opens no stage and no GL context.
+
+Run as ``python -m service.workers.template CONTROL PRELOAD``: the descriptor of the service's socket, and the module whose import
+prepares all workers. The service sends JSON:
+
+- ``{"do": "fork"}``, with the descriptors of a pipe and of a `Signals`, is answered by ``{"pid": 7}``;
+- ``{"do": "reap", "pid": 7}`` waits for the end of a worker and is answered by its ``status`` and ``peak_bytes``.
+
+A worker ends with the template, and the template with the service, however these end.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import signal
+import socket
+import sys
+from importlib import import_module
+from multiprocessing.connection import Connection
+from typing import Any
+
+MESSAGE_BYTES = 4096
+_PR_SET_PDEATHSIG = 1
+
+
+def main(control_fd: int, preload: str) -> None:
+    """Fork workers until the service is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the service, which then closes the socket
+    import_module(preload)
+    from service.workers.serving import serve  # after the preloaded modules, which choose what threads may start
+
+    with socket.socket(fileno=control_fd) as control:
+        control.send(json.dumps({"threads": len(os.listdir("/proc/self/task"))}).encode())
+        while True:
+            message, descriptors, _, _ = socket.recv_fds(control, MESSAGE_BYTES, 2)
+            if not message:
+                return
+            request = json.loads(message)
+            if request["do"] == "fork":
+                pipe_fd, signals_fd = descriptors
+                answer = _fork(control, pipe_fd, signals_fd, serve)
+                os.close(pipe_fd)
+                os.close(signals_fd)
+            else:
+                _, status, usage = os.wait4(request["pid"], 0)
+                answer = {"status": status, "peak_bytes": usage.ru_maxrss * 1024}
+            control.send(json.dumps(answer).encode())
+
+
+def _fork(control: socket.socket, pipe_fd: int, signals_fd: int, serve: Any) -> dict[str, object]:
+    template = os.getpid()
+    try:
+        pid = os.fork()
+    except OSError as error:
+        return {"error": os.strerror(error.errno or 0)}
+    if pid:
+        return {"pid": pid}
+    try:
+        control.close()
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() == template:
+            serve(Connection(pipe_fd), signals_fd)
+    finally:
+        os._exit(0)  # a worker never returns into the template's loop
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), sys.argv[2])

@@ -44,6 +44,7 @@ from render.stage import (
     open_stage,
     stage_settings,
 )
+from render.stage.faults import faults_of_stage
 from render.stage.findings import FindingLog
 from render.stage.options import DEFAULT_OPTIONS, DRAWN_PURPOSES
 from render.stage.own_settings import read_own_settings
@@ -116,6 +117,11 @@ class Shot:
             SettingsError: the options name a prim that is no RenderSettings or RenderPass.
             StageError: the file is not USD, is damaged, or refers to a file outside ``confined_to``; missing ones are findings.
         """
+        with faults_of_stage(Path(path).name):
+            return cls._open(path, confined_to, edits, options)
+
+    @classmethod
+    def _open(cls, path: str | Path, confined_to: Path | None, edits: Path | None, options: StageOptions) -> Self:
         layer = Edits(edits)
         stage = open_stage(
             Path(path),

@@ -10,6 +10,10 @@ MAX_INSTANCED_PRIMS = 200_000
 MAX_PLACES = 2_000_000
 
 
+# Triangles of all instances at a time: a hundred seconds on two cores.
+MAX_DRAWN_TRIANGLES = 200_000_000
+
+
 class PlaceError(StageError):
     """Surface or light that has no place that can be used, or too many of them; the path is that of the prim at fault."""
 

@@ -13,6 +13,7 @@ from pxr import Ar, Pcp, Sdf, Tf, Usd, UsdUtils
 
 from render.errors import StageError
 from render.stage.confinement import check_confined
+from render.stage.faults import shorten, text_of
 from render.stage.findings import FindingLog
 from render.stage.options import Resolver
 from render.stage.population import EVERYTHING, Population, compose
@@ -107,7 +108,7 @@ def composition_findings(stage: Usd.Stage, log: FindingLog) -> None:
     for lost in lost_files(stage):
         log.add("unreadable_reference" if lost.reason else "missing_reference", lost.name, lost.message)
     for error in stage.GetCompositionErrors():
-        text = _one_line(str(error))
+        text = _one_line(text_of(error))
         if _lost_file(error) is None and not _is_materialx(text):
             text = _relative(text, _folder(stage))
             log.add("composition", str(error.rootSite.path), f"the stage does not compose cleanly: {text}")
@@ -119,7 +120,7 @@ def lost_files(stage: Usd.Stage) -> list[LostFile]:
     reasons: dict[str, str] = {}
     for error in stage.GetCompositionErrors():
         file = _lost_file(error)
-        text = _one_line(str(error))
+        text = _one_line(text_of(error))
         if file is None or _is_materialx(text):
             continue
         name = _relative(file, _folder(stage))
@@ -158,8 +159,8 @@ def read_quietly(stage: Usd.Stage) -> Iterator[None]:
 
 
 def _reason(error: Tf.ErrorException) -> str:
-    reasons = _TF_REASON.findall(str(error))
-    return _one_line(reasons[0]) if reasons else "it cannot be read"
+    reasons = _TF_REASON.findall(text_of(error))
+    return shorten(_one_line(reasons[0])) if reasons else "it cannot be read"
 
 
 def _read_layer(file: Path, name: str, confined_to: Path | None) -> Sdf.Layer:
@@ -202,7 +203,7 @@ def _unreadable(name: str, folder: Path) -> Iterator[None]:
 
 def _lost_file(error: Pcp.ErrorBase) -> str | None:
     """File that could not be opened; None for an error of another kind."""
-    asset = _ASSET.search(str(error))
+    asset = _ASSET.search(text_of(error))
     lost = (Pcp.ErrorInvalidAssetPathBase, Pcp.ErrorInvalidSublayerPath)
     return asset.group(1) if asset and isinstance(error, lost) else None
 

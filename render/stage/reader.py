@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom
 
-from render.model.scene import Dome, Scene
+from render.model.scene import Batch, Dome, Scene
 from render.stage.assembly.groups import DrawContext, Group
 from render.stage.assembly.inventory import Inventory, take_inventory
 from render.stage.assembly.level_choice import LevelChoice, LevelChooser, may_change_levels
@@ -20,6 +20,7 @@ from render.stage.camera_list import list_cameras
 from render.stage.findings import Finding, FindingLog
 from render.stage.geometry.skinning import Skeletons
 from render.stage.lights import LightReader
+from render.stage.limits import MAX_DRAWN_TRIANGLES
 from render.stage.materials.bindings import binding_purposes
 from render.stage.materials.looks import LookReader
 from render.stage.materials.textures import TextureCache
@@ -136,6 +137,7 @@ class StageReader:
         unread = (piece for group in plan.groups for piece in group.unread(time))
         shapes.prepare(piece for piece in unread if levels.may_show(piece.occurrence))
         batches = [batch for group in plan.groups for batch in group.batches(context)]
+        batches = self._drop_excess(batches)
         batches += plan.plates.batches(transforms, context.world, context.scale, self._prim_id)
         shining = [(prim, hiders) for prim, hiders, within in plan.inventory.lights if levels.shows(within).all()]
         lights, dome = plan.lights.read(shining, transforms)
@@ -151,6 +153,23 @@ class StageReader:
             camera_light=self._options.camera_light,
             material_paths=tuple(self._material_ids),
         )
+
+    def _drop_excess(self, batches: list[Batch]) -> list[Batch]:
+        """Leave out the batches that exceed `MAX_DRAWN_TRIANGLES`, with a finding for each."""
+        drawn, total = [], 0
+        for batch in batches:
+            count = len(batch.geometry.triangles) * len(batch.poses)
+            if total + count > MAX_DRAWN_TRIANGLES:
+                path = list(self._prim_ids)[batch.geometry.prim_ids[0]]
+                message = (
+                    f"{path} is not drawn: its {len(batch.poses):,} instances have {count:,} triangles, and a picture has up to "
+                    f"{MAX_DRAWN_TRIANGLES:,}"
+                )
+                self._log.add("too_many_triangles", path, message)
+                continue
+            total += count
+            drawn.append(batch)
+        return drawn
 
     def _sees_dome(self, dome: Dome) -> bool:
         """Whether the camera sees the dome behind all surfaces; held out, it is as black as not seen."""

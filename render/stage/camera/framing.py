@@ -10,6 +10,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from render.errors import StageError
 from render.model.camera import Camera
+from render.stage.instancer_loops import find_instancer_loop
 from render.stage.opening import lost_files, read_quietly
 from render.stage.options import DRAWN_PURPOSES
 from render.stage.world import is_y_up, world_from_stage
@@ -43,6 +44,10 @@ def framing_camera(
             unloaded = stage.GetLoadRules() != Usd.StageLoadRules.LoadAll()
             layers = stage.GetRootLayer(), stage.GetSessionLayer(), stage.GetPathResolverContext()
             stage = Usd.Stage.OpenMasked(*layers, population, Usd.Stage.LoadNone if unloaded else Usd.Stage.LoadAll)
+        loop = find_instancer_loop(stage)
+        if loop is not None:
+            message = f"instancer {loop} is among its own prototypes: the stage has no end that a camera could frame"
+            raise StageError(message, code="empty_stage", path=str(loop))
         boxes = UsdGeom.BBoxCache(Usd.TimeCode(time), list(purposes), useExtentsHint=True)
         box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
     if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():

@@ -1,0 +1,178 @@
+"""Stages of a few kilobytes that ask for gigabytes or minutes are refused, or drawn in part, with one clear message."""
+
+from __future__ import annotations
+
+import resource
+import struct
+import time
+from pathlib import Path
+
+import pytest
+from pxr import Sdf, Usd, UsdGeom
+
+from render.errors import CameraError, StageError
+from render.shot import Shot
+from render.stage import limits
+from render.stage.instancer_loops import find_instancer_loop
+from render.stage.layer_files import check_layer_file
+from render.stage.opening import open_stage
+from render.stage.reader import StageReader
+
+HEAD = "#usda 1.0\n"
+LINK = 'def "p{}" {{\n def "a" ({}references = </p{}>) {{}}\n def "b" ({}references = </p{}>) {{}}\n}}\n'
+BOMBS = {
+    "parentheses": f'{HEAD}def "W" {{\n custom float3 x = {"(" * 60_000}{")" * 60_000}\n}}',
+    "parentheses_apart_by_comments": f'{HEAD}def "W" {{\n custom float3 x = {"( /*)*/ " * 9000}{")" * 9000}\n}}',
+    "brackets": f'{HEAD}def "W" {{\n custom float[] x = {"[" * 60_000}{"]" * 60_000}\n}}',
+    "dictionaries": f"{HEAD}(customLayerData = {{{'dictionary a = {' * 20_000}{'}' * 20_000}}})",
+    "prims": HEAD + 'def "a" {\n' * 50_000 + "}\n" * 50_000,
+    "references_doubled": HEAD
+    + "".join(LINK.format(i, "", i + 1, "", i + 1) for i in range(17))
+    + 'def Sphere "p17" {}',
+    "payloads_doubled": HEAD
+    + "".join(LINK.format(i, "", i + 1, "", i + 1) for i in range(17)).replace("references", "payload")
+    + 'def Sphere "p17" {}',
+    "inherits_doubled": HEAD
+    + "".join(LINK.format(i, "", i + 1, "", i + 1) for i in range(17)).replace("references", "inherits")
+    + 'def Sphere "p17" {}',
+    "references_in_variants": HEAD
+    + "".join(
+        f'def "p{i}" (variantSets = ["v"]) {{\n variantSet "v" = {{\n "x" {{\n  def "a" (references = </p{i + 1}>) {{}}\n'
+        f'  def "b" (references = </p{i + 1}>) {{}}\n }}\n }}\n}}\n'
+        for i in range(17)
+    )
+    + 'def Sphere "p17" {}',
+    "a_long_chain": HEAD + "".join(f'def "p{i}" (references = </p{i + 1}>) {{}}\n' for i in range(2000)),
+    "value_clips": f'{HEAD}def "W" (clips = {{dictionary default = {{string templateAssetPath = "./c.###.usd"\n'
+    "double templateStartTime = 0\ndouble templateEndTime = 1e7\ndouble templateStride = 0.01\n"
+    'string primPath = "/W"}}) {}',
+}
+
+
+def refusal(file: Path) -> StageError:
+    """Error of opening a file, within five seconds and 300 MB."""
+    before_kb, begun_s = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.monotonic()
+    with pytest.raises(StageError) as caught:
+        Shot.open(file, confined_to=file.parent)
+    assert time.monotonic() - begun_s < 5
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kb < 300_000
+    assert str(file.parent) not in f"{caught.value.detail}{caught.value.path}"
+    assert len(caught.value.detail) < 500
+    return caught.value
+
+
+@pytest.mark.parametrize("name", BOMBS)
+def test_a_layer_that_would_explode_is_refused(name: str, tmp_path: Path) -> None:
+    (tmp_path / "a.usda").write_text(BOMBS[name])
+
+    assert refusal(tmp_path / "a.usda").code in ("stage_unreadable", "too_many_prims", "too_many_clips")
+
+
+@pytest.mark.parametrize("arc", ["subLayers = [@b.usda@]", "customLayerData = {asset x = @b.usda@}"])
+def test_layers_that_are_named_are_judged_too(arc: str, tmp_path: Path) -> None:
+    (tmp_path / "a.usda").write_text(f"{HEAD}({arc})")
+    (tmp_path / "b.usda").write_text(BOMBS["parentheses"])
+
+    assert "nested" in refusal(tmp_path / "a.usda").detail
+
+
+def test_layers_in_a_package_are_judged_too(tmp_path: Path) -> None:
+    (tmp_path / "b.usda").write_text(BOMBS["parentheses"])
+    with Sdf.ZipFileWriter.CreateNew(str(tmp_path / "a.usdz")) as package:
+        package.AddFile(str(tmp_path / "b.usda"), "b.usda")
+
+    assert "nested" in refusal(tmp_path / "a.usdz").detail
+
+
+def test_sublayers_do_not_multiply(tmp_path: Path) -> None:
+    for i in range(25):
+        (tmp_path / f"l{i}.usda").write_text(f"{HEAD}(subLayers = [@l{i + 1}.usda@, @l{i + 1}.usda@ (offset = 1)])")
+    (tmp_path / "l25.usda").write_text(HEAD)
+
+    assert refusal(tmp_path / "l0.usda").code == "too_many_prims"
+
+
+def test_instanceable_prims_and_variants_count_once(tmp_path: Path) -> None:
+    links = "".join(LINK.format(i, "instanceable = true\n", i + 1, "instanceable = true\n", i + 1) for i in range(12))
+    text = HEAD + links + 'def Sphere "p12" {}\ndef Camera "c" {}\n'
+    (tmp_path / "a.usda").write_text(text)
+
+    assert Shot.open(tmp_path / "a.usda", confined_to=tmp_path).cameras() == ["/c"]
+
+
+def test_a_circle_of_references_is_left_to_usd(tmp_path: Path) -> None:
+    (tmp_path / "a.usda").write_text(f'{HEAD}def "a" (references = </b>) {{}}\ndef "b" (references = </a>) {{}}\n')
+
+    Shot.open(tmp_path / "a.usda", confined_to=tmp_path)
+
+
+@pytest.fixture(scope="module")
+def crate(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    file = tmp_path_factory.mktemp("crate") / "a.usdc"
+    layer = Sdf.Layer.CreateNew(str(file))
+    stage = Usd.Stage.Open(layer)
+    UsdGeom.Sphere.Define(stage, "/World/Ball")
+    UsdGeom.Mesh.Define(stage, "/World/Card").GetPointsAttr().Set([(0, 0, 0), (1, 0, 0), (0, 1, 0)] * 9)
+    layer.Save()
+    return file.read_bytes()
+
+
+def test_a_crate_passes(crate: bytes, tmp_path: Path) -> None:
+    (tmp_path / "a.usdc").write_bytes(crate)
+
+    check_layer_file(str(tmp_path / "a.usdc"))
+
+
+def test_a_table_of_contents_that_cannot_be_true_is_refused(crate: bytes, tmp_path: Path) -> None:
+    (start,) = struct.unpack_from("<q", crate, 16)
+    (count,) = struct.unpack_from("<Q", crate, start)
+    damaged = [crate[:50], crate[:start], crate[:16] + struct.pack("<q", 2**40) + crate[24:]]
+    damaged.append(crate[:start] + struct.pack("<Q", 2**60) + crate[start + 8 :])
+    for section in range(count):
+        at = start + 8 + 32 * section
+        name, offset, size = struct.unpack_from("<16sqq", crate, at)
+        for bad in ((2**40, size), (offset, 2**40), (-1, size)):
+            damaged.append(crate[:at] + struct.pack("<16sqq", name, *bad) + crate[at + 32 :])
+        damaged.append(crate[:offset] + struct.pack("<Q", 2**33) + crate[offset + 8 :])
+    for content in damaged:
+        (tmp_path / "a.usdc").write_bytes(content)
+        with pytest.raises(StageError, match="is not a readable USD file"):
+            check_layer_file(str(tmp_path / "a.usdc"))
+
+
+@pytest.mark.parametrize("text", [b"custom asset a = @\xff\xfe.png@", b'custom string s = "\xff"', b'def "\xff" {}'])
+def test_text_that_is_no_utf_8_is_one_clear_error(text: bytes, tmp_path: Path) -> None:
+    (tmp_path / "a.usda").write_bytes(b'#usda 1.0\ndef "W" {\n' + text + b"\n}")
+
+    assert refusal(tmp_path / "a.usda").code == "stage_unreadable"
+
+
+def test_an_instancer_among_its_own_prototypes_is_found(tmp_path: Path) -> None:
+    (tmp_path / "a.usda").write_text(
+        f'{HEAD}def PointInstancer "I" {{\n rel prototypes = [</I>]\n int[] protoIndices = [0]\n'
+        " point3f[] positions = [(0, 0, 0)]\n}\n"
+    )
+    shot = Shot.open(tmp_path / "a.usda", confined_to=tmp_path)
+
+    assert find_instancer_loop(shot.stage) == Sdf.Path("/I")
+    with pytest.raises((StageError, CameraError), match="among its own prototypes"):
+        shot.default_camera()
+
+
+def test_more_triangles_than_can_be_drawn_are_left_out(tmp_path: Path) -> None:
+    stage = Usd.Stage.CreateNew(str(tmp_path / "a.usda"))
+    instancer = UsdGeom.PointInstancer.Define(stage, "/Many")
+    instancer.GetPrototypesRel().AddTarget(UsdGeom.Sphere.Define(stage, "/Many/Ball").GetPath())
+    instancer.GetProtoIndicesAttr().Set([0] * 400_000)
+    instancer.GetPositionsAttr().Set([(0, 0, 0)] * 400_000)
+    UsdGeom.Cube.Define(stage, "/Box")
+    stage.Save()
+    reader = StageReader(open_stage(tmp_path / "a.usda", confined_to=tmp_path))
+    begun_s = time.monotonic()
+
+    scene = reader.read(0)
+
+    assert time.monotonic() - begun_s < 20
+    assert sum(len(b.geometry.triangles) * len(b.poses) for b in scene.batches) < limits.MAX_DRAWN_TRIANGLES
+    assert len(scene.batches) == 1
+    assert [f.path for f in reader.findings if f.code == "too_many_triangles"] == ["/Many/Ball"]

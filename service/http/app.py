@@ -16,6 +16,7 @@ from service.http.guard import GuardMiddleware
 from service.http.identity import IdentityMiddleware
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
+from service.http.places import hide_folder
 from service.http.reference import install_reference
 from service.http.request_context import RequestContextMiddleware
 from service.http.routes import (
@@ -74,6 +75,7 @@ def create_app(settings: Settings) -> FastAPI:
             service.long_exposures.close()
             await run_in_threadpool(service.close)
 
+    hide_folder(settings.data)
     app = FastAPI(
         title="Pullfocus",
         version=system.program_version(),

@@ -29,6 +29,7 @@ from render.errors import (
 )
 from render.model.edit_history import EndOfHistoryError
 from service.edit_context import ChangedMeanwhileError
+from service.http.places import without_places
 from service.workers.errors import (
     QueueFullError,
     StoppingError,
@@ -99,8 +100,9 @@ def problem(
     errors: list[dict[str, str]] | None = None,
     headers: Mapping[str, str] | None = None,
 ) -> JSONResponse:
-    """Return an answer with the body of an error."""
-    body = {"code": code, "detail": detail, "path": path, "errors": errors or []}
+    """Return an answer with the body of an error, which names no folder of this machine."""
+    shown = without_places(path) if path else path
+    body = {"code": code, "detail": without_places(detail), "path": shown, "errors": errors or []}
     return JSONResponse(body, status, dict(headers or {}))
 
 

@@ -17,36 +17,7 @@ from render.stage.instancer_loops import find_instancer_loop
 from render.stage.layer_files import check_layer_file
 from render.stage.opening import open_stage
 from render.stage.reader import StageReader
-
-HEAD = "#usda 1.0\n"
-LINK = 'def "p{}" {{\n def "a" ({}references = </p{}>) {{}}\n def "b" ({}references = </p{}>) {{}}\n}}\n'
-BOMBS = {
-    "parentheses": f'{HEAD}def "W" {{\n custom float3 x = {"(" * 60_000}{")" * 60_000}\n}}',
-    "parentheses_apart_by_comments": f'{HEAD}def "W" {{\n custom float3 x = {"( /*)*/ " * 9000}{")" * 9000}\n}}',
-    "brackets": f'{HEAD}def "W" {{\n custom float[] x = {"[" * 60_000}{"]" * 60_000}\n}}',
-    "dictionaries": f"{HEAD}(customLayerData = {{{'dictionary a = {' * 20_000}{'}' * 20_000}}})",
-    "prims": HEAD + 'def "a" {\n' * 50_000 + "}\n" * 50_000,
-    "references_doubled": HEAD
-    + "".join(LINK.format(i, "", i + 1, "", i + 1) for i in range(17))
-    + 'def Sphere "p17" {}',
-    "payloads_doubled": HEAD
-    + "".join(LINK.format(i, "", i + 1, "", i + 1) for i in range(17)).replace("references", "payload")
-    + 'def Sphere "p17" {}',
-    "inherits_doubled": HEAD
-    + "".join(LINK.format(i, "", i + 1, "", i + 1) for i in range(17)).replace("references", "inherits")
-    + 'def Sphere "p17" {}',
-    "references_in_variants": HEAD
-    + "".join(
-        f'def "p{i}" (variantSets = ["v"]) {{\n variantSet "v" = {{\n "x" {{\n  def "a" (references = </p{i + 1}>) {{}}\n'
-        f'  def "b" (references = </p{i + 1}>) {{}}\n }}\n }}\n}}\n'
-        for i in range(17)
-    )
-    + 'def Sphere "p17" {}',
-    "a_long_chain": HEAD + "".join(f'def "p{i}" (references = </p{i + 1}>) {{}}\n' for i in range(2000)),
-    "value_clips": f'{HEAD}def "W" (clips = {{dictionary default = {{string templateAssetPath = "./c.###.usd"\n'
-    "double templateStartTime = 0\ndouble templateEndTime = 1e7\ndouble templateStride = 0.01\n"
-    'string primPath = "/W"}}) {}',
-}
+from tests.render.kits.hostile_stages import HEAD, LINK, STAGE_BOMBS
 
 
 def refusal(file: Path) -> StageError:
@@ -61,9 +32,9 @@ def refusal(file: Path) -> StageError:
     return caught.value
 
 
-@pytest.mark.parametrize("name", BOMBS)
+@pytest.mark.parametrize("name", STAGE_BOMBS)
 def test_a_layer_that_would_explode_is_refused(name: str, tmp_path: Path) -> None:
-    (tmp_path / "a.usda").write_text(BOMBS[name])
+    (tmp_path / "a.usda").write_text(STAGE_BOMBS[name])
 
     assert refusal(tmp_path / "a.usda").code in ("stage_unreadable", "too_many_prims", "too_many_clips")
 
@@ -71,13 +42,13 @@ def test_a_layer_that_would_explode_is_refused(name: str, tmp_path: Path) -> Non
 @pytest.mark.parametrize("arc", ["subLayers = [@b.usda@]", "customLayerData = {asset x = @b.usda@}"])
 def test_layers_that_are_named_are_judged_too(arc: str, tmp_path: Path) -> None:
     (tmp_path / "a.usda").write_text(f"{HEAD}({arc})")
-    (tmp_path / "b.usda").write_text(BOMBS["parentheses"])
+    (tmp_path / "b.usda").write_text(STAGE_BOMBS["parentheses"])
 
     assert "nested" in refusal(tmp_path / "a.usda").detail
 
 
 def test_layers_in_a_package_are_judged_too(tmp_path: Path) -> None:
-    (tmp_path / "b.usda").write_text(BOMBS["parentheses"])
+    (tmp_path / "b.usda").write_text(STAGE_BOMBS["parentheses"])
     with Sdf.ZipFileWriter.CreateNew(str(tmp_path / "a.usdz")) as package:
         package.AddFile(str(tmp_path / "b.usda"), "b.usda")
 

@@ -1,0 +1,47 @@
+"""A service among secrets that no upload may reach."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx
+
+from service.http.settings import Settings
+from tests.hostile.corpus import Canaries, secret_cube
+from tests.service.conftest import running
+
+
+@dataclass(frozen=True)
+class World:
+    """A service that runs, and what is outside of every upload.
+
+    Attributes:
+        client: of the service.
+        canaries: secrets.
+        places: folders that no answer may name.
+    """
+
+    client: httpx.Client
+    canaries: Canaries
+    places: tuple[str, ...]
+
+
+@contextmanager
+def hostile_world(folder: Path) -> Iterator[World]:
+    """Run a service whose environment and neighbouring folders hold canaries."""
+    text, cube, variable = folder / "secret.txt", folder / "secret.cube", "PULLFOCUS_CANARY"
+    values = ("canary-of-a-file-4711", "canary-of-the-environment-4711")
+    text.write_text(f"{values[0]}\n")
+    cube.write_text(f"# {values[0]}\n{secret_cube()}")
+    os.environ[variable] = values[1]
+    try:
+        with running(Settings(data=folder / "data", demo=False)) as service:
+            places = (str(folder / "data"), sys.prefix)
+            yield World(service.client, Canaries(text, cube, variable, values), places)
+    finally:
+        del os.environ[variable]

@@ -10,10 +10,11 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import PullfocusError
+from service.http.auditing import AuditMiddleware
 from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
-from service.http.identity import IdentityMiddleware
+from service.http.identity import Identity, IdentityMiddleware
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
 from service.http.places import hide_folder
@@ -25,6 +26,7 @@ from service.http.routes import (
     edits,
     focus,
     frames,
+    identity,
     lenses,
     libraries,
     live,
@@ -85,15 +87,17 @@ def create_app(settings: Settings) -> FastAPI:
         redoc_url=None,
         license_info={"name": "Apache-2.0", "identifier": "Apache-2.0"},
     )
-    app.add_middleware(IdentityMiddleware)
+    app.state.identity = Identity(settings)
+    app.add_middleware(IdentityMiddleware, identity=app.state.identity)
     app.add_middleware(GuardMiddleware, settings=settings)
     app.add_middleware(ClientMiddleware)
+    app.add_middleware(AuditMiddleware, identity=app.state.identity)
     app.add_middleware(MetricsMiddleware)
     install_error_handlers(app)
     app.add_middleware(SecurityHeadersMiddleware)
     app.add_middleware(RequestContextMiddleware)
     lens = (cameras, photography, metering, lenses, libraries)
-    for routes in (shots, quarantine, edits, *lens, frames, live, long_exposure, focus, solving, curves):
+    for routes in (shots, quarantine, edits, *lens, frames, live, long_exposure, focus, solving, curves, identity):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
     app.include_router(system.router)
     live.describe_messages(app)

@@ -17,11 +17,10 @@ import uvicorn
 from render.errors import OutputError, SettingsError
 from service.http.app import create_app
 from service.http.configuration import read_configuration
+from service.http.exposure import with_exposure
 from service.http.logs import LogFormat, set_up_logs
 from service.http.settings import Settings, default_data_folder
 from service.storage.store import ShotStore
-
-LOOPBACK_NAMES = ("127.0.0.1", "localhost", "::1")
 
 
 def serve(arguments: Sequence[str]) -> int:
@@ -34,12 +33,13 @@ def serve(arguments: Sequence[str]) -> int:
         The exit status.
 
     Raises:
-        SettingsError: the host is no address of this machine, or the port is out of range.
+        SettingsError: the host is no address of this machine, the port is out of range, or keys are needed and there are none.
         OutputError: the port or the data folder is in use, or cannot be opened.
     """
     settings = _settings(_parser().parse_args(arguments))
     listener = _listen(settings.host, settings.port)
     set_up_logs(settings.log_format)
+    settings = with_exposure(settings)
     ShotStore(settings.data).close()  # a folder that cannot be used fails here, before the server starts
     host, port = listener.getsockname()[:2]
     shown = f"[{host}]" if ":" in host else host
@@ -101,19 +101,46 @@ def _parser() -> argparse.ArgumentParser:
         default=given_alone,
         help="proxies whose X-Forwarded-For and X-Forwarded-Proto are believed",
     )
+    parser.add_argument(
+        "--allowed-host",
+        dest="allowed_hosts",
+        metavar="NAME",
+        action="append",
+        default=given_alone,
+        help="further name that the service is reached by, such as that of a proxy; repeat it for several",
+    )
+    access = parser.add_mutually_exclusive_group()
+    access.add_argument(
+        "--require-keys",
+        dest="access",
+        action="store_const",
+        const="keys",
+        default=given_alone,
+        help="need keys also where this machine alone reaches the service",
+    )
+    access.add_argument(
+        "--insecure",
+        dest="access",
+        action="store_const",
+        const="insecure",
+        default=given_alone,
+        help="let everybody in who reaches the service",
+    )
     return parser
 
 
 def _settings(typed: argparse.Namespace) -> Settings:
-    """Return the settings of the service. One that listens beyond this machine accepts every host name, unless some are named."""
+    """Return the settings of the service, by the configuration file and the arguments, which go before it."""
     arguments = vars(typed)
     file = arguments.pop("config")
-    chosen = (read_configuration(file) if file else {}) | arguments
-    if chosen.get("host", Settings.host) not in LOOPBACK_NAMES:
-        chosen.setdefault("allowed_hosts", ())
-    settings = Settings(**chosen)
-    proxies = tuple(settings.trusted_proxies)
-    return replace(settings, data=settings.data.expanduser().absolute(), trusted_proxies=proxies)
+    named = tuple(arguments.pop("allowed_hosts", ()))
+    settings = Settings(**(read_configuration(file) if file else {}) | arguments)
+    return replace(
+        settings,
+        data=settings.data.expanduser().absolute(),
+        trusted_proxies=tuple(settings.trusted_proxies),
+        allowed_hosts=(*settings.allowed_hosts, *named),
+    )
 
 
 def _listen(host: str, port: int) -> socket.socket:

@@ -1,9 +1,9 @@
 """ASGI middleware that refuses foreign hosts, cross-site requests and bodies that are too large.
 
-The service has no passwords: on its own machine it trusts every client that can reach 127.0.0.1. A page of another site runs in a
-browser that can, so three kinds of request are refused: those under a host name that is not ours (DNS rebinding); those that
-change something and come from another site (``Sec-Fetch-Site``); and WebSockets opened by a page of another site (``Origin``),
-which browsers do not restrict otherwise.
+On its own machine the service trusts every client that can reach 127.0.0.1, and elsewhere browsers that are signed in. A page of
+another site runs in such a browser, so three kinds of request are refused: those under a host name that is not ours (DNS
+rebinding); those that change something, and WebSockets, with the ``Origin`` of another site; and whatever else such a page uses
+(``Sec-Fetch-Site``), links aside.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class GuardMiddleware:
             await self.app(scope, receive, send)
             return
         limit = self._limit(scope["path"])
-        refusal = self._refusal(scope["method"], Headers(scope=scope), limit)
+        refusal = self._refusal(scope, Headers(scope=scope), limit)
         if refusal is not None:
             await refusal(scope, receive, send)
             return
@@ -72,9 +72,8 @@ class GuardMiddleware:
     async def _guard_websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Accept one WebSocket, or refuse it during the handshake."""
         headers = Headers(scope=scope)
-        refusal = self._foreign_host(headers)
-        origin = headers.get("origin")
-        if refusal is None and origin is not None and _host_of(origin) != headers.get("host", "").lower():
+        refusal = self._foreign_host(scope, headers)
+        if refusal is None and _is_foreign_origin(headers):
             refusal = problem(403, "cross_site", "A page of another site may not watch here.", path="origin")
         if refusal is not None:
             await WebSocket(scope, receive, send).send_denial_response(refusal)
@@ -95,23 +94,41 @@ class GuardMiddleware:
             return self._max_upload_bytes
         return MAX_CURVE_BYTES + MULTIPART_BYTES if CURVE_PATH.fullmatch(path) else MAX_JSON_BYTES
 
-    def _refusal(self, method: str, headers: Headers, limit: int) -> JSONResponse | None:
-        foreign = self._foreign_host(headers)
+    def _refusal(self, scope: Scope, headers: Headers, limit: int) -> JSONResponse | None:
+        method = scope["method"]
+        foreign = self._foreign_host(scope, headers)
         if foreign is not None:
             return foreign
-        if method not in SAFE_METHODS and headers.get("sec-fetch-site") == "cross-site":
-            return problem(403, "cross_site", "A page of another site may change nothing here.", path="sec-fetch-site")
+        if method not in SAFE_METHODS and _is_foreign_origin(headers):
+            return problem(403, "cross_site", "A page of another site may change nothing here.", path="origin")
+        if headers.get("sec-fetch-site") == "cross-site" and not _is_navigation(method, headers):
+            return problem(
+                403, "cross_site", "A page of another site may use nothing of this one.", path="sec-fetch-site"
+            )
         length = headers.get("content-length", "0")
         if length.isdecimal() and int(length) > limit:
             return problem(413, "too_large", _too_large(limit), path="content-length")
         return None
 
-    def _foreign_host(self, headers: Headers) -> JSONResponse | None:
+    def _foreign_host(self, scope: Scope, headers: Headers) -> JSONResponse | None:
         host = re.sub(r":\d+$", "", headers.get("host", "")).lower()
-        if not self._hosts or host in self._hosts:
+        if (
+            host in self._hosts or host.strip("[]") == (scope.get("server") or ("",))[0]
+        ):  # no other site's name is an address
             return None
         detail = f"The service does not answer to the name {host[:80]!r}."
         return problem(421, "unknown_host", detail, path="host")
+
+
+def _is_foreign_origin(headers: Headers) -> bool:
+    """Return whether a page of another site sends a request. Programs send no ``Origin``."""
+    origin = headers.get("origin")
+    return origin is not None and _host_of(origin) != headers.get("host", "").lower()
+
+
+def _is_navigation(method: str, headers: Headers) -> bool:
+    """Return whether somebody follows a link of another site."""
+    return method in SAFE_METHODS and headers.get("sec-fetch-mode") == "navigate"
 
 
 def _host_of(origin: str) -> str | None:

@@ -1,24 +1,179 @@
-"""ASGI middleware that finds out who sends a request, before its body is received."""
+"""Identity of requests: ASGI middleware that finds out who sends a request, before its body is received."""
 
 from __future__ import annotations
 
-from starlette.types import ASGIApp, Receive, Scope, Send
+from datetime import UTC, datetime
+from typing import Annotated
 
-from service.identity.principal import ANYONE
+from fastapi import Depends
+from starlette.datastructures import Headers
+from starlette.requests import HTTPConnection, cookie_parser
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from service.http.access import SESSION_COOKIE, unauthorized
+from service.http.errors import ServiceError, answer_to
+from service.http.guard import SAFE_METHODS
+from service.http.request_context import request_id
+from service.http.settings import Settings
+from service.identity.audit import AuditLog
+from service.identity.keys import KEY_PREFIX, Key, Keys
+from service.identity.principal import ANYONE, NOBODY, Principal
+from service.identity.rate import RateLimit
+from service.identity.sessions import Sessions
+
+BURST_S = 10
+"""Seconds of the allowed rate of requests that may come at once."""
+FAILURES, FAILURES_PER_S = 10, 1 / 6
+"""Wrong keys that one address may send at once, and from then on."""
+SESSION_PATH = "/v1/session"
+
+
+class Identity:
+    """Keys, sessions, limits and audit log of one service.
+
+    Args:
+        settings: of the service.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._access = settings.access
+        self.keys = Keys(settings.data)
+        self.sessions = Sessions()
+        self.audit_log = AuditLog(settings.data)
+        self._failures = RateLimit(FAILURES_PER_S, FAILURES)
+        self._per_s = settings.requests_per_s
+        self._requests = RateLimit(settings.requests_per_s, BURST_S * settings.requests_per_s)
+
+    async def identify(self, scope: Scope) -> Principal:
+        """Return the sender of a request.
+
+        Args:
+            scope: of the request or WebSocket.
+
+        Raises:
+            ServiceError: 401, 403 or 429.
+        """
+        headers = Headers(scope=scope)
+        kind, _, sent = headers.get("authorization", "").partition(" ")
+        token = cookie_parser(headers.get("cookie", "")).get(SESSION_COOKIE)
+        key_id = self.sessions.key_id(token) if token else None
+        key = self.keys.find(key_id) if key_id else None
+        # A service that needs no key takes no notice of what is meant for others, such as a proxy.
+        if kind.lower() == "bearer" and (self._access == "keys" or sent.startswith(KEY_PREFIX)):
+            principal = self.sign_in(sent.strip(), _address(scope)).principal()
+        elif key is not None:
+            _check_origin(scope, headers)
+            principal = key.principal()
+        else:
+            principal = NOBODY if self._access == "keys" else ANYONE
+        self._limit(principal, _address(scope))
+        if principal is NOBODY and _is_private(scope["path"]):
+            raise unauthorized("This needs a key: send it as `Authorization: Bearer KEY`.")
+        return principal
+
+    def sign_in(self, sent: str, address: str) -> Key:
+        """Return the key that was sent.
+
+        Args:
+            sent: the text of the key.
+            address: from where.
+
+        Raises:
+            ServiceError: 401, the key is wrong, expired or revoked; 429, too many such keys came from this address.
+        """
+        key = self.keys.verify(sent)
+        if key is not None:
+            return key
+        wait_s = self._failures.take(address)
+        if wait_s is not None:
+            raise _too_many("Too many wrong keys come from this address.", wait_s)
+        raise unauthorized("The key is wrong, expired or revoked.")
+
+    def audit(self, scope: Scope, status: int) -> None:
+        """Write a line of the audit log.
+
+        Args:
+            scope: of the request.
+            status: of its answer.
+        """
+        state = scope.get("state", {})
+        principal = state.get("principal", NOBODY)
+        self.audit_log.write(
+            {
+                "time": datetime.now(UTC).isoformat(timespec="milliseconds"),
+                "request": request_id.get(),
+                "principal": principal.id,
+                "label": principal.label,
+                "address": _address(scope),
+                "method": scope.get("method", "WEBSOCKET"),
+                "path": scope["path"],
+                "status": status,
+            }
+        )
+
+    def _limit(self, principal: Principal, address: str) -> None:
+        if self._per_s == 0 or (self._access == "open" and principal is ANYONE):
+            return
+        name = address if principal in (ANYONE, NOBODY) else principal.id
+        wait_s = self._requests.take(name)
+        if wait_s is not None:
+            raise _too_many("Too many requests.", wait_s)
 
 
 class IdentityMiddleware:
-    """Sets ``connection.state.principal``.
+    """Sets ``connection.state.principal``, or refuses a request.
 
     Args:
         app: the application.
+        identity: keys, sessions and limits.
     """
 
-    def __init__(self, app: ASGIApp) -> None:
+    def __init__(self, app: ASGIApp, identity: Identity) -> None:
         self.app = app
+        self._identity = identity
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
         if scope["type"] in ("http", "websocket"):
-            scope.setdefault("state", {})["principal"] = ANYONE
+            try:
+                scope.setdefault("state", {})["principal"] = await self._identity.identify(scope)
+            except ServiceError as error:
+                answer = answer_to(error)
+                if scope["type"] == "websocket":
+                    await WebSocket(scope, receive, send).send_denial_response(answer)
+                else:
+                    await answer(scope, receive, send)
+                return
         await self.app(scope, receive, send)
+
+
+def _identity(connection: HTTPConnection) -> Identity:
+    identity = connection.app.state.identity
+    assert isinstance(identity, Identity)
+    return identity
+
+
+IdentityDep = Annotated[Identity, Depends(_identity)]
+
+
+def _check_origin(scope: Scope, headers: Headers) -> None:
+    """Refuse what changes something by a cookie alone. `GuardMiddleware` has compared an ``Origin`` with the host."""
+    if scope.get("method") not in SAFE_METHODS and "origin" not in headers:
+        detail = "A session may change something only from the page: the request has no `Origin`. Programs send a key."
+        raise ServiceError(403, "cross_site", detail, path="origin")
+
+
+def _is_private(path: str) -> bool:
+    """Return whether nobody gets beyond the middleware without credentials; routes check scopes by themselves."""
+    return path == "/metrics" or (path.startswith("/v1/") and path != SESSION_PATH)
+
+
+def _address(scope: Scope) -> str:
+    client = scope.get("client")
+    return client[0] if client else "unknown"
+
+
+def _too_many(detail: str, wait_s: int) -> ServiceError:
+    headers = {"Retry-After": str(wait_s)}
+    return ServiceError(429, "too_many_requests", f"{detail} Try again in {wait_s} s.", headers=headers)

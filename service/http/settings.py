@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from service.http.logs import LogFormat
 from service.models.curve import MAX_CURVE_FRAMES
 
 MEBIBYTE = 1024 * 1024
+Access = Literal["open", "insecure", "keys"]
 
 
 def default_data_folder() -> Path:
@@ -36,8 +38,11 @@ class Settings:
         data: folder of shots and their edits; created when missing.
         demo: whether the demo shot is written there at start.
         static: folder of the built page.
-        allowed_hosts: names allowed in the `Host` header; empty allows every name. The default is loopback names only, so that
-            no web page can reach the service by pointing its own name at 127.0.0.1.
+        allowed_hosts: names allowed in the `Host` header, beside the address that a connection came to. The default is loopback
+            names only, so that no web page can reach the service by pointing its own name at 127.0.0.1.
+        access: who may use the service without a key. `open`: anyone, where this machine alone reaches it; elsewhere nobody.
+            `keys`: nobody. `insecure`: anyone who reaches it.
+        requests_per_s: requests that one sender may go on sending, 0 for any number; an `open` service does not limit them.
         max_upload_mb: size of one upload, MiB.
         max_unpacked_mb: size that an archive may unpack to, MiB.
         max_archive_entries: files and folders in an archive.
@@ -68,6 +73,8 @@ class Settings:
     demo: bool = True
     static: Path = Path(__file__).parents[1] / "static"
     allowed_hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")
+    access: Access = "open"
+    requests_per_s: float = 50.0
     max_upload_mb: int = 512
     max_unpacked_mb: int = 2048
     max_archive_entries: int = 10_000

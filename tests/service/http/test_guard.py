@@ -26,6 +26,20 @@ def test_a_page_of_another_site_changes_nothing(client, room, method):
     assert client.get(f"/v1/shots/{room}").status_code == 200
 
 
+@pytest.mark.parametrize("origin", ["https://evil.example", "null", "http://localhost:1"])
+def test_the_origin_of_what_changes_something_is_ours(client, room, origin):
+    answer = client.delete(f"/v1/shots/{room}", headers={"Origin": origin})
+    assert (answer.status_code, answer.json()["code"]) == (403, "cross_site")
+    own = str(client.base_url).rstrip("/")
+    assert client.delete("/v1/shots/none", headers={"Origin": own}).status_code == 404
+
+
+def test_another_site_may_link_here_and_embed_nothing(client):
+    headers = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors"}
+    assert client.get("/v1/shots", headers=headers).json()["code"] == "cross_site"
+    assert client.get("/v1/shots", headers=headers | {"Sec-Fetch-Mode": "navigate"}).status_code == 200
+
+
 @pytest.mark.parametrize("site", ["same-origin", "same-site", "none"])
 def test_our_own_page_may(client, site):
     assert client.delete("/v1/shots/none", headers={"Sec-Fetch-Site": site}).status_code == 404

@@ -42,6 +42,7 @@ GET /v1/shots/{shot}/camera/grades, GET /v1/shots/{shot}/readout/exposure, GET /
 POST /v1/shots/{shot}/long-exposure, GET /v1/shots/{shot}/long-exposure, PATCH /v1/shots/{shot}/long-exposure,
 DELETE /v1/shots/{shot}/long-exposure, GET /v1/shots/{shot}/long-exposure/picture,
 GET /v1/shots/{shot}/live,
+GET /v1/session, POST /v1/session, DELETE /v1/session, GET /v1/keys, POST /v1/keys, DELETE /v1/keys/{key},
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

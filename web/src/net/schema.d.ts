@@ -164,6 +164,50 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/keys": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Keys
+         * @description List all keys, without their secrets.
+         */
+        readonly get: operations["listKeys"];
+        readonly put?: never;
+        /**
+         * Create Key
+         * @description Create a key. The answer shows it once: only a hash of it is kept.
+         */
+        readonly post: operations["createKey"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/keys/{key}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        readonly post?: never;
+        /**
+         * Revoke Key
+         * @description Revoke a key: it is refused from now on, and the sessions that it began end.
+         */
+        readonly delete: operations["revokeKey"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/lenses": {
         readonly parameters: {
             readonly query?: never;
@@ -239,6 +283,34 @@ export interface paths {
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/session": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Who Am I
+         * @description Tell who one is. The answer is 401 where a key is needed and none was sent.
+         */
+        readonly get: operations["whoAmI"];
+        readonly put?: never;
+        /**
+         * Sign In
+         * @description Exchange a key for a session: a cookie that the page's scripts cannot read. Programs send the key itself instead.
+         */
+        readonly post: operations["signIn"];
+        /**
+         * Sign Out
+         * @description End the session. It is no error if there is none.
+         */
+        readonly delete: operations["signOut"];
         readonly options?: never;
         readonly head?: never;
         readonly patch?: never;
@@ -4822,6 +4894,29 @@ export interface components {
             readonly type: "keyExposure";
         };
         /**
+         * KeyList
+         * @description All keys, oldest first.
+         * @example {
+         *       "keys": [
+         *         {
+         *           "createdAt": "2026-11-21T08:00:00Z",
+         *           "id": "3f2a9c51d07b",
+         *           "label": "Mara",
+         *           "project": "night-tram",
+         *           "scopes": [
+         *             "edit",
+         *             "read",
+         *             "render"
+         *           ]
+         *         }
+         *       ]
+         *     }
+         */
+        readonly KeyList: {
+            /** Keys */
+            readonly keys: readonly components["schemas"]["KeySummary"][];
+        };
+        /**
          * KeyPoint
          * @description Set a key of a focus point's attribute; one at the same time is replaced.
          * @example {
@@ -4854,6 +4949,41 @@ export interface components {
             readonly type: "keyPoint";
         };
         /**
+         * KeyRequest
+         * @description A key that is to be created.
+         * @example {
+         *       "days": 90,
+         *       "label": "Mara",
+         *       "project": "night-tram",
+         *       "roles": [
+         *         "artist"
+         *       ]
+         *     }
+         */
+        readonly KeyRequest: {
+            /**
+             * Days
+             * @description Days until it expires; null for never.
+             */
+            readonly days?: number | null;
+            /**
+             * Label
+             * @description Name for people.
+             */
+            readonly label: string;
+            /**
+             * Project
+             * @description Project whose shots it sees; `*` for every project.
+             * @default default
+             */
+            readonly project?: string;
+            /**
+             * Roles
+             * @description Roles (`reader`, `viewer`, `artist`, `admin`) and single scopes.
+             */
+            readonly roles: readonly string[];
+        };
+        /**
          * KeySetting
          * @description Set a key of a camera's setting; one at the same time is replaced. `focusDistanceM` is focused by hand from then on.
          * @example {
@@ -4875,6 +5005,47 @@ export interface components {
              * @enum {string}
              */
             readonly type: "keySetting";
+        };
+        /**
+         * KeySummary
+         * @description A key, without its secret.
+         * @example {
+         *       "createdAt": "2026-11-21T08:00:00Z",
+         *       "id": "3f2a9c51d07b",
+         *       "label": "Mara",
+         *       "project": "night-tram",
+         *       "scopes": [
+         *         "edit",
+         *         "read",
+         *         "render"
+         *       ]
+         *     }
+         */
+        readonly KeySummary: {
+            /**
+             * Createdat
+             * Format: date-time
+             */
+            readonly createdAt: string;
+            /**
+             * Expiresat
+             * @description null for never.
+             */
+            readonly expiresAt: string | null;
+            /** Id */
+            readonly id: string;
+            /**
+             * Label
+             * @description Name for people.
+             */
+            readonly label: string;
+            /**
+             * Project
+             * @description Project whose shots it sees; `*` for every project.
+             */
+            readonly project: string;
+            /** Scopes */
+            readonly scopes: readonly string[];
         };
         /**
          * Lens
@@ -6017,6 +6188,53 @@ export interface components {
             readonly type: "movePoint";
         };
         /**
+         * NewKey
+         * @description A key that was just created. Its text cannot be read again.
+         * @example {
+         *       "createdAt": "2026-11-21T08:00:00Z",
+         *       "id": "3f2a9c51d07b",
+         *       "key": "pf_3f2a9c51d07b_xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx",
+         *       "label": "Mara",
+         *       "project": "night-tram",
+         *       "scopes": [
+         *         "edit",
+         *         "read",
+         *         "render"
+         *       ]
+         *     }
+         */
+        readonly NewKey: {
+            /**
+             * Createdat
+             * Format: date-time
+             */
+            readonly createdAt: string;
+            /**
+             * Expiresat
+             * @description null for never.
+             */
+            readonly expiresAt: string | null;
+            /** Id */
+            readonly id: string;
+            /**
+             * Key
+             * @description Text of the key; shown this once.
+             */
+            readonly key: string;
+            /**
+             * Label
+             * @description Name for people.
+             */
+            readonly label: string;
+            /**
+             * Project
+             * @description Project whose shots it sees; `*` for every project.
+             */
+            readonly project: string;
+            /** Scopes */
+            readonly scopes: readonly string[];
+        };
+        /**
          * Note
          * @description A feature of the shot that is not honoured.
          */
@@ -6779,6 +6997,20 @@ export interface components {
             readonly sizeBytes: number;
         };
         /**
+         * SignIn
+         * @description A key that is exchanged for a session.
+         * @example {
+         *       "key": "pf_3f2a9c51d07b_xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
+         *     }
+         */
+        readonly SignIn: {
+            /**
+             * Key
+             * @description The key.
+             */
+            readonly key: string;
+        };
+        /**
          * StateRequest
          * @description Asks for the state of a camera after an edit.
          */
@@ -6966,6 +7198,42 @@ export interface components {
             readonly name: string;
             /** Version */
             readonly version: string;
+        };
+        /**
+         * Who
+         * @description Sender of the request.
+         * @example {
+         *       "id": "key:3f2a9c51d07b",
+         *       "label": "Mara",
+         *       "project": "night-tram",
+         *       "scopes": [
+         *         "edit",
+         *         "read",
+         *         "render"
+         *       ]
+         *     }
+         */
+        readonly Who: {
+            /**
+             * Id
+             * @description `anyone` on a service that needs no key.
+             */
+            readonly id: string;
+            /**
+             * Label
+             * @description Name for people.
+             */
+            readonly label: string;
+            /**
+             * Project
+             * @description Project whose shots are seen; `*` for every project.
+             */
+            readonly project: string;
+            /**
+             * Scopes
+             * @description `read`, `edit`, `render`, `admin`.
+             */
+            readonly scopes: readonly string[];
         };
     };
     responses: never;
@@ -7446,6 +7714,179 @@ export interface operations {
             };
         };
     };
+    readonly listKeys: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["KeyList"];
+                };
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly createKey: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["KeyRequest"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 201: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["NewKey"];
+                };
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly revokeKey: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A key's id. */
+                readonly key: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 204: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly listLenses: {
         readonly parameters: {
             readonly query?: never;
@@ -7733,6 +8174,158 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly whoAmI: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Who"];
+                };
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly signIn: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["SignIn"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Who"];
+                };
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly signOut: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 204: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

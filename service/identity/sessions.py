@@ -1,0 +1,45 @@
+"""Sessions of the page: a cookie stands for a key. They are kept in memory, so that a restart ends them all."""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+
+SESSION_S = 12 * 3600
+MAX_SESSIONS = 10_000
+
+
+class Sessions:
+    """The open sessions, by the hash of their token.
+
+    Args:
+        clock: seconds that never go back.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._open: OrderedDict[str, tuple[str, float]] = OrderedDict()
+
+    def begin(self, key_id: str) -> str:
+        """Open a session for a key and return its token. The oldest one ends where there are too many."""
+        token = secrets.token_urlsafe(32)
+        self._open[_hash(token)] = key_id, self._clock() + SESSION_S
+        if len(self._open) > MAX_SESSIONS:
+            self._open.popitem(last=False)
+        return token
+
+    def key_id(self, token: str) -> str | None:
+        """Return the id of a session's key; None where it has ended."""
+        key_id, ends = self._open.get(_hash(token), (None, 0.0))
+        return key_id if ends > self._clock() else None
+
+    def end(self, token: str) -> None:
+        """End a session, if it is open."""
+        self._open.pop(_hash(token), None)
+
+
+def _hash(token: str) -> str:
+    return hashlib.sha256(token.encode()).hexdigest()

@@ -1,0 +1,212 @@
+"""A service that needs keys: who gets in, what they may do and see, and what is written down of it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+import httpx
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from service.http.settings import Settings
+from service.identity.principal import SCOPES
+from tests.service.conftest import Running, running, send
+from tests.service.kits.calls import CALLS, PUBLIC, scopes_of
+
+ORIGIN = "Origin"
+
+
+@pytest.fixture(scope="module")
+def locked(tmp_path_factory) -> Iterator[Running]:
+    """A service that needs keys."""
+    settings = Settings(data=tmp_path_factory.mktemp("locked"), demo=False, access="keys", requests_per_s=1000)
+    with running(settings) as service:
+        yield service
+
+
+def key(service: Running, *scopes: str, project: str = "default") -> dict[str, str]:
+    """Headers with a new key."""
+    _, text = service.app.state.identity.keys.create("Mara", frozenset(scopes), project)
+    return {"Authorization": f"Bearer {text}"}
+
+
+@pytest.fixture(scope="module")
+def admin(locked) -> dict[str, str]:
+    return key(locked, *SCOPES, project="*")
+
+
+def filled(path: str) -> str:
+    """A path with a word for each parameter."""
+    return (
+        path.replace("{shot}", "none").replace("{name}", "none").replace("{attribute}", "weight").replace("{key}", "no")
+    )
+
+
+@pytest.mark.parametrize(("method", "path", "call"), CALLS, ids=[f"{m} {p}" for m, p, _ in CALLS])
+def test_each_route_needs_a_key_with_its_scope(locked, method, path, call):
+    if path in PUBLIC:
+        return
+    answer = locked.client.request(method, filled(path))
+    assert (answer.status_code, answer.json()["code"]) == (401, "unauthorized")
+    assert answer.headers["WWW-Authenticate"].startswith("Bearer")
+    needed = scopes_of(call)
+    for missing in needed:
+        held = SCOPES - {missing}
+        # Bodies are read before scopes are checked; an empty one is none.
+        answer = locked.client.request(
+            method, filled(path), headers=key(locked, *held, project="*" if "admin" in held else "default")
+        )
+        assert (answer.status_code, answer.json()["code"]) == (403, "missing_scope"), missing
+
+
+@pytest.mark.parametrize("path", ["/livez", "/version", "/docs", "/openapi.json", "/"])
+def test_nothing_of_a_shot_is_public(locked, path):
+    assert locked.client.get(path).status_code in (200, 503)
+
+
+def test_a_wrong_key_is_refused_and_then_limited(locked):
+    wrong = {"Authorization": f"Bearer pf_{'0' * 12}_{'x' * 43}"}
+    answers = [locked.client.get("/v1/shots", headers=wrong) for _ in range(30)]
+    assert {answer.status_code for answer in answers} == {401, 429}
+    assert answers[0].status_code == 401
+    assert int(answers[-1].headers["Retry-After"]) > 0
+    # Nobody is locked out by another's attempts from the same address.
+    assert locked.client.get("/v1/shots", headers=key(locked, "read")).status_code == 200
+
+
+def test_requests_are_limited_for_each_key(tmp_path):
+    with running(Settings(data=tmp_path, demo=False, access="keys", requests_per_s=1)) as service:
+        busy, other = key(service, "read"), key(service, "read")
+        statuses = [service.client.get("/v1/shots", headers=busy).status_code for _ in range(12)]
+        assert statuses[:10] == [200] * 10
+        refused = service.client.get("/v1/shots", headers=busy)
+        assert (refused.status_code, refused.json()["code"]) == (429, "too_many_requests")
+        assert service.client.get("/v1/shots", headers=other).status_code == 200
+
+
+def test_a_project_s_shots_are_unknown_to_others(locked, admin, room_file):
+    mine = key(locked, "read", "edit", "render", project="tram")
+    theirs = key(locked, "read", "edit", "render", project="other")
+    post = {"files": {"file": ("room.usda", room_file.read_bytes())}}
+    sent = locked.client.post("/v1/shots", headers=mine, **post).json()
+    assert sent["project"] == "tram"
+    seen = {
+        name: locked.client.get("/v1/shots", headers=headers).json()
+        for name, headers in (("mine", mine), ("theirs", theirs), ("admin", admin))
+    }
+    assert {name: [shot["id"] for shot in shots["shots"]] for name, shots in seen.items()} == {
+        "mine": [sent["id"]],
+        "theirs": [],
+        "admin": [sent["id"]],
+    }
+    unknown = locked.client.get("/v1/shots/none", headers=theirs).json()
+    for method, path, _ in CALLS:
+        if "{shot}" not in path:
+            continue
+        here = filled(path.replace("{shot}", sent["id"]))
+        answer = locked.client.request(method, here, headers=theirs)
+        assert answer.status_code == 404, here
+        assert answer.text.replace(sent["id"], "none") == json.dumps(unknown, separators=(",", ":"))
+    foreign = locked.client.post("/v1/shots", headers=theirs, data={"project": "tram"}, **post)
+    assert (foreign.status_code, foreign.json()["code"]) == (403, "foreign_project")
+    assert locked.client.get(f"/v1/shots/{sent['id']}", headers=mine).status_code == 200
+    assert locked.client.delete(f"/v1/shots/{sent['id']}", headers=admin).status_code == 204
+
+
+def watch(service: Running, shot: str, headers: dict[str, str]) -> int:
+    """Status of the handshake of live pictures."""
+    url = str(service.client.base_url).replace("http", "ws")
+    try:
+        with connect(f"{url}/v1/shots/{shot}/live", additional_headers=headers):
+            return 101
+    except InvalidStatus as error:
+        return error.response.status_code
+
+
+def test_live_pictures_need_a_key_with_its_scope(locked):
+    assert watch(locked, "none", {}) == 401
+    assert watch(locked, "none", key(locked, "read", "edit")) == 403
+    assert watch(locked, "none", key(locked, "render")) == 404
+    assert (
+        watch(locked, "none", key(locked, *SCOPES, project="*")) == 101
+    )  # its first message would tell that there is no shot
+
+
+def test_the_page_signs_in_and_out(locked, room_file):
+    url = str(locked.client.base_url).rstrip("/")
+    with httpx.Client(base_url=url, headers={ORIGIN: url}, timeout=60) as page:
+        assert page.get("/v1/session").status_code == 401
+        assert page.post("/v1/session", json={"key": "pf_wrong"}).status_code in (401, 429)
+        text = key(locked, "read", "edit")["Authorization"].split()[1]
+        signed_in = page.post("/v1/session", json={"key": text})
+        cookie = signed_in.headers["Set-Cookie"].lower()
+        assert "httponly" in cookie
+        assert "samesite=strict" in cookie
+        assert text.lower() not in cookie
+        assert page.get("/v1/session").json()["label"] == "Mara"
+        assert page.get("/v1/shots").status_code == 200
+        sent = send(page, "room.usda", room_file.read_bytes())
+        assert sent.status_code == 201
+        # A cookie without an Origin, or with a foreign one, changes nothing.
+        shot = f"/v1/shots/{sent.json()['id']}"
+        cookies = {"Cookie": f"pullfocus_session={page.cookies['pullfocus_session']}"}
+        assert httpx.delete(url + shot, headers=cookies).json()["code"] == "cross_site"
+        assert page.delete(shot, headers={ORIGIN: "https://evil.example"}).json()["code"] == "cross_site"
+        assert page.delete(shot).status_code == 204
+        assert page.delete("/v1/session").status_code == 204
+        assert httpx.get(f"{url}/v1/shots", headers=cookies).status_code == 401
+
+
+def test_a_session_ends_with_its_key(locked):
+    held = key(locked, "read")
+    text = held["Authorization"].split()[1]
+    url = str(locked.client.base_url).rstrip("/")
+    with httpx.Client(base_url=url, headers={ORIGIN: url}) as page:
+        page.post("/v1/session", json={"key": text})
+        assert page.get("/v1/shots").status_code == 200
+        locked.app.state.identity.keys.revoke(text.split("_")[1])
+        assert page.get("/v1/shots").status_code == 401
+
+
+def test_administrators_manage_keys(locked, admin):
+    made = locked.client.post("/v1/keys", headers=admin, json={"label": "Ada", "roles": ["artist"], "days": 1}).json()
+    held = {"Authorization": f"Bearer {made['key']}"}
+    assert locked.client.get("/v1/shots", headers=held).status_code == 200
+    listed = locked.client.get("/v1/keys", headers=admin)
+    assert made["key"] not in listed.text
+    assert made["id"] in [entry["id"] for entry in listed.json()["keys"]]
+    assert locked.client.post("/v1/keys", headers=admin, json={"label": "x", "roles": ["king"]}).status_code == 422
+    assert locked.client.delete(f"/v1/keys/{made['id']}", headers=admin).status_code == 204
+    assert locked.client.get("/v1/shots", headers=held).status_code in (401, 429)  # 429: after many wrong keys
+    assert locked.client.delete(f"/v1/keys/{made['id']}", headers=admin).status_code == 404
+
+
+def test_the_audit_log_says_who_what_and_from_where(tmp_path):
+    with running(Settings(data=tmp_path, demo=False, access="keys")) as service:
+        held = key(service, "read", "edit")
+        service.client.get("/v1/shots", headers=held)
+        service.client.delete("/v1/shots/night", headers=held)
+        answer = service.client.get("/v1/shots")
+        service.client.get("/v1/shots", headers={"Host": "evil.example"})
+        watch(service, "none", {})
+    text = (tmp_path / "audit.jsonl").read_text()
+    lines = [json.loads(line) for line in text.splitlines()]
+    key_id = held["Authorization"].split("_")[1]
+    assert [(line["principal"], line["method"], line["path"], line["status"]) for line in lines] == [
+        (f"key:{key_id}", "DELETE", "/v1/shots/night", 404),
+        ("nobody", "GET", "/v1/shots", 401),
+        ("nobody", "GET", "/v1/shots", 421),
+        ("nobody", "WEBSOCKET", "/v1/shots/none/live", 401),
+    ]
+    assert lines[1]["request"] == answer.headers["X-Request-ID"]
+    assert {line["address"] for line in lines} == {"127.0.0.1"}
+    assert held["Authorization"].split("_", 2)[2] not in text
+
+
+def test_a_key_names_its_sender_also_where_none_is_needed(service):
+    held = key(service, "read")
+    assert service.client.get("/v1/session").json()["id"] == "anyone"
+    assert service.client.get("/v1/session", headers=held).json()["label"] == "Mara"
+    assert service.client.post("/v1/shots", headers=held).status_code == 403

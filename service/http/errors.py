@@ -17,6 +17,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from render.errors import (
@@ -198,11 +199,29 @@ def _finding(error: Mapping[str, Any]) -> dict[str, str]:
 
 async def _http_exception(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
+    if error.status_code == 400 and isinstance(
+        error.__cause__, ValueError
+    ):  # as FastAPI refuses bytes that are no UTF-8
+        return problem(422, "invalid_request", "The body is no text in UTF-8.", path="body")
     code = CODE_OF_STATUS.get(error.status_code, "bad_request" if error.status_code < 500 else "internal")
     detail = str(error.detail)
     if detail == HTTPStatus(error.status_code).phrase:  # Starlette's default message names nothing
         detail = f"{request.method} {request.url.path}: {detail.lower()}."
-    return problem(error.status_code, code, detail, path=request.url.path, headers=error.headers)
+    headers = {"Allow": ", ".join(_methods_at(request))} if error.status_code == 405 else error.headers
+    return problem(error.status_code, code, detail, path=request.url.path, headers=headers)
+
+
+def _methods_at(request: Request) -> list[str]:
+    """Return the methods that the address of a request takes, of all its routes: Starlette names those of the first."""
+    app, present = request.app, request.scope["method"]
+    methods = {method for methods in app.openapi()["paths"].values() for method in methods}
+    candidates = [method.upper() for method in methods]
+    return sorted(
+        method
+        for method in candidates
+        if method != present
+        and any(route.matches({**request.scope, "method": method})[0] is Match.FULL for route in app.router.routes)
+    )
 
 
 async def _os_error(_: Request, error: Exception) -> JSONResponse:

@@ -13,7 +13,7 @@ from service.models.settings import edit_field
 from service.models.shots import CameraChoice
 
 CAMERA_EXAMPLE: JsonDict = {
-    "path": "/World/Camera",
+    "path": "/World/main_cam",
     "time": 24.0,
     "fStop": 2.0,
     "focalLengthMm": 50.0,
@@ -27,7 +27,7 @@ CAMERA_EXAMPLE: JsonDict = {
     "etag": '"92c4bf18a0860070"',
 }
 READOUT_EXAMPLE: JsonDict = {
-    "camera": "/World/Camera",
+    "camera": "/World/main_cam",
     "time": 24.0,
     "fStop": 2.0,
     "focalLengthMm": 50.0,
@@ -74,7 +74,7 @@ class CameraList(Model):
 
     model_config = shown_as(
         {
-            "default": {"path": "/World/Camera", "reason": "the only camera"},
+            "default": {"path": "/World/main_cam", "reason": "the only camera"},
             "cameras": [CAMERA_EXAMPLE],
             "unusable": [],
         }
@@ -139,11 +139,11 @@ class PlaceQuery(Model):
     """Point of the picture: a focus point, or a position."""
 
     camera: PrimPath | None = Field(
-        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
+        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/main_cam"]
     )
     time: TimeCode = Field(description="USD time code.", examples=[24])
     point: PointName | None = Field(
-        default=None, description="A focus point's name, in place of `x` and `y`.", examples=["driver"]
+        default=None, description="A focus point's name, in place of `x` and `y`.", examples=["pip"]
     )
     x: float | None = Field(
         default=None,
@@ -187,9 +187,9 @@ class PlaceReadout(Model):
 
     model_config = shown_as(
         {
-            "camera": "/World/Camera",
+            "camera": "/World/main_cam",
             "time": 24.0,
-            "point": "driver",
+            "point": "pip",
             "screen": [0.43, 0.55],
             "depthM": 3.42,
             "focusDistanceM": 3.4,

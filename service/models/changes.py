@@ -44,7 +44,7 @@ _POINT = "Name of the focus point."
 class AddPoint(Model):
     """Add a focus point. Where the camera is focused by hand, its points focus it from then on."""
 
-    model_config = shown_as({"type": "addPoint", "point": ANCHOR_EXAMPLE | {"name": "driver"}})
+    model_config = shown_as({"type": "addPoint", "point": ANCHOR_EXAMPLE | {"name": "visor"}})
 
     type: Literal["addPoint"] = "addPoint"
     point: FocusPointCreate
@@ -53,7 +53,7 @@ class AddPoint(Model):
 class MovePoint(Model):
     """Move a focus point to an anchor, or to the surface that is seen at a place of the picture."""
 
-    model_config = shown_as({"type": "movePoint", "name": "driver", "place": [0.43, 0.55], "time": 24})
+    model_config = shown_as({"type": "movePoint", "name": "pip", "place": [0.43, 0.55], "time": 24})
 
     type: Literal["movePoint"] = "movePoint"
     name: PointNameInShot = Field(description=_POINT)
@@ -75,7 +75,7 @@ class MovePoint(Model):
 class AlterPoint(Model):
     """Alter values of a focus point."""
 
-    model_config = shown_as({"type": "alterPoint", "name": "driver", "values": {"weight": 0.5}, "time": 24})
+    model_config = shown_as({"type": "alterPoint", "name": "pip", "values": {"weight": 0.5}, "time": 24})
 
     type: Literal["alterPoint"] = "alterPoint"
     name: PointNameInShot = Field(description=_POINT)
@@ -86,7 +86,7 @@ class AlterPoint(Model):
 class RemovePoint(Model):
     """Remove a focus point and its keys."""
 
-    model_config = shown_as({"type": "removePoint", "name": "driver"})
+    model_config = shown_as({"type": "removePoint", "name": "pip"})
 
     type: Literal["removePoint"] = "removePoint"
     name: PointNameInShot = Field(description=_POINT)
@@ -95,7 +95,7 @@ class RemovePoint(Model):
 class KeyPoint(Model):
     """Set a key of a focus point's attribute; one at the same time is replaced."""
 
-    model_config = shown_as({"type": "keyPoint", "name": "driver", "attribute": "weight", "key": KEY_EXAMPLE})
+    model_config = shown_as({"type": "keyPoint", "name": "pip", "attribute": "weight", "key": KEY_EXAMPLE})
 
     type: Literal["keyPoint"] = "keyPoint"
     name: PointNameInShot = Field(description=_POINT)
@@ -106,7 +106,7 @@ class KeyPoint(Model):
 class UnkeyPoint(Model):
     """Remove a key of a focus point's attribute; after the last one its value stays for all time."""
 
-    model_config = shown_as({"type": "unkeyPoint", "name": "driver", "attribute": "weight", "time": 24})
+    model_config = shown_as({"type": "unkeyPoint", "name": "pip", "attribute": "weight", "time": 24})
 
     type: Literal["unkeyPoint"] = "unkeyPoint"
     name: PointNameInShot = Field(description=_POINT)
@@ -120,7 +120,7 @@ class SetPointTangents(Model):
     model_config = shown_as(
         {
             "type": "setPointTangents",
-            "name": "driver",
+            "name": "pip",
             "attribute": "weight",
             "time": 24,
             "tangents": {"inSlope": 0.0, "inWidth": 4.0, "outSlope": 0.0, "outWidth": 4.0},

@@ -18,7 +18,7 @@ MAX_CURVE_FRAMES = 20_000
 CURVE_EXAMPLE: JsonDict = {
     "format": "pullfocus.focusCurve",
     "version": 2,
-    "camera": "/World/Camera",
+    "camera": "/World/main_cam",
     "lens": "Planar 50 mm f/1.4",
     "gateMm": [24.89, 14.0],
     "framesPerSecond": 24.0,
@@ -40,8 +40,8 @@ CURVE_EXAMPLE: JsonDict = {
             "limited": False,
             "source": "points",
             "reason": "focused by driver",
-            "sharp": ["driver"],
-            "points": [{"name": "driver", "state": "used", "depthM": 3.42, "weight": 1.0, "share": 1.0, "cocMm": 0.0}],
+            "sharp": ["pip"],
+            "points": [{"name": "pip", "state": "used", "depthM": 3.42, "weight": 1.0, "share": 1.0, "cocMm": 0.0}],
         }
     ],
 }

@@ -31,11 +31,11 @@ class EditRequest(Model):
 
     model_config = shown_as(
         {
-            "label": "Focus on driver",
-            "camera": "/World/Camera",
+            "label": "Focus on the visor",
+            "camera": "/World/main_cam",
             "changes": [
-                {"type": "addPoint", "point": ANCHOR_EXAMPLE | {"name": "driver"}},
-                {"type": "keyPoint", "name": "driver", "attribute": "weight", "key": {"time": 24, "value": 1}},
+                {"type": "addPoint", "point": ANCHOR_EXAMPLE | {"name": "visor"}},
+                {"type": "keyPoint", "name": "visor", "attribute": "weight", "key": {"time": 24, "value": 1}},
             ],
             "answer": {"time": 24, "curve": True},
         }
@@ -94,7 +94,7 @@ class EditResult(Model):
     model_config = shown_as(
         {
             "history": {
-                "revision": "5f70bf18a0860070",
+                "revision": "e3b0c44298fc1c14",
                 "before": "e3b0c44298fc1c14",
                 "after": None,
                 "undo": "Focus on driver",
@@ -104,7 +104,7 @@ class EditResult(Model):
                 {"resource": "focus-points", "etag": '"77aebf18a0860070"'},
                 {"resource": "focus-points/driver", "etag": '"0b64bf18a0860070"'},
             ],
-            "added": ["driver"],
+            "added": ["visor"],
             "racks": [],
             "imported": None,
             "state": {
@@ -133,7 +133,7 @@ class EditResult(Model):
 class Restore(Model):
     """State of the edits to go back to."""
 
-    model_config = shown_as({"revision": "5f70bf18a0860070"})
+    model_config = shown_as({"revision": "e3b0c44298fc1c14"})
 
     revision: str = Field(max_length=80, description="A `revision` that the shot has had; the newest 200 are kept.")
 
@@ -151,14 +151,14 @@ class EditHistory(Model):
 
     model_config = shown_as(
         {
-            "revision": "5f70bf18a0860070",
+            "revision": "e3b0c44298fc1c14",
             "now": 1,
             "undo": "add focus point driver",
             "redo": None,
             "steps": [
                 {"revision": "e3b0c44298fc1c14", "label": "", "madeAt": "2026-11-21T08:00:00Z"},
                 {
-                    "revision": "5f70bf18a0860070",
+                    "revision": "e3b0c44298fc1c14",
                     "label": "add focus point driver",
                     "madeAt": "2026-11-21T08:00:09Z",
                 },

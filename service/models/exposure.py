@@ -13,7 +13,7 @@ from service.models.settings import example_of, keyed_names, with_edits, with_se
 EXPOSURE_EXAMPLE = example_of(
     "exposure",
     {
-        "camera": "/World/Camera",
+        "camera": "/World/main_cam",
         "time": 24.0,
         "exposureTimeS": 0.02083,
         "iso": 800.0,

@@ -13,7 +13,7 @@ from service.models.settings import example_of, keyed_names, with_edits, with_se
 FILM_EXAMPLE = example_of(
     "film",
     {
-        "camera": "/World/Camera",
+        "camera": "/World/main_cam",
         "time": 24.0,
         "body": "Super 35 4-perf",
         "gateMm": [24.89, 18.66],

@@ -23,15 +23,15 @@ from service.models.settings import keyed_names, point_field, with_edits, with_s
 from usd_schemas.settings.tables import POINT_SETTINGS
 
 ANCHOR_EXAMPLE: JsonDict = {
-    "target": ["/World/Tram/Driver"],
-    "face": 1042,
+    "target": ["/World/Cast/Mara/Body/Head/VisorGlow"],
+    "face": 696,
     "fanTriangle": 0,
     "barycentric": [0.2, 0.3, 0.5],
     "instance": -1,
 }
 KEY_EXAMPLE: JsonDict = {"time": 24.0, "value": 1.0, "interpolation": "linear", "tangents": None}
 POINT_EXAMPLE: JsonDict = ANCHOR_EXAMPLE | {
-    "name": "driver",
+    "name": "pip",
     "offset": [0.0, 0.0, 0.0],
     "kind": "sharp",
     "blurMm": 0.0,
@@ -100,7 +100,7 @@ class Pick(Model):
 class FocusPointCreate(Anchor):
     """A new focus point: the anchor of a pick, and the values of the point."""
 
-    model_config = shown_as(ANCHOR_EXAMPLE | {"name": "driver", "weight": 1.0})
+    model_config = shown_as(ANCHOR_EXAMPLE | {"name": "visor", "weight": 1.0})
 
     name: PointName | None = Field(default=None, description="Left out: a free name.")
 

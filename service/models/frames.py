@@ -15,7 +15,7 @@ class PictureQuery(Model):
     """A frame and how it is rendered."""
 
     camera: PrimPath | None = Field(
-        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
+        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/main_cam"]
     )
     time: TimeCode = Field(description="USD time code.", examples=[24])
     width: int = Field(default=960, ge=1, le=8192, description="px", examples=[960])

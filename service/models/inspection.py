@@ -20,7 +20,7 @@ NOTE_EXAMPLE: JsonDict = {
 FINDING_EXAMPLE: JsonDict = {
     "rule": "focusPointTarget",
     "severity": "error",
-    "path": "/World/Camera",
+    "path": "/World/main_cam",
     "message": "focus point driver has no target",
     "fix": "",
 }
@@ -51,7 +51,7 @@ class Inspection(Model):
     model_config = shown_as(
         {
             "frameRange": RANGE_EXAMPLE,
-            "cameras": ["/World/Camera"],
+            "cameras": ["/World/main_cam"],
             "defaultCamera": SHOT_EXAMPLE["defaultCamera"],
             "readouts": [READOUT_EXAMPLE],
             "triangleCount": 243_118,

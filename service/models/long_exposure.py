@@ -15,7 +15,7 @@ from service.models.engines import EngineName
 BEGIN_EXAMPLE: JsonDict = {"first": 40.0, "last": 88.0, "step": 2.0, "width": 480, "rays": 16}
 STATE_EXAMPLE: JsonDict = {
     "shutter": "open",
-    "camera": "/World/Camera",
+    "camera": "/World/main_cam",
     "first": 40.0,
     "last": 88.0,
     "time": 52.0,

@@ -11,7 +11,7 @@ from service.models.base import Distance, Model, PointName, PrimPath, TimeCode, 
 
 EQUIVALENT_EXAMPLE: JsonDict = {"fStop": 2.8, "exposureTimeS": 0.02083, "shutterAngleDeg": 180.0}
 READOUT_EXAMPLE: JsonDict = {
-    "camera": "/World/Camera",
+    "camera": "/World/main_cam",
     "time": 24.0,
     "fStop": 2.0,
     "stop": "iris",
@@ -32,7 +32,7 @@ READOUT_EXAMPLE: JsonDict = {
     "equivalents": [EQUIVALENT_EXAMPLE],
 }
 METER_EXAMPLE: JsonDict = {
-    "camera": "/World/Camera",
+    "camera": "/World/main_cam",
     "time": 24.0,
     "mode": "spot",
     "place": [0.43, 0.55],
@@ -52,7 +52,7 @@ class MeterQuery(Model):
     """Area that a light meter measures."""
 
     camera: PrimPath | None = Field(
-        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
+        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/main_cam"]
     )
     time: TimeCode = Field(description="USD time code.", examples=[24])
     mode: MeterMode | None = Field(
@@ -60,7 +60,7 @@ class MeterQuery(Model):
         description="Left out: the mode of the camera's meter, or `center` where it has none.",
         examples=["center"],
     )
-    point: PointName | None = Field(default=None, description="Meters a spot on a focus point.", examples=["driver"])
+    point: PointName | None = Field(default=None, description="Meters a spot on a focus point.", examples=["pip"])
     x: float | None = Field(
         default=None,
         ge=0,

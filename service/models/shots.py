@@ -20,10 +20,10 @@ SUMMARY_EXAMPLE: JsonDict = {
 }
 RANGE_EXAMPLE: JsonDict = {"start": 1.0, "end": 96.0, "framesPerSecond": 24.0}
 SHOT_EXAMPLE: JsonDict = SUMMARY_EXAMPLE | {
-    "revision": "5f70bf18a0860070",
+    "revision": "e3b0c44298fc1c14",
     "frameRange": RANGE_EXAMPLE,
-    "cameras": ["/World/Camera"],
-    "defaultCamera": {"path": "/World/Camera", "reason": "the only camera"},
+    "cameras": ["/World/main_cam"],
+    "defaultCamera": {"path": "/World/main_cam", "reason": "the only camera"},
 }
 
 
@@ -79,7 +79,7 @@ class PickRequest(Model):
     """A pixel of a picture."""
 
     model_config = shown_as(
-        {"camera": "/World/Camera", "time": 24, "width": 960, "height": 540, "x": 412.5, "y": 300.5}
+        {"camera": "/World/main_cam", "time": 24, "width": 960, "height": 540, "x": 412.5, "y": 300.5}
     )
 
     camera: PrimPath | None = Field(default=None, description="Prim path; the shot's default camera when left out.")

@@ -15,7 +15,7 @@ from usd_schemas.settings.tables import SETTINGS
 SETTINGS_EXAMPLE = example_of(
     "focus",
     {
-        "camera": "/World/Camera",
+        "camera": "/World/main_cam",
         "time": 24.0,
         "mode": "tiltPlane",
         "smoothingS": 0.25,
@@ -27,7 +27,7 @@ SETTINGS_EXAMPLE = example_of(
         "etag": '"92c4bf18a0860070"',
     },
 )
-RACK_EXAMPLE: JsonDict = {"from": "driver", "to": "sign", "start": 24.0, "end": 36.0, "ease": "smooth"}
+RACK_EXAMPLE: JsonDict = {"from": "pip", "to": "mara", "start": 24.0, "end": 36.0, "ease": "smooth"}
 
 if TYPE_CHECKING:
     CameraKeyed = str

@@ -11,6 +11,7 @@ from service.edit_context import EditContext, edits_tag
 from service.http.access import EDITS, READS
 from service.http.errors import ServiceError
 from service.http.frame_cache import matches
+from service.http.links import edit_links
 from service.http.routes.parameters import EditContextDep, IfMatch, ShotId, problems, set_etag
 from service.http.service import Service, ServiceDep
 from service.models.changes import PictureSpot, anchor_spots, picture_spots
@@ -37,7 +38,7 @@ router = APIRouter(tags=["edits"], dependencies=READS)
 async def get_edits(
     service: ServiceDep,
     shot: ShotId,
-    if_none_match: Annotated[str | None, Header(examples=['"5f70bf18a0860070"'])] = None,
+    if_none_match: Annotated[str | None, Header(examples=['"e3b0c44298fc1c14"'])] = None,
 ) -> Response:
     """Every edit of a shot as one USD layer, to be sublayered over it. Its `ETag` is the shot's `revision`."""
     record = service.store.get(shot)
@@ -50,7 +51,10 @@ async def get_edits(
 
 
 @router.post(
-    "/shots/{shot}/edits", operation_id="edit", responses=problems(404, 412, 413, 423, 503), dependencies=EDITS
+    "/shots/{shot}/edits",
+    operation_id="edit",
+    responses=problems(404, 412, 413, 423, 503) | edit_links(),
+    dependencies=EDITS,
 )
 async def edit(
     service: ServiceDep, response: Response, shot: ShotId, request: EditRequest, if_match: IfMatch = None

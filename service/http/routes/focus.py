@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Response
 
 from service.http.access import EDITS, READS
+from service.http.links import point_links
 from service.http.routes.parameters import (
     AspectQuery,
     CameraQuery,
@@ -51,7 +52,11 @@ async def list_focus_points(
 
 
 @router.post(
-    "/shots/{shot}/focus-points", operation_id="createFocusPoint", status_code=201, responses=EDITED, dependencies=EDITS
+    "/shots/{shot}/focus-points",
+    operation_id="createFocusPoint",
+    status_code=201,
+    responses=EDITED | point_links(201),
+    dependencies=EDITS,
 )
 async def create_focus_point(
     service: ServiceDep,

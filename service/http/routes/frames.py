@@ -40,7 +40,7 @@ async def get_frame(
     service: ServiceDep,
     shot: ShotId,
     query: Annotated[FrameQuery, Query()],
-    if_none_match: Annotated[str | None, Header(examples=['"5f70bf18a0860070"'])] = None,
+    if_none_match: Annotated[str | None, Header(examples=['"e3b0c44298fc1c14"'])] = None,
 ) -> Response:
     """Render one frame. Its `ETag` is a hash of everything that the picture depends on: same tag, same pixels."""
     check_pixels(query.width, query.height, service.settings.max_picture_px)

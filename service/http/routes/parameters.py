@@ -11,12 +11,12 @@ from service.models.base import MAX_POINT_NAME, PrimPath, Problem, TimeCode
 
 ShotId = Annotated[str, Path(alias="shot", description="A shot's id.", examples=["demo"], max_length=80)]
 PointNameInPath = Annotated[
-    str, Path(alias="name", max_length=MAX_POINT_NAME, description="A focus point's name.", examples=["driver"])
+    str, Path(alias="name", max_length=MAX_POINT_NAME, description="A focus point's name.", examples=["pip"])
 ]
 Time = Annotated[TimeCode, Query(allow_inf_nan=False, description="USD time code.", examples=[24])]
 CameraQuery = Annotated[
     PrimPath | None,
-    Query(description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]),
+    Query(description="Prim path; the shot's default camera when left out.", examples=["/World/main_cam"]),
 ]
 
 AspectQuery = Annotated[
@@ -36,7 +36,7 @@ IfMatch = Annotated[
         max_length=8000,
         description="The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. "
         "Left out: the edit is unconditional.",
-        examples=['"5f70bf18a0860070"'],
+        examples=['"e3b0c44298fc1c14"'],
     ),
 ]
 

@@ -9,6 +9,7 @@ from starlette.concurrency import run_in_threadpool
 
 from service.http.access import EDITS, READS, PrincipalDep
 from service.http.errors import ServiceError
+from service.http.links import shot_links
 from service.http.quarantine import REASONS
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
@@ -30,7 +31,11 @@ async def list_shots(service: ServiceDep, principal: PrincipalDep) -> ShotList:
 
 
 @router.post(
-    "/shots", operation_id="createShot", status_code=201, responses=problems(413, 415, 503), dependencies=EDITS
+    "/shots",
+    operation_id="createShot",
+    status_code=201,
+    responses=problems(413, 415, 503) | shot_links(201),
+    dependencies=EDITS,
 )
 async def create_shot(
     service: ServiceDep,

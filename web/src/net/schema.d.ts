@@ -1086,12 +1086,12 @@ export interface components {
          *           0.3,
          *           0.5
          *         ],
-         *         "face": 1042,
+         *         "face": 696,
          *         "fanTriangle": 0,
          *         "instance": -1,
-         *         "name": "driver",
+         *         "name": "visor",
          *         "target": [
-         *           "/World/Tram/Driver"
+         *           "/World/Cast/Mara/Body/Head/VisorGlow"
          *         ]
          *       },
          *       "type": "addPoint"
@@ -1109,7 +1109,7 @@ export interface components {
          * AlterPoint
          * @description Alter values of a focus point.
          * @example {
-         *       "name": "driver",
+         *       "name": "pip",
          *       "time": 24,
          *       "type": "alterPoint",
          *       "values": {
@@ -1495,13 +1495,13 @@ export interface components {
          *           "horizontalApertureMm": 24.89,
          *           "lensModel": "prescription",
          *           "lensName": "Planar 50 mm f/1.4",
-         *           "path": "/World/Camera",
+         *           "path": "/World/main_cam",
          *           "time": 24,
          *           "verticalApertureMm": 14
          *         }
          *       ],
          *       "default": {
-         *         "path": "/World/Camera",
+         *         "path": "/World/main_cam",
          *         "reason": "the only camera"
          *       },
          *       "unusable": []
@@ -1533,7 +1533,7 @@ export interface components {
          *       "horizontalApertureMm": 24.89,
          *       "lensModel": "prescription",
          *       "lensName": "Planar 50 mm f/1.4",
-         *       "path": "/World/Camera",
+         *       "path": "/World/main_cam",
          *       "time": 24,
          *       "verticalApertureMm": 14
          *     }
@@ -1762,7 +1762,7 @@ export interface components {
          * @description The states of the edits, oldest first.
          * @example {
          *       "now": 1,
-         *       "revision": "5f70bf18a0860070",
+         *       "revision": "e3b0c44298fc1c14",
          *       "steps": [
          *         {
          *           "label": "",
@@ -1772,7 +1772,7 @@ export interface components {
          *         {
          *           "label": "add focus point driver",
          *           "madeAt": "2026-11-21T08:00:09Z",
-         *           "revision": "5f70bf18a0860070"
+         *           "revision": "e3b0c44298fc1c14"
          *         }
          *       ],
          *       "undo": "add focus point driver"
@@ -1810,7 +1810,7 @@ export interface components {
          *         "curve": true,
          *         "time": 24
          *       },
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "changes": [
          *         {
          *           "point": {
@@ -1819,12 +1819,12 @@ export interface components {
          *               0.3,
          *               0.5
          *             ],
-         *             "face": 1042,
+         *             "face": 696,
          *             "fanTriangle": 0,
          *             "instance": -1,
-         *             "name": "driver",
+         *             "name": "visor",
          *             "target": [
-         *               "/World/Tram/Driver"
+         *               "/World/Cast/Mara/Body/Head/VisorGlow"
          *             ]
          *           },
          *           "type": "addPoint"
@@ -1835,11 +1835,11 @@ export interface components {
          *             "time": 24,
          *             "value": 1
          *           },
-         *           "name": "driver",
+         *           "name": "visor",
          *           "type": "keyPoint"
          *         }
          *       ],
-         *       "label": "Focus on driver"
+         *       "label": "Focus on the visor"
          *     }
          */
         readonly EditRequest: {
@@ -1870,7 +1870,7 @@ export interface components {
          * @description The answer to an edit.
          * @example {
          *       "added": [
-         *         "driver"
+         *         "visor"
          *       ],
          *       "changed": [
          *         {
@@ -1884,14 +1884,14 @@ export interface components {
          *       ],
          *       "history": {
          *         "before": "e3b0c44298fc1c14",
-         *         "revision": "5f70bf18a0860070",
+         *         "revision": "e3b0c44298fc1c14",
          *         "undo": "Focus on driver"
          *       },
          *       "racks": [],
          *       "state": {
          *         "exposure": {
          *           "breathing": false,
-         *           "camera": "/World/Camera",
+         *           "camera": "/World/main_cam",
          *           "compensationStops": 0,
          *           "etag": "\"92c4bf18a0860070\"",
          *           "exposureFStop": 2,
@@ -1933,7 +1933,7 @@ export interface components {
          *         },
          *         "exposureReadout": {
          *           "bellowsFactor": 1.04,
-         *           "camera": "/World/Camera",
+         *           "camera": "/World/main_cam",
          *           "compensationStops": 0,
          *           "effectiveTStop": 2.14,
          *           "equivalents": [
@@ -1960,7 +1960,7 @@ export interface components {
          *         },
          *         "film": {
          *           "body": "Super 35 4-perf",
-         *           "camera": "/World/Camera",
+         *           "camera": "/World/main_cam",
          *           "cdlFile": "",
          *           "cdlOffset": [
          *             0,
@@ -2059,7 +2059,7 @@ export interface components {
          *           "whiteBalanceK": 3200
          *         },
          *         "focus": {
-         *           "camera": "/World/Camera",
+         *           "camera": "/World/main_cam",
          *           "circleOfConfusionMm": 0,
          *           "deadZoneMm": 0.01,
          *           "drivenByPoints": true,
@@ -2106,7 +2106,7 @@ export interface components {
          *               "enabled": true,
          *               "etag": "\"0b64bf18a0860070\"",
          *               "extent": 1,
-         *               "face": 1042,
+         *               "face": 696,
          *               "falloff": 0,
          *               "fanTriangle": 0,
          *               "instance": -1,
@@ -2120,7 +2120,7 @@ export interface components {
          *                 ]
          *               },
          *               "kind": "sharp",
-         *               "name": "driver",
+         *               "name": "pip",
          *               "offset": [
          *                 0,
          *                 0,
@@ -2140,7 +2140,7 @@ export interface components {
          *               "state": "used",
          *               "surfaceOffset": 0,
          *               "target": [
-         *                 "/World/Tram/Driver"
+         *                 "/World/Cast/Mara/Body/Head/VisorGlow"
          *               ],
          *               "visibleInFrame": true,
          *               "weight": 1
@@ -2148,7 +2148,7 @@ export interface components {
          *           ]
          *         },
          *         "readout": {
-         *           "camera": "/World/Camera",
+         *           "camera": "/World/main_cam",
          *           "cocLimitMm": 0.019,
          *           "fStop": 2,
          *           "farM": 3.58,
@@ -2238,7 +2238,7 @@ export interface components {
          * @description Exposure of a camera at one time, computed from its settings alone.
          * @example {
          *       "bellowsFactor": 1.04,
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "compensationStops": 0,
          *       "effectiveTStop": 2.14,
          *       "equivalents": [
@@ -2349,7 +2349,7 @@ export interface components {
          * @description Exposure settings of a camera at one time.
          * @example {
          *       "breathing": false,
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "compensationStops": 0,
          *       "etag": "\"92c4bf18a0860070\"",
          *       "exposureFStop": 2,
@@ -2936,7 +2936,7 @@ export interface components {
          * @description Film, sensor and grade of a camera at one time.
          * @example {
          *       "body": "Super 35 4-perf",
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "cdlFile": "",
          *       "cdlOffset": [
          *         0,
@@ -3643,7 +3643,7 @@ export interface components {
          * FocusCurve
          * @description The lens, frame by frame; the command line writes the same.
          * @example {
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "format": "pullfocus.focusCurve",
          *       "framesPerSecond": 24,
          *       "gateMm": [
@@ -3666,7 +3666,7 @@ export interface components {
          *             {
          *               "cocMm": 0,
          *               "depthM": 3.42,
-         *               "name": "driver",
+         *               "name": "pip",
          *               "share": 1,
          *               "state": "used",
          *               "weight": 1
@@ -3675,7 +3675,7 @@ export interface components {
          *           "reason": "focused by driver",
          *           "seconds": 1,
          *           "sharp": [
-         *             "driver"
+         *             "pip"
          *           ],
          *           "source": "points",
          *           "swingDeg": 0,
@@ -3732,7 +3732,7 @@ export interface components {
          *       "enabled": true,
          *       "etag": "\"0b64bf18a0860070\"",
          *       "extent": 1,
-         *       "face": 1042,
+         *       "face": 696,
          *       "falloff": 0,
          *       "fanTriangle": 0,
          *       "instance": -1,
@@ -3746,7 +3746,7 @@ export interface components {
          *         ]
          *       },
          *       "kind": "sharp",
-         *       "name": "driver",
+         *       "name": "pip",
          *       "offset": [
          *         0,
          *         0,
@@ -3766,7 +3766,7 @@ export interface components {
          *       "state": "used",
          *       "surfaceOffset": 0,
          *       "target": [
-         *         "/World/Tram/Driver"
+         *         "/World/Cast/Mara/Body/Head/VisorGlow"
          *       ],
          *       "visibleInFrame": true,
          *       "weight": 1
@@ -3918,12 +3918,12 @@ export interface components {
          *         0.3,
          *         0.5
          *       ],
-         *       "face": 1042,
+         *       "face": 696,
          *       "fanTriangle": 0,
          *       "instance": -1,
-         *       "name": "driver",
+         *       "name": "visor",
          *       "target": [
-         *         "/World/Tram/Driver"
+         *         "/World/Cast/Mara/Body/Head/VisorGlow"
          *       ],
          *       "weight": 1
          *     }
@@ -4130,7 +4130,7 @@ export interface components {
          *           "enabled": true,
          *           "etag": "\"0b64bf18a0860070\"",
          *           "extent": 1,
-         *           "face": 1042,
+         *           "face": 696,
          *           "falloff": 0,
          *           "fanTriangle": 0,
          *           "instance": -1,
@@ -4144,7 +4144,7 @@ export interface components {
          *             ]
          *           },
          *           "kind": "sharp",
-         *           "name": "driver",
+         *           "name": "pip",
          *           "offset": [
          *             0,
          *             0,
@@ -4164,7 +4164,7 @@ export interface components {
          *           "state": "used",
          *           "surfaceOffset": 0,
          *           "target": [
-         *             "/World/Tram/Driver"
+         *             "/World/Cast/Mara/Body/Head/VisorGlow"
          *           ],
          *           "visibleInFrame": true,
          *           "weight": 1
@@ -4185,7 +4185,7 @@ export interface components {
          * FocusSettings
          * @description Focus settings of a camera at one time.
          * @example {
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "circleOfConfusionMm": 0,
          *       "deadZoneMm": 0.01,
          *       "drivenByPoints": true,
@@ -4652,7 +4652,7 @@ export interface components {
          *         "horizontalApertureMm": 24.89,
          *         "lensModel": "prescription",
          *         "lensName": "Planar 50 mm f/1.4",
-         *         "path": "/World/Camera",
+         *         "path": "/World/main_cam",
          *         "time": 24,
          *         "verticalApertureMm": 14
          *       },
@@ -4700,10 +4700,10 @@ export interface components {
          * @description Contents of a shot at its first frame.
          * @example {
          *       "cameras": [
-         *         "/World/Camera"
+         *         "/World/main_cam"
          *       ],
          *       "defaultCamera": {
-         *         "path": "/World/Camera",
+         *         "path": "/World/main_cam",
          *         "reason": "the only camera"
          *       },
          *       "frameRange": {
@@ -4724,7 +4724,7 @@ export interface components {
          *       "primCount": 214,
          *       "readouts": [
          *         {
-         *           "camera": "/World/Camera",
+         *           "camera": "/World/main_cam",
          *           "cocLimitMm": 0.019,
          *           "fStop": 2,
          *           "farM": 3.58,
@@ -4749,7 +4749,7 @@ export interface components {
          *         {
          *           "fix": "",
          *           "message": "focus point driver has no target",
-         *           "path": "/World/Camera",
+         *           "path": "/World/main_cam",
          *           "rule": "focusPointTarget",
          *           "severity": "error"
          *         }
@@ -4926,7 +4926,7 @@ export interface components {
          *         "time": 24,
          *         "value": 1
          *       },
-         *       "name": "driver",
+         *       "name": "pip",
          *       "type": "keyPoint"
          *     }
          */
@@ -5556,7 +5556,7 @@ export interface components {
              * Camera
              * @description Prim path; the shot's default camera when left out.
              * @default null
-             * @example /World/Camera
+             * @example /World/main_cam
              */
             readonly camera?: string | null;
             /**
@@ -5938,7 +5938,7 @@ export interface components {
          * LongExposureState
          * @description Progress of a long exposure.
          * @example {
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "first": 40,
          *       "intervalCount": 24,
          *       "intervals": 6,
@@ -6015,9 +6015,9 @@ export interface components {
          *       "rack": {
          *         "ease": "smooth",
          *         "end": 36,
-         *         "from": "driver",
+         *         "from": "pip",
          *         "start": 24,
-         *         "to": "sign"
+         *         "to": "mara"
          *       },
          *       "type": "rack"
          *     }
@@ -6050,7 +6050,7 @@ export interface components {
          * MeterReading
          * @description Reading of a light meter on a camera at one time.
          * @example {
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "compensationStops": -1,
          *       "decides": false,
          *       "ev100": 8.1,
@@ -6151,7 +6151,7 @@ export interface components {
          * MovePoint
          * @description Move a focus point to an anchor, or to the surface that is seen at a place of the picture.
          * @example {
-         *       "name": "driver",
+         *       "name": "pip",
          *       "place": [
          *         0.43,
          *         0.55
@@ -6270,11 +6270,11 @@ export interface components {
          *           0.3,
          *           0.5
          *         ],
-         *         "face": 1042,
+         *         "face": 696,
          *         "fanTriangle": 0,
          *         "instance": -1,
          *         "target": [
-         *           "/World/Tram/Driver"
+         *           "/World/Cast/Mara/Body/Head/VisorGlow"
          *         ]
          *       },
          *       "depthM": 3.42,
@@ -6312,7 +6312,7 @@ export interface components {
          * PickRequest
          * @description A pixel of a picture.
          * @example {
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "height": 540,
          *       "time": 24,
          *       "width": 960,
@@ -6356,7 +6356,7 @@ export interface components {
          * PlaceReadout
          * @description Readout of the lens at one place of the picture at one time.
          * @example {
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "cocLimitMm": 0.019,
          *       "cocMm": 0.0021,
          *       "depthM": 3.42,
@@ -6364,7 +6364,7 @@ export interface components {
          *       "focusDistanceM": 3.4,
          *       "hyperfocalM": 65.7,
          *       "nearM": 3.26,
-         *       "point": "driver",
+         *       "point": "pip",
          *       "screen": [
          *         0.43,
          *         0.55
@@ -6476,11 +6476,11 @@ export interface components {
          *       "end": 41.5,
          *       "endDistanceM": 12,
          *       "etag": "\"77aebf18a0860070\"",
-         *       "from": "driver",
+         *       "from": "pip",
          *       "start": 24,
          *       "startDistanceM": 3.42,
          *       "stretched": true,
-         *       "to": "sign"
+         *       "to": "mara"
          *     }
          */
         readonly Rack: {
@@ -6530,9 +6530,9 @@ export interface components {
          * @example {
          *       "ease": "smooth",
          *       "end": 36,
-         *       "from": "driver",
+         *       "from": "pip",
          *       "start": 24,
-         *       "to": "sign"
+         *       "to": "mara"
          *     }
          */
         readonly RackCreate: {
@@ -6568,7 +6568,7 @@ export interface components {
          * Readout
          * @description Readout of the lens at one time: the numbers that a focus puller reads off.
          * @example {
-         *       "camera": "/World/Camera",
+         *       "camera": "/World/main_cam",
          *       "cocLimitMm": 0.019,
          *       "fStop": 2,
          *       "farM": 3.58,
@@ -6664,7 +6664,7 @@ export interface components {
          * RemovePoint
          * @description Remove a focus point and its keys.
          * @example {
-         *       "name": "driver",
+         *       "name": "pip",
          *       "type": "removePoint"
          *     }
          */
@@ -6684,7 +6684,7 @@ export interface components {
          * Restore
          * @description State of the edits to go back to.
          * @example {
-         *       "revision": "5f70bf18a0860070"
+         *       "revision": "e3b0c44298fc1c14"
          *     }
          */
         readonly Restore: {
@@ -6775,7 +6775,7 @@ export interface components {
          * @description Set the tangents of a key of a focus point's attribute, which makes it a bezier key. Its value stays.
          * @example {
          *       "attribute": "weight",
-         *       "name": "driver",
+         *       "name": "pip",
          *       "tangents": {
          *         "inSlope": 0,
          *         "inWidth": 4,
@@ -6861,11 +6861,11 @@ export interface components {
          * @description A stored shot with its frame range and cameras.
          * @example {
          *       "cameras": [
-         *         "/World/Camera"
+         *         "/World/main_cam"
          *       ],
          *       "createdAt": "2026-11-21T08:00:00Z",
          *       "defaultCamera": {
-         *         "path": "/World/Camera",
+         *         "path": "/World/main_cam",
          *         "reason": "the only camera"
          *       },
          *       "fileCount": 14,
@@ -6877,7 +6877,7 @@ export interface components {
          *       "id": "demo",
          *       "name": "Night tram",
          *       "project": "default",
-         *       "revision": "5f70bf18a0860070",
+         *       "revision": "e3b0c44298fc1c14",
          *       "root": "shot.usda",
          *       "sizeBytes": 48112640
          *     }
@@ -7104,7 +7104,7 @@ export interface components {
          * @description Remove a key of a focus point's attribute; after the last one its value stays for all time.
          * @example {
          *       "attribute": "weight",
-         *       "name": "driver",
+         *       "name": "pip",
          *       "time": 24,
          *       "type": "unkeyPoint"
          *     }

@@ -46,6 +46,7 @@ class AccumulationEngine(Engine):
     summary = "renders the scene once for each ray, as a slow reference"
     rank = 60
     has_rays = True
+    draws_each_ray = True
 
     def __init__(self, device: Device) -> None:
         from render.trace.accumulator import Accumulator

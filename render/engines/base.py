@@ -37,6 +37,7 @@ class Engine:
         summary: one phrase for help texts, without a full stop.
         rank: place in lists of engines; lower comes first, and equal ranks are sorted by name.
         has_rays: True where the picture is a mean over lens rays, so that a part of them can be drawn by itself.
+        draws_each_ray: True where the scene is drawn anew for each ray, which is what the picture's time goes into.
         traces_lens: True where rays are weighted by the lens's transmittance. Otherwise it is applied to the finished picture.
         is_sharp: True where the picture is that of a pinhole, whatever the camera's f-number.
         uses_image_space: True where a data sheet's errors are applied to the finished picture, since the engine traces no
@@ -53,6 +54,7 @@ class Engine:
     summary: ClassVar[str]
     rank: ClassVar[int] = 100
     has_rays: ClassVar[bool] = False
+    draws_each_ray: ClassVar[bool] = False
     traces_lens: ClassVar[bool] = False
     is_sharp: ClassVar[bool] = False
     uses_image_space: ClassVar[bool] = False

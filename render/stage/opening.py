@@ -160,6 +160,8 @@ def read_quietly(stage: Usd.Stage) -> Iterator[None]:
 
 def _reason(error: Tf.ErrorException) -> str:
     reasons = _TF_REASON.findall(text_of(error))
+    if reasons and "bad_alloc" in reasons[0]:
+        return "it takes more memory than there is"
     return shorten(_one_line(reasons[0])) if reasons else "it cannot be read"
 
 

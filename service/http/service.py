@@ -13,6 +13,7 @@ from typing import Annotated, Concatenate, ParamSpec, TypeVar
 from fastapi import Depends, WebSocket
 from starlette.requests import HTTPConnection
 
+from service.http.admission import Admission
 from service.http.clients import present_client
 from service.http.frame_cache import FrameCache
 from service.http.lanes import PRELOAD, Lanes
@@ -26,6 +27,7 @@ from service.stage import calls as stage
 from service.storage.store import ShotRecord, ShotStore
 from service.workers.calls import call
 from service.workers.forking import Template
+from service.workers.lane import Finished
 from service.workers.places import Place
 from service.workers.pool import WorkerPool
 from service.workers.sandbox import support, worker_environment
@@ -46,6 +48,7 @@ class Service:
         quarantine: shots that have ended too many workers.
         pool: the worker processes.
         lanes: the work that waits for them.
+        admission: judges what pictures cost.
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
         live_sockets: the live connections that are open.
@@ -57,6 +60,7 @@ class Service:
     quarantine: Quarantine
     pool: WorkerPool
     lanes: Lanes
+    admission: Admission
     frame_cache: FrameCache
     metrics: Metrics
     live_sockets: set[WebSocket] = field(default_factory=set)
@@ -78,9 +82,17 @@ class Service:
             Template(PRELOAD, environment), max_bytes=settings.kept_memory_mb * MEBIBYTE, on_blame=quarantine.blame
         )
         metrics = Metrics(pool)
-        lanes = Lanes.start(settings, pool, metrics.note_finished)
+        admission = Admission(settings.max_picture_s)
+
+        def note_finished(finished: Finished) -> None:
+            metrics.note_finished(finished)
+            admission.learn(finished)
+
+        lanes = Lanes.start(settings, pool, note_finished)
         metrics.watch(lanes)
-        return cls(settings, store, quarantine, pool, lanes, FrameCache(settings.frame_cache_mb * MEBIBYTE), metrics)
+        return cls(
+            settings, store, quarantine, pool, lanes, admission, FrameCache(settings.frame_cache_mb * MEBIBYTE), metrics
+        )
 
     @cached_property
     def long_exposures(self) -> LongExposures:

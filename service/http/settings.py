@@ -48,6 +48,7 @@ class Settings:
         max_archive_entries: files and folders in an archive.
         max_archive_ratio: size of an unpacked archive over its own.
         max_picture_px: width times height of one picture.
+        max_picture_s: estimated processor time of one picture, s; one that is expected to take longer is refused.
         max_curve_frames: frames of one focus curve.
         max_waiting: requests that may wait in each lane; one more is answered 503.
         max_waiting_each: requests of one client that may wait in each lane; one more is answered 503.
@@ -80,6 +81,7 @@ class Settings:
     max_archive_entries: int = 10_000
     max_archive_ratio: int = 200
     max_picture_px: int = 4096 * 2304
+    max_picture_s: float = 600.0
     max_curve_frames: int = MAX_CURVE_FRAMES
     max_waiting: int = 128
     max_waiting_each: int = 128

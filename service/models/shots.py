@@ -17,6 +17,7 @@ SUMMARY_EXAMPLE: JsonDict = {
     "sizeBytes": 48_112_640,
     "fileCount": 14,
     "project": "default",
+    "quarantine": None,
 }
 RANGE_EXAMPLE: JsonDict = {"start": 1.0, "end": 96.0, "framesPerSecond": 24.0}
 SHOT_EXAMPLE: JsonDict = SUMMARY_EXAMPLE | {
@@ -39,6 +40,10 @@ class ShotSummary(Model):
     size_bytes: int = Field(description="Size of all files of the shot, unpacked.")
     file_count: int
     project: str = Field(description="Project of the shot: only its members see it.")
+    quarantine: str | None = Field(
+        default=None,
+        description="Reason for which the shot is not opened any more; null where it is. See `releaseShot`.",
+    )
 
 
 class ShotList(Model):

@@ -116,6 +116,7 @@ class Job(Generic[State]):
         client: who it is done for.
         group: newer work of the same group replaces it.
         serial: its number, not 0.
+        estimate_s: processor time that it was expected to take, s; 0 where nobody has estimated it.
         position: orders the jobs of one viewer: its number, that of the job whose place it took, or a new one where it was
             interrupted.
         queued_s: monotonic time at which it was queued.
@@ -131,6 +132,7 @@ class Job(Generic[State]):
     group: Hashable | None
     serial: int
     position: int
+    estimate_s: float = 0.0
     queued_s: float = field(default_factory=time.monotonic)
     begun_s: float = 0.0
     process: WorkerProcess[State] | None = None

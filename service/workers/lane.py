@@ -64,6 +64,7 @@ class Finished:
         waited_s: time in the queue, s.
         ran_s: time in the worker, s.
         cpu_s: processor time of the worker, s.
+        estimate_s: processor time that it was expected to take, s; 0 where nobody has estimated it.
         error: what ended it, or None.
     """
 
@@ -73,6 +74,7 @@ class Finished:
     waited_s: float
     ran_s: float
     cpu_s: float
+    estimate_s: float
     error: Exception | None
 
 
@@ -165,10 +167,19 @@ class Lane(Generic[State]):
         client: Client = NOBODY,
         *,
         group: Hashable | None = None,
+        estimate_s: float = 0.0,
     ) -> Reply:
-        """Put a call in the lane and wait for its reply; see `submit`. Cancelling this ends the call."""
+        """Put a call in the lane and wait for its reply; see `submit`. Cancelling this ends the call.
+
+        Args:
+            call: the function and its arguments.
+            place: the shot that it is about.
+            client: who it is made for.
+            group: one client viewing one shot.
+            estimate_s: processor time that it is expected to take, s; `Finished` has it beside the time that it took.
+        """
         work: CallWork[State] = CallWork(call)
-        job = self._enqueue(work, place, client, group)
+        job = self._enqueue(work, place, client, group, estimate_s)
         try:
             reply: Reply = await asyncio.wrap_future(work.future)
         except asyncio.CancelledError:
@@ -239,7 +250,12 @@ class Lane(Generic[State]):
         self._watcher.join()
 
     def _enqueue(
-        self, work: CallWork[State] | StreamWork[State], place: Place, client: Client, group: Hashable | None
+        self,
+        work: CallWork[State] | StreamWork[State],
+        place: Place,
+        client: Client,
+        group: Hashable | None,
+        estimate_s: float = 0.0,
     ) -> Job[State]:
         with self._changed:
             if self._is_stopping:
@@ -256,7 +272,8 @@ class Lane(Generic[State]):
                     f"{self._max_waiting_each} of your requests wait for the {self.role.name} lane already; try again soon."
                 )
             serial = next(self._serials)
-            job = Job(work, place, client, group, serial, min((other.position for other in same), default=serial))
+            position = min((other.position for other in same), default=serial)
+            job = Job(work, place, client, group, serial, position, estimate_s)
             if group is not None:
                 self._supersede(group, same)
             self._queue.append(job)
@@ -357,9 +374,8 @@ class Lane(Generic[State]):
 
     def _finish(self, job: Job[State], *, is_complete: bool, cpu_s: float, error: Exception | None) -> None:
         now_s = time.monotonic()
-        finished = Finished(
-            self.role.name, job.client, job.place, job.begun_s - job.queued_s, now_s - job.begun_s, cpu_s, error
-        )
+        waited_s, ran_s = job.begun_s - job.queued_s, now_s - job.begun_s
+        finished = Finished(self.role.name, job.client, job.place, waited_s, ran_s, cpu_s, job.estimate_s, error)
         with suppress(Exception):
             self._on_finished(finished)
         with self._changed:

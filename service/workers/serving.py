@@ -10,7 +10,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, TypeVar
 
-from render.errors import PullfocusError
+from render.errors import PullfocusError, SettingsError
 from service.workers.calls import StreamCall, resolve
 from service.workers.messages import Answer, Assignment, Begun, Order, pack, receive_trusted, sendable_error
 from service.workers.sandbox import Sandbox, allow_cpu, enter
@@ -60,6 +60,8 @@ def _answer(order: Order[State], state: State, pipe: Connection, signals: Signal
         raise
     except PullfocusError as error:
         return pack(Answer(error=sendable_error(error)))
+    except MemoryError:
+        return pack(Answer(error=SettingsError("this takes more memory than a worker has", code="out_of_memory")))
     except Exception:
         return pack(Answer(fault=traceback.format_exc()))
 

@@ -28,7 +28,9 @@ async def begin_long_exposure(service: ServiceDep, shot: ShotId, begin: LongExpo
     """Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
     intervals are exposed between the pictures of other requests, and it is kept while the service runs."""
     check_pixels(begin.width, begin.height, service.settings.max_picture_px, "body.width")
-    return await service.long_exposures.begin(service.store.get(shot), begin)
+    record = service.store.get(shot)
+    service.admission.check(record.id, begin)
+    return await service.long_exposures.begin(record, begin)
 
 
 @router.get("/shots/{shot}/long-exposure", operation_id="getLongExposure", responses=problems(404))

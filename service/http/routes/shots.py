@@ -12,12 +12,13 @@ from service.http.errors import ServiceError
 from service.http.links import shot_links
 from service.http.quarantine import REASONS
 from service.http.routes.parameters import ShotId, problems
-from service.http.service import ServiceDep
+from service.http.service import Service, ServiceDep
 from service.http.upload import store_upload, upload_name
 from service.identity.principal import ALL_PROJECTS, DEFAULT_PROJECT, PROJECT_PATTERN, Principal
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
 from service.stage.calls import shots
+from service.storage.store import ShotRecord
 from service.workers.errors import BLAMED, WorkerDiedError
 
 router = APIRouter(tags=["shots"], dependencies=READS)
@@ -27,7 +28,12 @@ router = APIRouter(tags=["shots"], dependencies=READS)
 async def list_shots(service: ServiceDep, principal: PrincipalDep) -> ShotList:
     """List the stored shots of your project, newest last."""
     records = (record for record in service.store.list() if principal.sees(record.project))
-    return ShotList(shots=[ShotSummary.model_validate(record) for record in records])
+    return ShotList(shots=[_summary(service, record) for record in records])
+
+
+def _summary(service: Service, record: ShotRecord) -> ShotSummary:
+    reason = service.quarantine.reason(record)
+    return ShotSummary.model_validate(record).model_copy(update={"quarantine": reason})
 
 
 @router.post(

@@ -59,6 +59,12 @@ def devour_memory(state: Tally) -> None:
 
 
 @register
+def run_out_of_memory(state: Tally) -> None:
+    """Ask for more memory than there is, as numpy does."""
+    bytearray(1 << 40)
+
+
+@register
 def hold_memory(state: Tally, count: int) -> None:
     state.held = b"x" * count
 

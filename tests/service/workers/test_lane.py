@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from render.errors import StageError
+from render.errors import SettingsError, StageError
 from service.http.errors import answer_to
 from service.workers.calls import call
 from service.workers.errors import QueueFullError, StoppingError, WorkerDiedError, WorkerError
@@ -29,6 +29,7 @@ from tests.service.workers.fake_work import (
     lie,
     process_id,
     refuse,
+    run_out_of_memory,
     unpicklable,
     unregistered,
 )
@@ -269,6 +270,14 @@ def test_a_shot_is_blamed_for_the_end_of_its_worker(function, end):
         assert error.end == end
         until(lambda: bool(blamed))
     assert blamed == [("scene", end)]
+
+
+def test_work_that_gets_no_memory_is_refused_and_its_worker_lives(shared_lane):
+    before = shared_lane.submit(call(process_id)).result(WAIT_S)
+    error = shared_lane.submit(call(run_out_of_memory)).exception(WAIT_S)
+    assert isinstance(error, SettingsError)
+    assert error.code == "out_of_memory"
+    assert shared_lane.submit(call(process_id)).result(WAIT_S) == before
 
 
 def test_nobody_is_blamed_for_a_kill_from_outside():

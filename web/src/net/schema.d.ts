@@ -6913,6 +6913,11 @@ export interface components {
              */
             readonly project: string;
             /**
+             * Quarantine
+             * @description Reason for which the shot is not opened any more; null where it is. See `releaseShot`.
+             */
+            readonly quarantine?: string | null;
+            /**
              * Revision
              * @description Revision of the edits; changes with every edit.
              */
@@ -6985,6 +6990,11 @@ export interface components {
              * @description Project of the shot: only its members see it.
              */
             readonly project: string;
+            /**
+             * Quarantine
+             * @description Reason for which the shot is not opened any more; null where it is. See `releaseShot`.
+             */
+            readonly quarantine?: string | null;
             /**
              * Root
              * @description The root layer, relative to the shot's folder.

@@ -9,6 +9,6 @@ from __future__ import annotations
 
 from service.workers.sandbox.environment import worker_environment
 from service.workers.sandbox.limits import Limits, allow_cpu
-from service.workers.sandbox.policy import Held, Sandbox, Support, enter, support
+from service.workers.sandbox.policy import Sandbox, SandboxError, Support, enter, support
 
-__all__ = ["Held", "Limits", "Sandbox", "Support", "allow_cpu", "enter", "support", "worker_environment"]
+__all__ = ["Limits", "Sandbox", "SandboxError", "Support", "allow_cpu", "enter", "support", "worker_environment"]

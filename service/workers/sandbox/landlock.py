@@ -32,7 +32,6 @@ _CREATE_RULESET, _ADD_RULE, _RESTRICT_SELF = 444, 445, 446  # on all architectur
 _VERSION_FLAG = 1
 _PATH_BENEATH = 1
 _ALL_THREADS = 1 << 3
-_ALL_THREADS_ABI = 8
 
 _WRITE_FILE, _READ_FILE, _READ_DIR = 1 << 1, 1 << 2, 1 << 3
 _REMOVE_DIR, _REMOVE_FILE = 1 << 4, 1 << 5
@@ -43,6 +42,8 @@ _FILE_RIGHTS = ((1, (1 << 13) - 1), (2, _REFER), (3, _TRUNCATE), (5, _DEVICE_IOC
 _OF_FILES = 1 | _WRITE_FILE | _READ_FILE | _TRUNCATE | _DEVICE_IOCTL
 """Rights that a rule about anything but a folder may name."""
 
+ALL_THREADS_ABI = 8
+"""ABI from which on the threads that exist already are bound too."""
 READ = _READ_FILE | _READ_DIR
 WRITE = READ | _WRITE_FILE | _REMOVE_DIR | _REMOVE_FILE | _MAKE_DIR | _MAKE_FILE | _REFER | _TRUNCATE
 """No links, pipes, sockets or devices are created."""
@@ -91,7 +92,7 @@ def restrict_files(version: int, rules: Iterable[tuple[Path, int]]) -> None:
     try:
         for path, rights in rules:
             _allow(descriptor, path, rights & known)
-        system_call(_RESTRICT_SELF, descriptor, _ALL_THREADS if version >= _ALL_THREADS_ABI else 0)
+        system_call(_RESTRICT_SELF, descriptor, _ALL_THREADS if version >= ALL_THREADS_ABI else 0)
     finally:
         os.close(descriptor)
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
 import resource
 import time
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -20,8 +23,9 @@ class Limits:
             None for a worker that serves many calls: see `allow_cpu`.
         file_bytes: size of any one file that it writes; a write beyond it fails (EFBIG).
         descriptors: open files.
-        processes: processes and threads of the user that the service runs as, all programs of that user together. It does not
-            bind root. The system call filter forbids new processes to everybody.
+        processes: processes and threads that the user may start besides those that run now. The kernel counts all programs of a
+            user together and does not bind root, so this serves only where there is no filter of system calls, which forbids new
+            processes altogether: see `limit_processes`.
     """
 
     memory_bytes: int
@@ -32,7 +36,7 @@ class Limits:
 
 
 def set_limits(limits: Limits) -> None:
-    """Limit this process for the rest of its life. A limit that it has already stays where it is lower.
+    """Limit this process for the rest of its life, but for processes. A limit that it has already stays where it is lower.
 
     Args:
         limits: the limits.
@@ -41,9 +45,17 @@ def set_limits(limits: Limits) -> None:
     _lower(resource.RLIMIT_DATA, limits.memory_bytes)
     _lower(resource.RLIMIT_FSIZE, limits.file_bytes)
     _lower(resource.RLIMIT_NOFILE, limits.descriptors)
-    _lower(resource.RLIMIT_NPROC, limits.processes)
     if limits.cpu_s is not None:
         _lower(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 1)  # at the second the kernel sends SIGKILL
+
+
+def limit_processes(more: int) -> None:
+    """Limit the processes and threads of this process's user to those that run now and some more.
+
+    Args:
+        more: number of those that may start.
+    """
+    _lower(resource.RLIMIT_NPROC, _tasks_of_user() + more)
 
 
 def allow_cpu(seconds: float) -> None:
@@ -55,6 +67,16 @@ def allow_cpu(seconds: float) -> None:
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     until = math.ceil(time.process_time() + seconds)
     resource.setrlimit(resource.RLIMIT_CPU, (until if hard == resource.RLIM_INFINITY else min(until, hard), hard))
+
+
+def _tasks_of_user() -> int:
+    """Count the user's processes and threads, as far as they are visible."""
+    count = 0
+    for process in Path("/proc").glob("[0-9]*/task"):
+        with suppress(OSError):  # it has just ended
+            status = process.stat()
+            count += status.st_nlink - 2 if status.st_uid == os.getuid() else 0
+    return count
 
 
 def _lower(kind: int, soft: int, hard: int | None = None) -> None:

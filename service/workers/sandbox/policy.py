@@ -9,7 +9,7 @@ from pathlib import Path
 
 from service.workers.sandbox import landlock, seccomp
 from service.workers.sandbox.kernel import drop_capabilities, forbid_new_privileges, machine
-from service.workers.sandbox.limits import Limits, set_limits
+from service.workers.sandbox.limits import Limits, limit_processes, set_limits
 from service.workers.sandbox.program import graphics_devices, graphics_paths, program_paths
 
 
@@ -60,18 +60,8 @@ class Sandbox:
     graphics: bool = False
 
 
-@dataclass(frozen=True)
-class Held:
-    """Parts of a sandbox that a process is in.
-
-    Attributes:
-        support: features of the kernel that hold.
-        other_threads: number of threads that existed before. Limits and the filter of system calls bind them too; Landlock
-            binds them only from ABI 8 on.
-    """
-
-    support: Support
-    other_threads: int
+class SandboxError(Exception):
+    """A process cannot be confined as far as the kernel offers; the message is one sentence."""
 
 
 def support() -> Support:
@@ -79,12 +69,12 @@ def support() -> Support:
     return Support(landlock.abi(), seccomp.is_offered())
 
 
-def enter(sandbox: Sandbox, offered: Support | None = None) -> Held:
+def enter(sandbox: Sandbox, offered: Support | None = None) -> Support:
     """Enter a sandbox, for good. What the kernel does not offer is left out.
 
-    Call it in the main thread before other threads start: Landlock binds the calling thread and those that it starts later. Files
-    that are open stay open. A library that asks programs where libraries are (``ctypes.util.find_library``) finds none from
-    here on: import it before.
+    Call it in the main thread before other threads start: up to ABI 7 Landlock binds the calling thread and those that it starts
+    later, and USD reads layers in threads. Files that are open stay open. A library that asks programs where libraries are
+    (``ctypes.util.find_library``) finds none from here on: import it before.
 
     Args:
         sandbox: the sandbox.
@@ -94,11 +84,18 @@ def enter(sandbox: Sandbox, offered: Support | None = None) -> Held:
         What holds now.
 
     Raises:
-        OSError: the kernel refuses what it offers; the process must end.
+        SandboxError: Landlock would not bind a thread that exists already.
+        OSError: the kernel refuses what it offers. After either error the process must end.
     """
     used = offered or support()
-    held = Held(used, _other_threads())
+    threads = _other_threads()
+    if threads and 0 < used.landlock_abi < landlock.ALL_THREADS_ABI:
+        raise SandboxError(
+            f"{threads} threads exist already, which Landlock does not confine: start them in the sandbox."
+        )
     set_limits(sandbox.limits)
+    if not used.seccomp:
+        limit_processes(sandbox.limits.processes)
     if machine():
         drop_capabilities()
         forbid_new_privileges()
@@ -106,7 +103,7 @@ def enter(sandbox: Sandbox, offered: Support | None = None) -> Held:
         landlock.restrict_files(used.landlock_abi, _rules(sandbox))
     if used.seccomp:
         seccomp.forbid_calls()
-    return held
+    return used
 
 
 def _rules(sandbox: Sandbox) -> Iterator[tuple[Path, int]]:

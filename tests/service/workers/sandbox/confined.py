@@ -18,7 +18,7 @@ NOTHING = Support(0, False)
 _PROGRAM = """\
 import errno, os, sys
 from pathlib import Path
-from service.workers.sandbox import Limits, Sandbox, Support, allow_cpu, enter
+from service.workers.sandbox import Limits, Sandbox, SandboxError, Support, allow_cpu, enter
 {before}
 held = enter(Sandbox({read!r}, {write!r}, Limits(**{limits!r}), {graphics!r}), {offered!r})
 
@@ -77,7 +77,7 @@ class Confined:
             body: what it does in the sandbox. `error_of` returns the name of an action's error, or ``done``.
             before: what it does before.
         """
-        limits = {"memory_bytes": 4 << 30, "cpu_s": None, "file_bytes": 1 << 28, "descriptors": 256, "processes": 65536}
+        limits = {"memory_bytes": 4 << 30, "cpu_s": None, "file_bytes": 1 << 28, "descriptors": 256, "processes": 256}
         program = _PROGRAM.format(
             before=dedent(before),
             read=(self.shot,),
@@ -94,6 +94,7 @@ class Confined:
             capture_output=True,
             text=True,
             check=False,
+            timeout=300,
         )
 
     def output(self, body: str, before: str = "") -> list[str]:

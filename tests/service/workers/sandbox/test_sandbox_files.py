@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from service.workers.sandbox.landlock import ALL_THREADS_ABI
 from tests.service.workers.sandbox.confined import OFFERED, Confined
 
 pytestmark = pytest.mark.skipif(not OFFERED.landlock_abi, reason="this kernel offers no Landlock")
@@ -98,6 +99,36 @@ def test_files_do_not_move_out_of_the_folders(tmp_path: Path) -> None:
 
     assert error in ("EACCES", "EXDEV")
     assert not (sandbox.other / "new").exists()
+
+
+@pytest.mark.skipif(OFFERED.landlock_abi >= ALL_THREADS_ABI, reason="this kernel confines threads that exist")
+def test_a_thread_that_would_not_be_confined_is_an_error(tmp_path: Path) -> None:
+    before = "import threading; threading.Thread(target=threading.Event().wait, daemon=True).start()"
+
+    done = Confined(tmp_path).run("print('entered')", before)
+
+    assert "SandboxError: 1 threads exist already" in done.stderr
+    assert done.stdout == ""
+
+
+def test_layers_outside_are_not_read_by_threads_of_usd(tmp_path: Path) -> None:
+    sandbox = Confined(tmp_path)
+    outside = [sandbox.other / f"{index}.usda" for index in range(64)]
+    for layer in outside:
+        layer.write_text('#usda 1.0\ndef "secret" {}\n')
+    names = ", ".join(f"@{layer}@" for layer in outside)
+    (sandbox.shot / "root.usda").write_text(f"#usda 1.0\n(subLayers = [{names}])\n")
+
+    lines = sandbox.output(
+        f"""
+        Work.SetMaximumConcurrencyLimit()
+        stage = Usd.Stage.Open({str(sandbox.shot / "root.usda")!r})
+        print(len(stage.GetUsedLayers()), bool(stage.GetPrimAtPath("/secret")))
+        """,
+        "from pxr import Work; Work.SetConcurrencyLimit(1); from pxr import Usd",
+    )
+
+    assert lines == ["2 False"]
 
 
 def test_threads_that_start_later_are_confined_too(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ def test_limits_hold_where_the_kernel_offers_nothing(tmp_path: Path) -> None:
 
     lines = sandbox.output(f"""
         import resource
-        print(held.support.landlock_abi, held.support.seccomp, resource.getrlimit(resource.RLIMIT_NOFILE))
+        print(held.landlock_abi, held.seccomp, resource.getrlimit(resource.RLIMIT_NOFILE))
         print(error_of(lambda: open({str(sandbox.other / "secret")!r})))
     """)
 

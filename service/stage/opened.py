@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Concatenate, ParamSpec, TypeVar
 
+from pxr import Work
+
 from render.errors import NotFoundError, PullfocusError
 from render.shot import Shot
 from service.edit_context import ANY_CONTEXT, EditContext
@@ -22,6 +24,7 @@ class OpenedShot:
     """The one shot that a worker process holds open. A worker sees the files of no other (see `service.workers.places`)."""
 
     def __init__(self) -> None:
+        Work.SetMaximumConcurrencyLimit()  # threads of USD that start from here on are in the worker's sandbox
         self._shot: Shot | None = None
 
     @contextmanager

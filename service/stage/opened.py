@@ -10,6 +10,7 @@ from pxr import Work
 
 from render.errors import NotFoundError, PullfocusError
 from render.shot import Shot
+from render.stage.faults import faults_of_stage
 from service.edit_context import ANY_CONTEXT, EditContext
 from service.storage.edit_files import load_history, save_history
 from service.storage.store import ShotRecord
@@ -40,10 +41,11 @@ class OpenedShot:
             StageError: the shot is no stage, or refers to files that were not sent with it.
         """
         try:
-            shot = self._get(record, load_edits=edit_text is None)
-            if edit_text is not None and edit_text != shot.edits.history.present.text:
-                shot.edits.replace(edit_text)
-            yield shot
+            with faults_of_stage(record.root_path.name):
+                shot = self._get(record, load_edits=edit_text is None)
+                if edit_text is not None and edit_text != shot.edits.history.present.text:
+                    shot.edits.replace(edit_text)
+                yield shot
         except PullfocusError as error:
             raise _error_as_sent(error, record) from error
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Concatenate, ParamSpec, TypeVar
@@ -15,6 +16,8 @@ from service.edit_context import ANY_CONTEXT, EditContext
 from service.storage.edit_files import load_history, save_history
 from service.storage.store import ShotRecord
 from service.workers.calls import register
+
+log = logging.getLogger("pullfocus.service")
 
 Arguments = ParamSpec("Arguments")
 Reply = TypeVar("Reply")
@@ -47,6 +50,8 @@ class OpenedShot:
                     shot.edits.replace(edit_text)
                 yield shot
         except PullfocusError as error:
+            if type(error.__cause__) is RuntimeError:  # of USD, or a fault of this program
+                log.warning("while shot %s was read:", record.id, exc_info=error.__cause__)
             raise _error_as_sent(error, record) from error
 
     @contextmanager

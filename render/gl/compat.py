@@ -115,6 +115,7 @@ __all__ = [
     "FunctionLoader",
     "OpenGLError",
     "half_float_image",
+    "hardware_devices",
     "make_context",
     "pyrender",
     "pyrender_egl",
@@ -221,14 +222,22 @@ def make_context(platform: pyrender_egl.EGLPlatform, *, debug: bool = False) -> 
 
 
 def software_device() -> pyrender_egl.EGLDevice | None:
-    """Find EGL's device that is a software rasteriser, by ``EGL_MESA_device_software``; None where EGL lists none."""
-    if pyrender_egl._eglQueryDevicesEXT is None:
-        return None
-    for device in pyrender_egl.query_devices():
-        extensions = pyrender_egl._eglQueryDeviceStringEXT(device._display, EGL.EGL_EXTENSIONS) or b""
-        if b"EGL_MESA_device_software" in extensions.split():
-            return device
-    return None
+    """Find EGL's device that is a software rasteriser; None where EGL lists none."""
+    return next(filter(_is_software, _devices()), None)
+
+
+def hardware_devices() -> list[pyrender_egl.EGLDevice]:
+    """List EGL's devices but for software rasterisers."""
+    return [device for device in _devices() if not _is_software(device)]
+
+
+def _devices() -> list[pyrender_egl.EGLDevice]:
+    return [] if pyrender_egl._eglQueryDevicesEXT is None else pyrender_egl.query_devices()
+
+
+def _is_software(device: pyrender_egl.EGLDevice) -> bool:
+    extensions = pyrender_egl._eglQueryDeviceStringEXT(device._display, EGL.EGL_EXTENSIONS) or b""
+    return b"EGL_MESA_device_software" in extensions.split()
 
 
 def _open_display(platform: pyrender_egl.EGLPlatform) -> None:

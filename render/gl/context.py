@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+import os
 from types import TracebackType
+from typing import Any
 
 import moderngl
 
 from render.errors import GraphicsError
 from render.gl.cancellation import CancellationPoint
-from render.gl.compat import FunctionLoader, make_context, pyrender_egl, release_context, report_to, software_device
+from render.gl.compat import (
+    FunctionLoader,
+    hardware_devices,
+    make_context,
+    pyrender_egl,
+    release_context,
+    report_to,
+    software_device,
+)
 from render.gl.debug import DebugLog, is_debugging
 from render.gl.limits import check_device
 from render.gl.no_gpu import check_software, is_gpu_refused
 
 REQUIRED_VERSION = 450
+GPU = "PULLFOCUS_GPU"
+"""Environment variable: number of the GPU that draws, from 0 on, where there are several."""
 
 
 class GraphicsContext:
@@ -34,7 +46,7 @@ class GraphicsContext:
                 a GPU where none may be used (`render.gl.no_gpu`).
         """
         try:
-            self._platform = pyrender_egl.EGLPlatform(1, 1, software_device() if is_gpu_refused() else None)
+            self._platform = pyrender_egl.EGLPlatform(1, 1, _chosen_device())
             debug = is_debugging()
             make_context(self._platform, debug=debug)
             # Not create_context: from its second call in a process on, it asks GLX, which knows no EGL context.
@@ -87,3 +99,11 @@ class GraphicsContext:
         self.close()
         if kind is None:
             self.raise_faults()
+
+
+def _chosen_device() -> Any:
+    """Return EGL's device that draws; None for the one that EGL prefers."""
+    if is_gpu_refused():
+        return software_device()
+    devices, number = hardware_devices(), os.environ.get(GPU, "")
+    return devices[int(number) % len(devices)] if devices and number.isdecimal() else None

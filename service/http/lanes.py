@@ -74,7 +74,7 @@ class Lanes:
 
         stage, picture = opened.OpenedShot, state.PictureWorkerState
         memory_mb, stage_s, frame_s = settings.picture_memory_mb, settings.stage_timeout_s, settings.frame_timeout_s
-        pictures = settings.pictures_at_a_time or max(1, (os.cpu_count() or 1) // CORES_PER_PICTURE)
+        pictures = settings.pictures_at_a_time or settings.gpus or max(1, (os.cpu_count() or 1) // CORES_PER_PICTURE)
         return cls(
             check=lane("check", stage, settings.check_memory_mb, stage_s, CHECK_SLOTS, niceness=5, is_thrown_away=True),
             stage=lane("stage", stage, settings.stage_memory_mb, stage_s, STAGE_SLOTS, is_single=True),

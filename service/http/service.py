@@ -79,7 +79,10 @@ class Service:
         environment = worker_environment(os.environ, cache=settings.cache, scratch=settings.cache)
         log.info(support().describe())
         pool = WorkerPool(
-            Template(PRELOAD, environment), max_bytes=settings.kept_memory_mb * MEBIBYTE, on_blame=quarantine.blame
+            Template(PRELOAD, environment),
+            max_bytes=settings.kept_memory_mb * MEBIBYTE,
+            gpus=settings.gpus,
+            on_blame=quarantine.blame,
         )
         metrics = Metrics(pool)
         admission = Admission(settings.max_picture_s)

@@ -59,7 +59,8 @@ class Settings:
         stage_memory_mb: memory of a process that reads and edits a shot, MiB.
         picture_memory_mb: memory of a process that draws pictures of a shot, MiB.
         kept_memory_mb: memory of all shots that are kept open between requests, MiB.
-        pictures_at_a_time: pictures that are drawn at a time; 0 takes one for every four cores.
+        pictures_at_a_time: pictures that are drawn at a time; 0 takes one for each GPU, or for every four cores.
+        gpus: GPUs that shots are spread over; 0 leaves the choice to the driver.
         worker_read: files and folders beside a shot's own that worker processes may read, such as libraries of assets.
         max_blames: times that a shot may end a worker process before it is quarantined.
         cache: folder in which workers keep compiled shaders and tables; created when missing.
@@ -93,6 +94,7 @@ class Settings:
     picture_memory_mb: int = 8192
     kept_memory_mb: int = 4096
     pictures_at_a_time: int = 0
+    gpus: int = 0
     worker_read: tuple[Path, ...] = ()
     max_blames: int = 3
     cache: Path = field(default_factory=default_cache_folder)

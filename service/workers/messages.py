@@ -49,10 +49,12 @@ class Assignment(Generic[State]):
     Attributes:
         role: its kind.
         place: the shot that it serves.
+        gpu: number of the GPU that it draws on, or None for the one that the driver prefers.
     """
 
     role: Role[State]
     place: Place
+    gpu: int | None = None
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 from collections import Counter
 from collections.abc import Callable
@@ -26,6 +27,7 @@ class WorkerPool:
         template: forks them.
         max_bytes: memory that all processes may hold while they are idle.
         max_idle: processes that may be idle.
+        gpus: GPUs that the workers which draw are spread over; 0 leaves the choice to the driver.
         on_blame: called with a place's key and the reason when a shot has ended its worker, in any thread.
     """
 
@@ -35,6 +37,7 @@ class WorkerPool:
         *,
         max_bytes: int,
         max_idle: int = 16,
+        gpus: int = 0,
         on_blame: Callable[[str, End], None] = lambda key, end: None,
     ) -> None:
         self.template = template
@@ -43,6 +46,7 @@ class WorkerPool:
         self._max_bytes = max_bytes
         self._max_idle = max_idle
         self._on_blame = on_blame
+        self._gpus = itertools.cycle(range(gpus)) if gpus else None
         self._lock = threading.Lock()
         self._idle: list[WorkerProcess[Any]] = []  # that which was used last comes last
         self._busy: set[WorkerProcess[Any]] = set()
@@ -62,7 +66,8 @@ class WorkerPool:
                     self._busy.add(process)
                     return cast("WorkerProcess[State]", process)
                 self._note(process, process.close("killed"))
-        started = WorkerProcess(self.template, role, place)
+        gpu = next(self._gpus) if self._gpus is not None and role.draws else None
+        started = WorkerProcess(self.template, role, place, gpu)
         with self._lock:
             self.starts[role.name] += 1
             self._busy.add(started)

@@ -55,6 +55,7 @@ class WorkerProcess(Generic[State]):
         template: forks it.
         role: its kind.
         place: the shot that it serves.
+        gpu: number of the GPU that it draws on, or None for the one that the driver prefers.
 
     Attributes:
         role: its kind.
@@ -66,7 +67,7 @@ class WorkerProcess(Generic[State]):
         WorkerDiedError: it cannot be started.
     """
 
-    def __init__(self, template: Template, role: Role[State], place: Place) -> None:
+    def __init__(self, template: Template, role: Role[State], place: Place, gpu: int | None = None) -> None:
         self.role = role
         self.place = place
         self.end: End | None = None
@@ -85,7 +86,7 @@ class WorkerProcess(Generic[State]):
             there.close()
             os.close(memory)
         with suppress(OSError):  # it has ended already: the first call finds out
-            self._pipe.send_bytes(pack(Assignment(role, place)))
+            self._pipe.send_bytes(pack(Assignment(role, place, gpu)))
 
     @property
     def pid(self) -> int:

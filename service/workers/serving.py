@@ -44,6 +44,8 @@ def _begin(assignment: Assignment[State]) -> State:
     with suppress(OSError):  # Linux only: when memory runs out, the kernel ends a worker rather than the service
         Path("/proc/self/oom_score_adj").write_text("500")
     os.nice(role.niceness)
+    if assignment.gpu is not None:
+        os.environ["PULLFOCUS_GPU"] = str(assignment.gpu)
     make_state = resolve(role.state)
     enter(Sandbox(read=place.read, write=place.write, limits=role.limits, graphics=role.draws))
     state: State = make_state()

@@ -59,6 +59,11 @@ def devour_memory(state: Tally) -> None:
 
 
 @register
+def chosen_gpu(state: Tally) -> str:
+    return os.environ.get("PULLFOCUS_GPU", "")
+
+
+@register
 def run_out_of_memory(state: Tally) -> None:
     """Ask for more memory than there is, as numpy does."""
     bytearray(1 << 40)

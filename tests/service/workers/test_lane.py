@@ -21,6 +21,7 @@ from service.workers.pool import WorkerPool
 from tests.service.conftest import is_running, until
 from tests.service.workers.fake_work import (
     Tally,
+    chosen_gpu,
     crash,
     devour_memory,
     echo,
@@ -298,6 +299,12 @@ def test_shots_stay_open_while_memory_allows():
             lane.submit(call(hold_memory, 40 << 20), Place(name)).result(WAIT_S)
             wait_until_idle(lane)
         assert {process.place.key for process in pool.processes()} == {"b", "c"}
+
+
+def test_workers_that_draw_are_spread_over_the_gpus():
+    with tally_pool(gpus=2) as pool, tally_lane(pool, options={"draws": True}) as lane:
+        seen = [lane.submit(call(chosen_gpu), Place(str(n))).result(WAIT_S) for n in range(3)]
+    assert seen == ["0", "1", "0"]
 
 
 def test_a_thrown_away_worker_runs_one_call(pool):

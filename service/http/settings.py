@@ -65,6 +65,8 @@ class Settings:
         max_blames: times that a shot may end a worker process before it is quarantined.
         cache: folder in which workers keep compiled shaders and tables; created when missing.
         frame_cache_mb: size of the cache of encoded pictures, MiB.
+        min_free_mb: free space on the disk of the data folder, MiB; with less, the service is not ready.
+        max_lane_age_s: time that a request may wait in a lane, s; while one has waited longer, the service is not ready.
     """
 
     host: str = "127.0.0.1"
@@ -99,3 +101,5 @@ class Settings:
     max_blames: int = 3
     cache: Path = field(default_factory=default_cache_folder)
     frame_cache_mb: int = 256
+    min_free_mb: int = 256
+    max_lane_age_s: float = 60.0

@@ -105,6 +105,11 @@ def stage_function(
     return register(function)
 
 
+@stage_function
+def warm_up(opened: OpenedShot) -> None:
+    """Do nothing: an answer shows that a worker has started."""
+
+
 def _save(record: ShotRecord, shot: Shot) -> None:
     """Write the history, then the edits. If only the history is written, the edits tell which state is the present one."""
     save_history(record.history, shot.edits.history)

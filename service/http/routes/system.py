@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import asyncio
 from importlib.metadata import PackageNotFoundError, version
 from typing import Literal
 
 from fastapi import APIRouter, Response
 
 from service.http.access import ADMINISTERS
-from service.http.errors import RETRY_AFTER, ServiceError
+from service.http.readiness import check_ready
 from service.http.routes.parameters import problems, refusals
 from service.http.service import ServiceDep
 from service.models.base import Model, shown_as
-from service.picture.calls import frames
 
 router = APIRouter(tags=["system"])
-READY_WITHIN_S = 10.0
 
 
 class Health(Model):
@@ -44,13 +41,8 @@ async def livez() -> Health:
 
 @router.get("/readyz", operation_id="readyz", responses=problems(503))
 async def readyz(service: ServiceDep) -> Health:
-    """Answer once the picture process has a GL context and is idle or busy."""
-    try:
-        async with asyncio.timeout(READY_WITHIN_S):
-            await service.call_picture(frames.warm_up)
-    except TimeoutError as error:
-        detail = f"The picture worker did not answer within {READY_WITHIN_S:g} s."
-        raise ServiceError(503, "not_ready", detail, headers=RETRY_AFTER) from error
+    """Answer while workers answer, the data folder can be written and no request has waited for long."""
+    await check_ready(service)
     return Health()
 
 

@@ -53,7 +53,7 @@ export interface paths {
         };
         /**
          * Readyz
-         * @description Answer once the picture process has a GL context and is idle or busy.
+         * @description Answer while workers answer, the data folder can be written and no request has waited for long.
          */
         readonly get: operations["readyz"];
         readonly put?: never;

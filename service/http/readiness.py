@@ -1,0 +1,71 @@
+"""Readiness of the service: whether it can do the next piece of work."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+import tempfile
+from collections.abc import Awaitable
+from pathlib import Path
+
+from starlette.concurrency import run_in_threadpool
+
+from service.http.errors import RETRY_AFTER, ServiceError
+from service.http.service import Service
+from service.http.settings import MEBIBYTE
+from service.picture.calls import frames
+from service.stage.calls import opened
+from service.workers.errors import WorkerError
+
+ANSWER_WITHIN_S = 10.0
+
+
+async def check_ready(service: Service) -> None:
+    """Check that the data folder takes data, that no lane is held up and that workers answer.
+
+    Raises:
+        ServiceError: 503, it is not so.
+        GraphicsError: no picture can be drawn on this machine.
+    """
+    await run_in_threadpool(_check_folder, service.settings.data, service.settings.min_free_mb)
+    _check_lanes(service)
+    await _check_workers(service)
+
+
+def _check_folder(folder: Path, min_free_mb: int) -> None:
+    try:
+        with tempfile.TemporaryFile(dir=folder, buffering=0) as file:
+            file.write(b"ready")
+        free_mb = shutil.disk_usage(folder).free // MEBIBYTE
+    except OSError as error:
+        raise _not_ready(f"The data folder cannot be written: {error.strerror}.") from error
+    if free_mb < min_free_mb:
+        raise _not_ready(
+            f"The disk of the data folder has {free_mb} MiB free, less than {min_free_mb} MiB (min_free_mb); make room on it."
+        )
+
+
+def _check_lanes(service: Service) -> None:
+    for lane in service.lanes:
+        age_s = lane.oldest_waiting_s
+        if age_s > service.settings.max_lane_age_s:
+            raise _not_ready(f"A request has waited for the {lane.role.name} lane for {age_s:.0f} s.")
+
+
+async def _check_workers(service: Service) -> None:
+    await _check_worker("stage", service.call_stage(opened.warm_up))
+    await _check_worker("picture", service.call_picture(frames.warm_up))
+
+
+async def _check_worker(name: str, answer: Awaitable[None]) -> None:
+    try:
+        async with asyncio.timeout(ANSWER_WITHIN_S):
+            await answer
+    except TimeoutError as error:
+        raise _not_ready(f"The {name} worker did not answer within {ANSWER_WITHIN_S:g} s.") from error
+    except WorkerError as error:
+        raise _not_ready(f"The {name} worker did not answer: {error}") from error
+
+
+def _not_ready(detail: str) -> ServiceError:
+    return ServiceError(503, "not_ready", detail, headers=RETRY_AFTER)

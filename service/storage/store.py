@@ -119,6 +119,7 @@ class ShotStore:
             self.close()
             raise
         self._clear_unaccepted()
+        self._clear_unfinished()
 
     def close(self) -> None:
         """Unlock the folder."""
@@ -129,6 +130,13 @@ class ShotStore:
         for folder in self._shots.iterdir():
             if folder.is_dir() and not (folder / "shot.json").is_file():
                 shutil.rmtree(folder)
+
+    def _clear_unfinished(self) -> None:
+        """Remove what writers that were killed have left of files (`render.files.write_atomic`); uploaded files are not touched."""
+        for folder in self._shots.iterdir():
+            for place in (folder, folder / "edits", folder / "edits" / "history"):
+                for part in () if place.is_symlink() else place.glob("*.part"):  # a worker may have left links
+                    part.unlink(missing_ok=True)
 
     def list(self) -> list[ShotRecord]:
         """Read the records of all shots, newest last."""

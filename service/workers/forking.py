@@ -101,15 +101,15 @@ class Template:
                 raise WorkerDiedError(f"No worker process can be started: {answer['error']}.")
             return Forked(answer["pid"], self._starts)
 
-    def reap(self, worker: Forked) -> Exit:
-        """Wait for a worker that has ended, or was killed, and return how it ended."""
+    def reap(self, worker: Forked) -> Exit | None:
+        """Wait for a worker that has ended, or was killed, and return how it ended; None where it ended with its template."""
         with self._lock:
             if worker.template == self._starts and self._control is not None:
                 with suppress(OSError, EOFError):
                     answer = self._ask({"do": "reap", "pid": worker.pid})
                     status = answer["status"]
                     return Exit(os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0, answer["peak_bytes"])
-        return Exit()  # it ended with its template, which the kernel cleans up after
+        return None
 
     def close(self) -> None:
         """End the process, and with it all its workers."""

@@ -212,8 +212,10 @@ class WorkerProcess(Generic[State]):
         return self.end
 
 
-def _judge(end: Exit, role: Role[Any], oom_kills: int) -> End:
+def _judge(end: Exit | None, role: Role[Any], oom_kills: int) -> End:
     """Judge why a worker ended that the service did not end."""
+    if end is None:
+        return "killed"
     if end.signal == signal.SIGXCPU:
         return "cpu"
     if end.signal == signal.SIGKILL:

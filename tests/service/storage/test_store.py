@@ -67,6 +67,22 @@ def test_shots_outlive_the_service_and_half_of_one_does_not(tmp_path):
     again.close()
 
 
+def test_what_killed_writers_leave_is_removed(tmp_path):
+    store = ShotStore(tmp_path / "data")
+    record, other = accepted(store), accepted(store)
+    record.history.mkdir()
+    left = [folder / ".x.part" for folder in (record.folder, record.edits_folder, record.history)]
+    kept = [record.files / "sent.part", tmp_path / "elsewhere" / "kept.part"]
+    kept[1].parent.mkdir()
+    other.history.symlink_to(kept[1].parent)
+    for file in (*left, *kept):
+        file.touch()
+    store.close()
+    ShotStore(tmp_path / "data").close()
+    assert not any(file.exists() for file in left)
+    assert all(file.exists() for file in kept)
+
+
 def test_a_record_that_was_spoilt_spoils_no_other(store, caplog):
     good, bad = accepted(store), accepted(store)
     (bad.folder / "shot.json").write_text("{")

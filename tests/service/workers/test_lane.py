@@ -293,6 +293,18 @@ def test_nobody_is_blamed_for_a_kill_from_outside():
     assert blamed == []
 
 
+def test_nobody_is_blamed_for_the_end_of_the_template():
+    blamed: list[str] = []
+    with tally_pool(on_blame=lambda key, why: blamed.append(key)) as pool, tally_lane(pool) as lane:
+        lane.submit(call(echo), SCENE).result(WAIT_S)
+        lost = lane.submit(call(echo, pause_s=WAIT_S), SCENE)
+        until(lost.running)
+        time.sleep(0.1)
+        os.kill(pool.template.pid, signal.SIGKILL)
+        assert status_and_code(lost) == (503, "worker_died")
+    assert blamed == []
+
+
 def test_shots_stay_open_while_memory_allows():
     with tally_pool(max_bytes=130 << 20) as pool, tally_lane(pool) as lane:
         for name in ("a", "b", "c"):

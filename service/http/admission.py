@@ -27,8 +27,10 @@ NOISE_RAYS = 256
 """Rays for each pixel, where the request names the wanted noise."""
 SHAPE = 9 / 16
 """Height over width of a picture that takes the shape of the film gate."""
-MEASURABLE_S = 0.25
-"""Pictures that took less say nothing about their shot."""
+MEASURABLE_S = 2.0
+"""Pictures of a lower estimate say nothing about their shot: opening it and drawing it once is what they cost."""
+MAX_FACTOR = 8.0
+"""Limit of what a shot costs beside others, and of what it saves."""
 MAX_SHOTS = 1000
 """Shots whose cost is remembered."""
 
@@ -87,10 +89,16 @@ class Admission:
     def learn(self, finished: Finished) -> None:
         """Learn from a finished picture how much its shot costs."""
         shot_id = finished.place.key
-        if shot_id is None or finished.error is not None or not finished.estimate_s or finished.cpu_s < MEASURABLE_S:
+        if (
+            shot_id is None
+            or finished.error is not None
+            or not finished.estimate_s
+            or finished.estimate_s < MEASURABLE_S
+        ):
             return
         with self._lock:
             before = self._factors.pop(shot_id, 1.0)
-            self._factors[shot_id] = (before + finished.cpu_s / finished.estimate_s) / 2
+            factor = min(max(finished.cpu_s / finished.estimate_s, 1 / MAX_FACTOR), MAX_FACTOR)
+            self._factors[shot_id] = (before + factor) / 2
             if len(self._factors) > MAX_SHOTS:
                 self._factors.popitem(last=False)

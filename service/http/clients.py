@@ -18,7 +18,7 @@ from service.workers.jobs import NOBODY, Client
 _scope: ContextVar[Scope | None] = ContextVar("scope", default=None)
 ONLY_READING = ("/pick",)
 """Ends of paths whose POST changes nothing."""
-MAX_MESSAGES = 16
+MAX_MESSAGES = 256
 """Pieces of a request's body that may wait to be read."""
 
 
@@ -65,8 +65,9 @@ async def _answer_while_present(app: ASGIApp, scope: Scope, receive: Receive, se
         nonlocal has_gone
         while not has_gone:
             message = await receive()
-            await messages.put(message)
             has_gone = message["type"] == "http.disconnect"
+            if not messages.full():  # nobody reads so long a body
+                messages.put_nowait(message)
         answering.cancel()
 
     watching = asyncio.create_task(watch())

@@ -80,7 +80,17 @@ class Lanes:
             stage=lane("stage", stage, settings.stage_memory_mb, stage_s, STAGE_SLOTS, is_single=True),
             live=lane("live", picture, memory_mb, frame_s, pictures, draws=True),
             final=lane("final", picture, memory_mb, frame_s, pictures, draws=True, niceness=10),
-            exposure=lane("exposure", picture, memory_mb, frame_s, pictures, draws=True, niceness=10, is_single=True),
+            exposure=lane(
+                "exposure",
+                picture,
+                memory_mb,
+                frame_s,
+                pictures,
+                draws=True,
+                niceness=10,
+                is_single=True,
+                keeps_state=True,
+            ),
         )
 
     def __iter__(self) -> Iterator[Lane[Any]]:

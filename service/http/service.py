@@ -6,6 +6,7 @@ import logging
 import os
 import secrets
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Concatenate, ParamSpec, TypeVar
@@ -19,6 +20,7 @@ from service.http.frame_cache import FrameCache
 from service.http.lanes import PRELOAD, Lanes
 from service.http.long_exposures import LongExposures
 from service.http.metrics import Metrics
+from service.http.places import hide_folder
 from service.http.quarantine import Quarantine
 from service.http.settings import MEBIBYTE, Settings
 from service.models.shots import Shot
@@ -75,6 +77,7 @@ class Service:
         """
         store = ShotStore(settings.data)
         quarantine = Quarantine(store, settings.max_blames)
+        hide_folder(settings.cache)
         settings.cache.mkdir(mode=0o700, parents=True, exist_ok=True)
         environment = worker_environment(os.environ, cache=settings.cache, scratch=settings.cache)
         log.info(support().describe())
@@ -169,7 +172,8 @@ class Service:
             return Place(read=self.settings.worker_read, write=(self.settings.cache,))
         self.quarantine.check(record)
         if may_edit:
-            record.edits_folder.mkdir(exist_ok=True)  # a sandbox lets a worker write to folders that exist
+            with suppress(FileNotFoundError):  # the shot is being deleted: opening it fails
+                record.edits_folder.mkdir(exist_ok=True)  # a sandbox lets a worker write to folders that exist
         write = (self.settings.cache, *((record.edits_folder,) if may_edit else ()))
         return Place(record.id, (record.files, *self.settings.worker_read), write)
 

@@ -23,12 +23,15 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from render.errors import NotFoundError, OutputError
+from render.errors import NotFoundError, OutputError, StageError
+from render.files import read_regular_file
 from service.identity.principal import DEFAULT_PROJECT
 from service.storage.migration import migrate
 
 log = logging.getLogger("pullfocus.service")
 
+MAX_EDIT_BYTES = 64 << 20
+"""Size of the edits of a shot."""
 ID_PATTERN = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 
 
@@ -86,11 +89,19 @@ class ShotRecord:
         return replace(self, root=root)
 
     def edit_text(self) -> str:
-        """Read the edit layer as text; empty where there is none yet."""
-        try:
-            return self.edits.read_text(encoding="utf-8")
-        except FileNotFoundError:
+        """Read the edit layer as text; empty where there is none yet.
+
+        Raises:
+            StageError: it is no plain file of UTF-8 text, or too large. A worker wrote it, which is not trusted.
+        """
+        content = read_regular_file(self.edits, MAX_EDIT_BYTES)
+        if content is None and not os.path.lexists(self.edits):
             return ""
+        try:
+            return (content if content is not None else b"\xff").decode()
+        except UnicodeDecodeError as error:
+            detail = f"the saved edits of shot {self.id!r} cannot be read; take them back, or delete the shot"
+            raise StageError(detail, code="bad_edits", path=self.id) from error
 
 
 class ShotStore:
@@ -132,7 +143,7 @@ class ShotStore:
                 shutil.rmtree(folder)
 
     def _clear_unfinished(self) -> None:
-        """Remove what writers that were killed have left of files (`render.files.write_atomic`); uploaded files are not touched."""
+        """Remove what killed writers have left of files (`render.files.write_atomic`); uploaded files are not touched."""
         for folder in self._shots.iterdir():
             for place in (folder, folder / "edits", folder / "edits" / "history"):
                 for part in () if place.is_symlink() else place.glob("*.part"):  # a worker may have left links

@@ -2,7 +2,8 @@
 
 A lane runs a few jobs at a time, each in a worker process that serves its shot (`service.workers.pool`).
 
-- *Turns.* Of the jobs that wait, that of the viewer who has used the least time is next (`service.workers.turns`).
+- *Turns.* Of the jobs that wait, that of the principal who has used the least time is next, and of several viewers with one key,
+  that of the viewer who has (`service.workers.turns`).
 - *Groups.* A page that scrubs through time asks for more pictures than can be rendered. Calls carry a *group* (one client viewing
   one shot); a newer call of a group takes the place of those that still wait, which fail with `SupersededError`. One that is
   running is finished: its picture is cached and likely to be requested again.
@@ -23,7 +24,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Hashable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -33,7 +34,7 @@ from service.workers.errors import QueueFullError, StoppingError, SupersededErro
 from service.workers.jobs import NOBODY, CallWork, Client, Job, StreamWork
 from service.workers.places import NOWHERE, Place
 from service.workers.pool import WorkerPool
-from service.workers.process import NotBegunError
+from service.workers.process import NotBegunError, WorkerProcess
 from service.workers.roles import Role
 from service.workers.turns import Turns
 
@@ -46,6 +47,8 @@ PATIENCE_S = 1.0
 """Time after which a job no longer keeps others waiting."""
 MAX_OVERDUE = 4
 """Jobs of a lane that may be overdue at a time."""
+MAX_OVERDUE_EACH = 2
+"""Jobs of one principal that may run beside those that a lane runs at a time."""
 UNWANTED_S = 1.0
 """Time that a call may go on after its client has gone, before its process is ended."""
 TICK_S = 0.1
@@ -111,7 +114,8 @@ class Lane(Generic[State]):
         self._on_finished = on_finished
         self._queue: list[Job[State]] = []
         self._running: list[Job[State]] = []
-        self._turns = Turns()
+        self._turns = Turns()  # of viewers
+        self._shares = Turns()  # of principals, who come first
         self._serials = itertools.count(1)
         self._changed = threading.Condition()
         self._is_stopping = False
@@ -319,14 +323,24 @@ class Lane(Generic[State]):
                 continue
             job.begun_s = time.monotonic()
             self._turns.begin(job.client.viewer)
+            self._shares.begin(job.client.principal)
             self._running.append(job)
             self._threads.submit(self._run, job)
         self._publish()
 
     def _next(self) -> Job[State] | None:
-        """Choose the next job: the first one of the viewer who has used the least time, among those whose shot is free."""
-        free = (job for job in self._queue if self._is_free(job.place))
-        return min(free, key=lambda job: (self._turns.used_s(job.client.viewer), job.position), default=None)
+        """Choose the next job: the first one of the viewer who has used the least time, of the principal who has.
+
+        Jobs whose shot is busy are passed over, and those of a principal who has so many running that nobody else could begin.
+        """
+        running = Counter(job.client.principal for job in self._running)
+        most = self._slots + MAX_OVERDUE_EACH
+        free = (job for job in self._queue if self._is_free(job.place) and running[job.client.principal] < most)
+
+        def turn(job: Job[State]) -> tuple[float, float, int]:
+            return self._shares.used_s(job.client.principal), self._turns.used_s(job.client.viewer), job.position
+
+        return min(free, key=turn, default=None)
 
     def _is_free(self, place: Place) -> bool:
         """Whether a job of a place may begin: a shot has one process, or others beside those that are overdue."""
@@ -338,39 +352,42 @@ class Lane(Generic[State]):
     def _run(self, job: Job[State]) -> None:
         """Run a job in a thread of the lane."""
         error: Exception | None = None
-        cpu_s = 0.0
-        is_complete = True
+        is_complete, cpu_s = True, 0.0
+        try:
+            is_complete, cpu_s = self._run_in_worker(job)
+        except Exception as cause:
+            error = cause
+            if isinstance(error, WorkerDiedError):
+                log.error("%s (%s)", error, error.end)
+            with suppress(InvalidStateError):
+                job.work.fail(error)
+        finally:
+            self._finish(job, is_complete=is_complete, cpu_s=cpu_s, error=error)
+
+    def _run_in_worker(self, job: Job[State]) -> tuple[bool, float]:
+        """Run a job in a worker that lives. Returns whether it came to its end, and the processor time that it took, s."""
         for _ in range(ATTEMPTS):
+            process = self.pool.take(self.role, job.place)
             try:
-                process = self.pool.take(self.role, job.place)
-            except WorkerDiedError as cause:
-                error = cause
-                break
-            with self._changed:
-                job.process = process
-                if self._is_closed:
-                    process.kill("stopping")
-                self._publish()
-            began_cpu_s = process.cpu_s()
-            try:
-                error = None
+                self._attach(job, process)
+                began_cpu_s = process.cpu_s()
                 is_complete = job.work.run(process, self._timeout_s * (os.cpu_count() or 1), job.serial)
-                break
+                return is_complete, max(0.0, process.cpu_s() - began_cpu_s)
             except NotBegunError:
-                error = WorkerDiedError(
-                    f"The {self.role.name} worker ended before it began with this request.", "killed"
-                )
-            except Exception as cause:
-                error = cause
-                break
+                continue
             finally:
-                cpu_s += max(0.0, process.cpu_s() - began_cpu_s)
                 self.pool.give_back(process)
-        if isinstance(error, WorkerDiedError):
-            log.error("%s (%s)", error, error.end)
-        if error is not None:
-            job.work.fail(error)
-        self._finish(job, is_complete=is_complete, cpu_s=cpu_s, error=error)
+        raise WorkerDiedError(f"The {self.role.name} worker ended before it began with this request.", "killed")
+
+    def _attach(self, job: Job[State], process: WorkerProcess[State]) -> None:
+        """Note which process runs a job, which may have been cancelled meanwhile."""
+        with self._changed:
+            job.process = process
+            if self._is_closed:
+                process.kill("stopping")
+            if isinstance(job.work, StreamWork) and job.unwanted_s is not None:
+                self._signal_end(job)
+            self._publish()
 
     def _finish(self, job: Job[State], *, is_complete: bool, cpu_s: float, error: Exception | None) -> None:
         now_s = time.monotonic()
@@ -381,10 +398,12 @@ class Lane(Generic[State]):
         with self._changed:
             self._running.remove(job)
             self._turns.charge(job.client.viewer, finished.ran_s)
+            self._shares.charge(job.client.principal, finished.ran_s)
             if not is_complete:
                 self._requeue(job)
-            elif not self._queue:
-                self._turns.forget_others([other.client.viewer for other in self._running])
+            present = [other.client for other in (*self._running, *self._queue)]
+            self._turns.forget_others({client.viewer for client in present})
+            self._shares.forget_others({client.principal for client in present})
             self._dispatch()
 
     def _requeue(self, job: Job[State]) -> None:

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import io
 import pickle
+from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass
 from enum import Enum
 from importlib import import_module
 from multiprocessing.connection import Connection
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from pydantic import BaseModel
 
@@ -26,9 +27,11 @@ State = TypeVar("State")
 MAX_MESSAGE_BYTES = 1 << 30
 """Limit on the size of a worker's message: twice that of the largest picture, as OpenEXR with all channels."""
 
+MAX_STEPS = 5_000_000
+"""Limit on the values, names and marks in a worker's message, some of which need far more memory than their bytes."""
+
 _PLAIN = {
-    "builtins": {"complex", "set", "frozenset", "bytearray"},
-    "collections": {"OrderedDict"},
+    "builtins": {"complex", "set", "frozenset"},
     "datetime": {"datetime", "date", "timedelta", "timezone"},
 }
 _OWN = (
@@ -140,7 +143,36 @@ def sendable_error(error: PullfocusError) -> PullfocusError:
     return error if kind is type(error) else kind(error.detail, code=error.code, path=error.path)
 
 
-class _AnswerReader(pickle.Unpickler):
+def _counted(step: Callable[[Any], None]) -> Callable[[Any], None]:
+    def counted(reader: _AnswerReader) -> None:
+        reader.steps += 1
+        if reader.steps > MAX_STEPS:
+            raise pickle.UnpicklingError(f"a message has more than {MAX_STEPS:,} steps")
+        step(reader)
+
+    return counted
+
+
+def _load_build(reader: Any) -> None:
+    """Set the state of an object, and never that of a class, which all answers share."""
+    if isinstance(reader.stack[-2], type):
+        raise pickle.UnpicklingError("an answer may not change a class")
+    _Unpickler.load_build(reader)
+
+
+_Unpickler: Any = (
+    pickle._Unpickler
+)  # in Python, so that its steps can be judged; the bytes of a picture are one of them
+
+
+class _AnswerReader(_Unpickler):  # type: ignore[misc]
+    """Unpickler that makes plain values and the models and errors of this program alone."""
+
+    steps = 0
+    dispatch: ClassVar = {code: _counted(step) for code, step in _Unpickler.dispatch.items()} | {
+        pickle.BUILD[0]: _counted(_load_build)
+    }
+
     def find_class(self, module: str, name: str) -> Any:
         """Return a class that may be in an answer. Raises `pickle.UnpicklingError` for all others."""
         if name in _PLAIN.get(module, ()):

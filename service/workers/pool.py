@@ -115,6 +115,7 @@ class WorkerPool:
 
     def _surplus(self) -> list[WorkerProcess[Any]]:
         """Remove the idle processes that are too many, or hold too much, and return them."""
+        self._idle.sort(key=lambda process: process.role.keeps_state)  # which is lost only where nothing else is left
         held = [process.memory_bytes() for process in self._idle]
         count = max(0, len(self._idle) - self._max_idle)
         while count < len(held) and sum(held[count:]) > self._max_bytes:

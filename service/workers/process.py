@@ -10,9 +10,11 @@ from __future__ import annotations
 import logging
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -26,7 +28,7 @@ from service.workers.errors import (
     WorkerError,
     WorkerFailedError,
 )
-from service.workers.forking import Exit, Template
+from service.workers.forking import Exit, Forked, Template
 from service.workers.messages import Answer, Assignment, Begun, Order, UnsafeMessageError, pack, receive_answer
 from service.workers.places import Place
 from service.workers.roles import Role
@@ -42,6 +44,10 @@ NEAR_LIMIT = 0.6
 """A worker that crashed with this share of its memory in use is taken to have run out of it: allocators ask for large pieces."""
 _TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+
+
+SERVICE_ENDS: tuple[End, ...] = ("timeout", "cancelled", "stopping")
+"""Reasons for which the service itself ends a worker that runs a call."""
 
 
 class NotBegunError(Exception):
@@ -73,18 +79,13 @@ class WorkerProcess(Generic[State]):
         self.end: End | None = None
         self._template = template
         self._ending: End | None = None
+        self._is_reaped = False
+        self._lock = threading.Lock()
         self._oom_kills = _count_oom_kills()
-        self._pipe, there = Pipe()
-        memory = create_memory()
         try:
-            self.signals = Signals(memory)
-            self._forked = template.fork(there.fileno(), memory)
-        except WorkerDiedError:
-            self._pipe.close()
-            raise
-        finally:
-            there.close()
-            os.close(memory)
+            self._pipe, self._forked, self.signals = _start(template)
+        except OSError as error:
+            raise WorkerDiedError(f"No worker process can be started: {error.strerror}.", "killed") from error
         with suppress(OSError):  # it has ended already: the first call finds out
             self._pipe.send_bytes(pack(Assignment(role, place, gpu)))
 
@@ -164,6 +165,7 @@ class WorkerProcess(Generic[State]):
     def _answers(self, order: Order[State]) -> Iterator[Answer]:
         """Send an order and yield its answers."""
         has_begun = False
+        self._oom_kills = _count_oom_kills()
         try:
             self._pipe.send_bytes(pack(order))
             while True:
@@ -178,8 +180,9 @@ class WorkerProcess(Generic[State]):
             log.error("the %s worker was ended: %s", self.role.name, error)
             raise _explain(self.role, self.close("unsafe")) from error
         except (EOFError, OSError) as error:
-            end = self._bury()
-            if not has_begun and end == "killed":
+            end = self._reap()
+            if not has_begun and end not in SERVICE_ENDS:
+                self.end = "killed"  # whatever it was, the call is not to blame for it
                 raise NotBegunError from error
             raise _explain(self.role, end) from error
 
@@ -193,23 +196,40 @@ class WorkerProcess(Generic[State]):
 
     def kill(self, why: End) -> None:
         """End the worker at once. The thread that runs a call there gets the error that belongs to the reason."""
-        if self.end is None:
-            self._ending = self._ending or why
-            self._forked.kill()
+        with self._lock:
+            if not self._is_reaped:
+                self._ending = self._ending or why
+                self._forked.kill()
 
     def close(self, why: End = "released") -> End:
         """End the worker, release what it holds, and return why it ended."""
         self.kill(why)
-        return self._bury()
+        return self._reap()
 
-    def _bury(self) -> End:
+    def _reap(self) -> End:
         """Release what an ended worker holds, and find out why it ended."""
-        if self.end is None:
-            why = self._ending
-            self._forked.kill()  # it may have closed its pipe and go on
-            self._pipe.close()
-            self.end = why or _judge(self._template.reap(self._forked), self.role, _count_oom_kills() - self._oom_kills)
-        return self.end
+        with self._lock:
+            if self.end is None:
+                self._forked.kill()  # it may have closed its pipe and go on
+                self._is_reaped = True  # its number may be another process's from here on
+                self._pipe.close()
+                end = _judge(self._template.reap(self._forked), self.role, _count_oom_kills() - self._oom_kills)
+                self.end = self._ending or end
+            return self.end
+
+
+def _start(template: Template) -> tuple[Connection, Forked, Signals]:
+    """Have a worker forked. Raises `WorkerDiedError`; `OSError`: there are no more descriptors or no memory."""
+    with ExitStack() as kept, ExitStack() as given:
+        here, there = Pipe()
+        kept.callback(here.close)
+        given.callback(there.close)
+        memory = create_memory()
+        given.callback(os.close, memory)
+        signals = Signals(memory)
+        forked = template.fork(there.fileno(), memory)
+        kept.pop_all()
+        return here, forked, signals
 
 
 def _judge(end: Exit | None, role: Role[Any], oom_kills: int) -> End:

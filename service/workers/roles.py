@@ -23,6 +23,7 @@ class Role(Generic[State]):
         draws: whether it needs OpenGL.
         niceness: added to its scheduling priority; 19 gives way to everything else.
         is_single: whether a shot has at most one such process, because its state counts.
+        keeps_state: whether it holds what cannot be made again; such processes are ended last.
         is_thrown_away: whether a process ends after one call.
     """
 
@@ -32,6 +33,7 @@ class Role(Generic[State]):
     draws: bool = False
     niceness: int = 0
     is_single: bool = False
+    keeps_state: bool = False
     is_thrown_away: bool = False
 
 

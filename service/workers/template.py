@@ -20,6 +20,7 @@ import os
 import signal
 import socket
 import sys
+import traceback
 from importlib import import_module
 from multiprocessing.connection import Connection
 from typing import Any
@@ -65,8 +66,11 @@ def _fork(control: socket.socket, pipe_fd: int, signals_fd: int, serve: Any) -> 
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() == template:
             serve(Connection(pipe_fd), signals_fd)
-    finally:
-        os._exit(0)  # a worker never returns into the template's loop
+    except BaseException:
+        traceback.print_exc()  # a sandbox that cannot be entered, most likely
+        sys.stderr.flush()
+        os._exit(70)
+    os._exit(0)  # a worker never returns into the template's loop
 
 
 if __name__ == "__main__":

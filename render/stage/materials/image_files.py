@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import stat
 import tempfile
@@ -51,12 +52,16 @@ _HEADS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
 _TARGA_SUFFIXES = (".tga", ".tpic")
 _TARGA_KINDS = (1, 2, 3, 9, 10, 11)
 
-oiio.attribute("limits:imagesize_MB", 2 * MAX_BYTES // 2**20)  # some readers decode a whole image to tell its size
-oiio.attribute("limits:resolution", MAX_SIDE)
-
 
 class TextureError(ValueError):
     """Texture that cannot be read; the message gives the reason."""
+
+
+@functools.cache
+def _set_limits() -> None:
+    """Set the limits of OpenImageIO's own, once: some readers decode a whole image to tell its size."""
+    oiio.attribute("limits:imagesize_MB", 2 * MAX_BYTES // 2**20)
+    oiio.attribute("limits:resolution", MAX_SIDE)
 
 
 @contextlib.contextmanager
@@ -70,6 +75,7 @@ def open_image(file: str, request: oiio.ImageSpec) -> Iterator[oiio.ImageInput]:
     Raises:
         TextureError: it is no plain file, is of no known format or is damaged, or declares more than may be read.
     """
+    _set_limits()
     size, kind, suffixes = _identify(file)
     with _file_with_suffix(file, suffixes) as named:
         handle = oiio.ImageInput.open(named, request)

@@ -17,7 +17,7 @@ from service.http.settings import Settings
 from service.workers.places import Place
 from tests.service.conftest import ROOM, is_running, running, send, until
 
-DEAR = {"time": 1, "width": 1280, "height": 720, "rays": 4000}
+DEAR = {"time": 1, "width": 1280, "height": 720, "rays": 3000}
 CHEAP = {"time": 1, "width": 64, "height": 36, "rays": 4}
 
 

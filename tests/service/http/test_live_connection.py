@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from service.http.admission import Admission
 from service.http.errors import ServiceError
 from service.http.frame_cache import FrameCache
 from service.http.live_connection import MAX_PROBLEMS, LiveConnection
@@ -101,6 +102,7 @@ def serve(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
             store=SimpleNamespace(get=lambda shot: record),
             lanes=SimpleNamespace(live=pictures),
             place_of=lambda record: NOWHERE,
+            admission=Admission(600),
             frame_cache=FrameCache(10**6),
             metrics=Metrics(SimpleNamespace()),
             run_id="run",

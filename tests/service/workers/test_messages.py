@@ -1,0 +1,87 @@
+"""Messages of a worker that a hostile file has taken control of."""
+
+from __future__ import annotations
+
+import os
+import pickle
+
+import pytest
+
+from render.errors import StageError
+from service.models.shots import FrameRange
+from service.workers import messages, streaming
+from service.workers.messages import Answer, Begun, UnsafeMessageError, pack, read_answer
+from service.workers.streaming import Signals, create_memory
+
+ANSWER = b"cservice.workers.messages\nAnswer\n"
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        None,
+        b"picture" * 1000,
+        {"a": (1, 2.5, "b", frozenset({1}))},
+        FrameRange(start=1, end=2, frames_per_second=24),
+        [FrameRange(start=1, end=2, frames_per_second=24)] * 3,
+    ],
+)
+def test_values_and_models_arrive(value):
+    assert read_answer(pack(Answer(value=value))) == Answer(value=value)
+
+
+def test_errors_arrive():
+    error = read_answer(pack(Answer(error=StageError("bad", code="stage_unreadable", path="a")))).error
+    assert (type(error), str(error), error.path) == (StageError, "bad", "a")
+    assert read_answer(pack(Begun())) == Begun()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"no pickle at all",
+        pickle.dumps("no answer"),
+        b"cos\nsystem\n(S'true'\ntR.",
+        b"cservice.workers.calls\nresolve\n(S'os:system'\ntR.",
+        b"cservice.workers.messages\nimport_module\n(S'os'\ntR.",
+        b"cservice.workers.messages\npack\n(NtR.",
+        b"cservice.stage.shots\ndescribe_shot\n.",
+        ANSWER + b"(N(dS'__new__'\ncbuiltins\ncomplex\nsR.",
+    ],
+)
+def test_anything_else_is_refused(content):
+    with pytest.raises(UnsafeMessageError):
+        read_answer(content)
+
+
+def test_an_answer_cannot_change_a_class():
+    before = Answer.__new__
+    evil = ANSWER + b"(N(S'__new__'\ncbuiltins\ncomplex\ndtb."
+    with pytest.raises(UnsafeMessageError, match="may not change a class"):
+        read_answer(evil)
+    assert Answer.__new__ is before
+
+
+def test_a_short_message_takes_no_more_memory_than_its_size():
+    refused = pack(Answer(value=1))[:-1] + b"r\xff\xff\xff\x07."  # a memo of 2**27 entries
+    assert read_answer(refused) == Answer(value=1)
+    with pytest.raises(UnsafeMessageError):
+        read_answer(b"cbuiltins\nbytearray\n(I3000000000\ntR.")
+
+
+def test_a_message_of_endless_steps_is_refused(monkeypatch):
+    monkeypatch.setattr(messages, "MAX_STEPS", 1000)
+    with pytest.raises(UnsafeMessageError, match="steps"):
+        read_answer(b"]" * 2000)
+
+
+def test_a_worker_cannot_shrink_the_memory_of_signals():
+    memory = create_memory()
+    signals = Signals(memory)
+    for size in (0, 1 << 20):
+        with pytest.raises(PermissionError):
+            os.ftruncate(memory, size)
+    os.close(memory)
+    signals.queue_length = 7
+    assert (signals.queue_length, streaming._BYTES) == (7, 16)

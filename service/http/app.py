@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -37,6 +38,7 @@ from service.http.routes import (
     shots,
     solving,
     system,
+    trash,
 )
 from service.http.routes.parameters import refusals
 from service.http.security_headers import SecurityHeadersMiddleware
@@ -54,6 +56,8 @@ and take the keyframed focus curve away.
 Times are USD time codes; lengths are metres in the scene and millimetres in the lens, and say so in their names; `null`
 is an infinite distance, or one that does not exist. Every error is `{code, detail, path, errors}`."""
 DEMO_ID = "demo"
+EMPTYING_PAUSE_S = 600.0
+"""Time between two looks at what has been in the trash for long enough."""
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -67,6 +71,7 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service = Service.start(settings)
         app.state.service = service
+        emptying = asyncio.create_task(_empty_trash(service))
         try:
             # Not awaited: it makes the first picture quicker.
             service.lanes.live.submit(call(picture_frames.warm_up), service.place_of(None))
@@ -74,6 +79,7 @@ def create_app(settings: Settings) -> FastAPI:
                 await _ensure_demo(service)
             yield
         finally:
+            emptying.cancel()
             service.long_exposures.close()
             await run_in_threadpool(service.close)
 
@@ -97,13 +103,38 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeadersMiddleware)
     app.add_middleware(RequestContextMiddleware)
     lens = (cameras, photography, metering, lenses, libraries)
-    for routes in (shots, quarantine, edits, *lens, frames, live, long_exposure, focus, solving, curves, identity):
+    for routes in (
+        shots,
+        trash,
+        quarantine,
+        edits,
+        *lens,
+        frames,
+        live,
+        long_exposure,
+        focus,
+        solving,
+        curves,
+        identity,
+    ):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
     app.include_router(system.router)
     live.describe_messages(app)
     install_reference(app)
     install_page(app, settings.static)
     return app
+
+
+async def _empty_trash(service: Service) -> None:
+    """Remove what has been in the trash for long enough, now and then."""
+    while True:
+        try:
+            count = await run_in_threadpool(service.trash.empty)
+            if count:
+                log.info("%d shots were removed from the trash", count)
+        except OSError as error:
+            log.error("the trash could not be emptied: %s", error)
+        await asyncio.sleep(EMPTYING_PAUSE_S)
 
 
 async def _ensure_demo(service: Service) -> None:

@@ -6,7 +6,6 @@ import logging
 import os
 import secrets
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Concatenate, ParamSpec, TypeVar
@@ -26,7 +25,8 @@ from service.http.settings import MEBIBYTE, Settings
 from service.models.shots import Shot
 from service.picture import calls as picture
 from service.stage import calls as stage
-from service.storage.store import ShotRecord, ShotStore
+from service.storage.store import ShotRecord, ShotStore, not_found
+from service.storage.trash import Trash
 from service.workers.calls import call
 from service.workers.forking import Template
 from service.workers.lane import Finished
@@ -47,6 +47,7 @@ class Service:
     Attributes:
         settings: its limits.
         store: the shots on disk.
+        trash: the shots that were deleted.
         quarantine: shots that have ended too many workers.
         pool: the worker processes.
         lanes: the work that waits for them.
@@ -59,6 +60,7 @@ class Service:
 
     settings: Settings
     store: ShotStore
+    trash: Trash
     quarantine: Quarantine
     pool: WorkerPool
     lanes: Lanes
@@ -76,6 +78,7 @@ class Service:
             OutputError: the data folder cannot be written, or another service uses it.
         """
         store = ShotStore(settings.data)
+        trash = Trash(settings.data, settings.trash_days)
         quarantine = Quarantine(store, settings.max_blames)
         hide_folder(settings.cache)
         settings.cache.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -96,9 +99,8 @@ class Service:
 
         lanes = Lanes.start(settings, pool, note_finished)
         metrics.watch(lanes)
-        return cls(
-            settings, store, quarantine, pool, lanes, admission, FrameCache(settings.frame_cache_mb * MEBIBYTE), metrics
-        )
+        frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
+        return cls(settings, store, trash, quarantine, pool, lanes, admission, frame_cache, metrics)
 
     @cached_property
     def long_exposures(self) -> LongExposures:
@@ -167,18 +169,21 @@ class Service:
 
         Raises:
             ServiceError: 423, the shot is in quarantine.
+            NotFoundError: the shot was deleted meanwhile.
         """
         if record is None:
             return Place(read=self.settings.worker_read, write=(self.settings.cache,))
         self.quarantine.check(record)
         if may_edit:
-            with suppress(FileNotFoundError):  # the shot is being deleted: opening it fails
+            try:
                 record.edits_folder.mkdir(exist_ok=True)  # a sandbox lets a worker write to folders that exist
+            except FileNotFoundError as error:
+                raise not_found(record.id) from error
         write = (self.settings.cache, *((record.edits_folder,) if may_edit else ()))
         return Place(record.id, (record.files, *self.settings.worker_read), write)
 
     def close_shot(self, shot_id: str) -> None:
-        """End the workers of a shot that was removed or refused."""
+        """End the workers of a shot that was deleted, restored or refused."""
         self.pool.close_place(shot_id)
 
 

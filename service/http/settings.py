@@ -43,6 +43,7 @@ class Settings:
         access: who may use the service without a key. `open`: anyone, where this machine alone reaches it; elsewhere nobody.
             `keys`: nobody. `insecure`: anyone who reaches it.
         requests_per_s: requests that one sender may go on sending, 0 for any number; an `open` service does not limit them.
+        trash_days: days for which a deleted shot can be restored; 0 removes it at once.
         max_upload_mb: size of one upload, MiB.
         max_unpacked_mb: size that an archive may unpack to, MiB.
         max_archive_entries: files and folders in an archive.
@@ -79,6 +80,7 @@ class Settings:
     allowed_hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")
     access: Access = "open"
     requests_per_s: float = 50.0
+    trash_days: int = 30
     max_upload_mb: int = 512
     max_unpacked_mb: int = 2048
     max_archive_entries: int = 10_000

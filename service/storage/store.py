@@ -8,6 +8,7 @@
     DATA/shots/ID/edits/edits.usda      the edit layer (absent where there are no edits)
     DATA/shots/ID/edits/history/        earlier states of the edit layer (`service.storage.edit_files`)
     DATA/shots/ID/shot.json             the record; written last, so a folder without it was not accepted
+    DATA/trash/ID.STAMP/                a deleted shot (`service.storage.trash`)
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ log = logging.getLogger("pullfocus.service")
 
 MAX_EDIT_BYTES = 64 << 20
 """Size of the edits of a shot."""
+RECORD = "shot.json"
 ID_PATTERN = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 
 
@@ -137,9 +139,9 @@ class ShotStore:
         self._lock.close()
 
     def _clear_unaccepted(self) -> None:
-        """Remove the folders of uploads and deletions that were interrupted."""
+        """Remove the folders of uploads that were interrupted."""
         for folder in self._shots.iterdir():
-            if folder.is_dir() and not (folder / "shot.json").is_file():
+            if folder.is_dir() and not (folder / RECORD).is_file():
                 shutil.rmtree(folder)
 
     def _clear_unfinished(self) -> None:
@@ -151,7 +153,7 @@ class ShotStore:
 
     def list(self) -> list[ShotRecord]:
         """Read the records of all shots, newest last."""
-        records = (self._read(folder) for folder in self._shots.iterdir())
+        records = (read_record(folder, folder.name) for folder in self._shots.iterdir())
         return sorted((r for r in records if r), key=lambda r: (r.created_at, r.id))
 
     def get(self, shot_id: str) -> ShotRecord:
@@ -160,7 +162,7 @@ class ShotStore:
         Raises:
             NotFoundError: there is no shot of this id.
         """
-        record = self._read(self._shots / shot_id) if ID_PATTERN.fullmatch(shot_id) else None
+        record = read_record(self._shots / shot_id, shot_id) if ID_PATTERN.fullmatch(shot_id) else None
         if record is None:
             raise not_found(shot_id)
         return record
@@ -191,38 +193,40 @@ class ShotStore:
             "fileCount": len(sizes),
             "project": begun.project,
         }
-        part = begun.folder / "shot.json.part"
+        part = begun.folder / f"{RECORD}.part"
         part.write_text(json.dumps(fields, indent=2), encoding="utf-8")
-        os.replace(part, begun.folder / "shot.json")
+        os.replace(part, begun.folder / RECORD)
         return self.get(begun.id)
 
     def discard(self, begun: ShotRecord) -> None:
         """Remove a new shot that was refused."""
         shutil.rmtree(begun.folder, ignore_errors=True)
 
-    def remove(self, record: ShotRecord) -> None:
-        """Remove a shot, its record first, so that no damaged shot is ever listed."""
-        (record.folder / "shot.json").unlink(missing_ok=True)
-        shutil.rmtree(record.folder, ignore_errors=True)
 
-    def _read(self, folder: Path) -> ShotRecord | None:
-        try:
-            fields = json.loads((folder / "shot.json").read_text(encoding="utf-8"))
-            return ShotRecord(
-                id=folder.name,
-                name=fields["name"],
-                folder=folder,
-                root=fields["root"],
-                created_at=datetime.fromisoformat(fields["createdAt"]),
-                size_bytes=fields["sizeBytes"],
-                file_count=fields["fileCount"],
-                project=fields.get("project", DEFAULT_PROJECT),
-            )
-        except (FileNotFoundError, NotADirectoryError):
-            return None
-        except (ValueError, KeyError, TypeError) as error:  # edited by hand; the other shots stay listed
-            log.error("the record of shot %s cannot be read and is left out: %r", folder.name, error)
-            return None
+def read_record(folder: Path, shot_id: str) -> ShotRecord | None:
+    """Read the record of a shot. Returns None where there is none, or where it is damaged, which is logged.
+
+    Args:
+        folder: of the shot.
+        shot_id: its id.
+    """
+    try:
+        fields = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        return ShotRecord(
+            id=shot_id,
+            name=fields["name"],
+            folder=folder,
+            root=fields["root"],
+            created_at=datetime.fromisoformat(fields["createdAt"]),
+            size_bytes=fields["sizeBytes"],
+            file_count=fields["fileCount"],
+            project=fields.get("project", DEFAULT_PROJECT),
+        )
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except (ValueError, KeyError, TypeError) as error:  # edited by hand; the other shots stay listed
+        log.error("the record of shot %s cannot be read and is left out: %r", shot_id, error)
+        return None
 
 
 def not_found(shot_id: str) -> NotFoundError:

@@ -96,8 +96,9 @@ def _described(*statuses: int) -> dict[int | str, dict[str, Any]]:
     descriptions = {
         401: "A key is missing, wrong or expired.",
         403: "The key lacks the scope that this needs, or a page of another site sends the request.",
-        404: "There is no such shot, camera, lens, film, body, focus point, key or revision.",
-        409: "`superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`.",
+        404: "There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash.",
+        409: "`superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. "
+        "`shot_exists`: there is a shot of this id again.",
         412: "It was changed since it was read: its `ETag` is not in `If-Match`.",
         413: "The upload, or what it unpacks to, is too large.",
         415: "The file is of no supported kind.",

@@ -7,11 +7,12 @@ from typing import Annotated
 from fastapi import APIRouter, File, Form, Response, UploadFile
 from starlette.concurrency import run_in_threadpool
 
+from service.edit_context import EditContext, edits_tag
 from service.http.access import EDITS, READS, PrincipalDep
 from service.http.errors import ServiceError
 from service.http.links import shot_links
 from service.http.quarantine import REASONS
-from service.http.routes.parameters import ShotId, problems
+from service.http.routes.parameters import IfMatch, ShotId, problems, set_etag
 from service.http.service import Service, ServiceDep
 from service.http.upload import store_upload, upload_name
 from service.identity.principal import ALL_PROJECTS, DEFAULT_PROJECT, PROJECT_PATTERN, Principal
@@ -84,9 +85,11 @@ async def create_shot(
 
 
 @router.get("/shots/{shot}", operation_id="getShot", responses=problems(404, 423, 503))
-async def get_shot(service: ServiceDep, shot: ShotId) -> Shot:
-    """Read a shot with its frame range and cameras."""
-    return await service.call_stage(shots.describe_shot, service.store.get(shot))
+async def get_shot(service: ServiceDep, response: Response, shot: ShotId) -> Shot:
+    """Read a shot with its frame range and cameras. The `ETag` is that of all its edits."""
+    described = await service.call_stage(shots.describe_shot, service.store.get(shot))
+    set_etag(response, edits_tag(described.revision))
+    return described
 
 
 @router.get("/shots/{shot}/inspect", operation_id="inspectShot", responses=problems(404, 423, 503))
@@ -95,12 +98,17 @@ async def inspect_shot(service: ServiceDep, shot: ShotId) -> Inspection:
     return await service.call_stage(shots.inspect_shot, service.store.get(shot))
 
 
-@router.delete("/shots/{shot}", operation_id="deleteShot", status_code=204, responses=problems(404), dependencies=EDITS)
-async def delete_shot(service: ServiceDep, shot: ShotId) -> None:
-    """Delete a shot and its edits. The demo shot is written again when the service next starts."""
+@router.delete(
+    "/shots/{shot}", operation_id="deleteShot", status_code=204, responses=problems(404, 412), dependencies=EDITS
+)
+async def delete_shot(service: ServiceDep, shot: ShotId, if_match: IfMatch = None) -> None:
+    """Move a shot with its edits to the trash. `If-Match` takes the tag of all edits.
+
+    The demo shot is written again when the service next starts.
+    """
     record = service.store.get(shot)
+    await run_in_threadpool(service.trash.put, record, EditContext(if_match))
     service.long_exposures.discard(record.id)
-    await run_in_threadpool(service.store.remove, record)
     service.close_shot(record.id)
 
 

@@ -105,6 +105,8 @@ def requests_of(name: str) -> Iterator[tuple[str, dict[str, str], dict[str, str]
 def send_example(demo: httpx.Client, name: str, request: tuple) -> httpx.Response:
     method = CALLS[name][0]
     address, query, headers, body = request
+    if "{trashed}" in CALLS[name][1]:  # the id of an entry has the time at which it was made
+        address = CALLS[name][1].replace("{trashed}", demo.get("/v1/trash").json()["shots"][0]["id"])
     if name == "getFrame":
         query = QUICK | query if len(query) == 1 else {**QUICK, **{k: v for k, v in query.items() if k not in QUICK}}
     return demo.request(method, address, params=query, headers=headers, json=body, files=file_of(name, demo))
@@ -118,6 +120,9 @@ def prepare(demo: httpx.Client, name: str) -> None:
     if name == "redoEdit":
         send_example(demo, "edit", next(requests_of("edit")))
         demo.post("/v1/shots/demo/edits/undo")
+    if "{trashed}" in CALLS[name][1]:
+        sent = send_example(demo, "createShot", next(requests_of("createShot")))
+        demo.delete(sent.headers["location"])
     if name in BEFORE:
         answer = send_example(demo, BEFORE[name], next(requests_of(BEFORE[name])))
         assert answer.is_success, answer.text
@@ -135,6 +140,9 @@ def test_examples_work(demo, name):
         assert answer.status_code < 400, f"{name} {request}: {answer.text}"
         if name == "createShot":
             assert demo.delete(answer.headers["location"]).status_code == 204
+        if name == "deleteShot":
+            last = demo.get("/v1/trash").json()["shots"][0]["id"]
+            assert demo.post(f"/v1/trash/{last}/restore").status_code == 200
 
 
 def test_the_examples_are_many():

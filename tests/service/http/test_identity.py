@@ -39,9 +39,9 @@ def admin(locked) -> dict[str, str]:
 
 def filled(path: str) -> str:
     """A path with a word for each parameter."""
-    return (
-        path.replace("{shot}", "none").replace("{name}", "none").replace("{attribute}", "weight").replace("{key}", "no")
-    )
+    for name, word in (("shot", "none"), ("name", "none"), ("attribute", "weight"), ("key", "no"), ("trashed", "no")):
+        path = path.replace(f"{{{name}}}", word)
+    return path
 
 
 @pytest.mark.parametrize(("method", "path", "call"), CALLS, ids=[f"{m} {p}" for m, p, _ in CALLS])
@@ -113,6 +113,22 @@ def test_a_project_s_shots_are_unknown_to_others(locked, admin, room_file):
     assert (foreign.status_code, foreign.json()["code"]) == (403, "foreign_project")
     assert locked.client.get(f"/v1/shots/{sent['id']}", headers=mine).status_code == 200
     assert locked.client.delete(f"/v1/shots/{sent['id']}", headers=admin).status_code == 204
+
+
+def test_a_project_s_trash_is_unknown_to_others(locked, room_file):
+    mine = key(locked, "read", "edit", project="tram")
+    theirs = key(locked, "read", "edit", project="other")
+    sent = locked.client.post("/v1/shots", headers=mine, files={"file": ("room.usda", room_file.read_bytes())}).json()
+    assert locked.client.delete(f"/v1/shots/{sent['id']}", headers=mine).status_code == 204
+    (entry,) = [
+        one for one in locked.client.get("/v1/trash", headers=mine).json()["shots"] if one["shot"] == sent["id"]
+    ]
+    assert locked.client.get("/v1/trash", headers=theirs).json() == {"shots": []}
+    for method, at in (("POST", f"/v1/trash/{entry['id']}/restore"), ("DELETE", f"/v1/trash/{entry['id']}")):
+        answer = locked.client.request(method, at, headers=theirs)
+        assert (answer.status_code, answer.json()["code"]) == (404, "not_in_trash")
+    assert locked.client.post(f"/v1/trash/{entry['id']}/restore", headers=mine).status_code == 200
+    assert locked.client.delete(f"/v1/shots/{sent['id']}", headers=mine).status_code == 204
 
 
 def watch(service: Running, shot: str, headers: dict[str, str]) -> int:

@@ -40,9 +40,8 @@ def test_two_shots_of_one_name_are_two_shots(store):
     assert len(store.list()) == 2
 
 
-def test_a_refused_or_removed_shot_leaves_nothing(store, tmp_path):
+def test_a_refused_shot_leaves_nothing(store, tmp_path):
     store.discard(store.begin("bad.usda"))
-    store.remove(accepted(store))
     assert store.list() == []
     assert list((tmp_path / "shots").iterdir()) == []
 

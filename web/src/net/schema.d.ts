@@ -349,14 +349,16 @@ export interface paths {
         };
         /**
          * Get Shot
-         * @description Read a shot with its frame range and cameras.
+         * @description Read a shot with its frame range and cameras. The `ETag` is that of all its edits.
          */
         readonly get: operations["getShot"];
         readonly put?: never;
         readonly post?: never;
         /**
          * Delete Shot
-         * @description Delete a shot and its edits. The demo shot is written again when the service next starts.
+         * @description Move a shot with its edits to the trash. `If-Match` takes the tag of all edits.
+         *
+         *     The demo shot is written again when the service next starts.
          */
         readonly delete: operations["deleteShot"];
         readonly options?: never;
@@ -1046,6 +1048,66 @@ export interface paths {
         readonly get: operations["getPlaceReadout"];
         readonly put?: never;
         readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/trash": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Trash
+         * @description List the deleted shots of your project, the last one first.
+         */
+        readonly get: operations["listTrash"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/trash/{trashed}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        readonly post?: never;
+        /**
+         * Remove Shot
+         * @description Remove a deleted shot for good.
+         */
+        readonly delete: operations["removeShot"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/trash/{trashed}/restore": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Restore Shot
+         * @description Restore a deleted shot with its edits and their history, at the address that it had.
+         */
+        readonly post: operations["restoreShot"];
         readonly delete?: never;
         readonly options?: never;
         readonly head?: never;
@@ -7110,6 +7172,78 @@ export interface components {
             readonly outWidth?: number;
         };
         /**
+         * TrashedShot
+         * @description A shot in the trash.
+         * @example {
+         *       "deletedAt": "2026-11-21T08:00:00Z",
+         *       "id": "night-tram-1f2e3d4c.20261121080000000000",
+         *       "name": "night_tram.usdz",
+         *       "project": "default",
+         *       "removedAt": "2026-12-21T08:00:00Z",
+         *       "shot": "night-tram-1f2e3d4c",
+         *       "sizeBytes": 48112640
+         *     }
+         */
+        readonly TrashedShot: {
+            /**
+             * Deletedat
+             * Format: date-time
+             */
+            readonly deletedAt: string;
+            /**
+             * Id
+             * @description Name of the entry in URLs.
+             */
+            readonly id: string;
+            /**
+             * Name
+             * @description Name of the uploaded file.
+             */
+            readonly name: string;
+            /**
+             * Project
+             * @description Project of the shot.
+             */
+            readonly project: string;
+            /**
+             * Removedat
+             * Format: date-time
+             * @description Time from which it is removed for good.
+             */
+            readonly removedAt: string;
+            /**
+             * Shot
+             * @description Name that the shot had in URLs, and will have again.
+             */
+            readonly shot: string;
+            /**
+             * Sizebytes
+             * @description Size of all files of the shot, unpacked.
+             */
+            readonly sizeBytes: number;
+        };
+        /**
+         * TrashList
+         * @description The deleted shots of the projects that the sender may see, the last one first.
+         * @example {
+         *       "shots": [
+         *         {
+         *           "deletedAt": "2026-11-21T08:00:00Z",
+         *           "id": "night-tram-1f2e3d4c.20261121080000000000",
+         *           "name": "night_tram.usdz",
+         *           "project": "default",
+         *           "removedAt": "2026-12-21T08:00:00Z",
+         *           "shot": "night-tram-1f2e3d4c",
+         *           "sizeBytes": 48112640
+         *         }
+         *       ]
+         *     }
+         */
+        readonly TrashList: {
+            /** Shots */
+            readonly shots: readonly components["schemas"]["TrashedShot"][];
+        };
+        /**
          * UnkeyPoint
          * @description Remove a key of a focus point's attribute; after the last one its value stays for all time.
          * @example {
@@ -7467,7 +7601,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7609,7 +7743,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7686,7 +7820,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7868,7 +8002,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8001,7 +8135,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8078,7 +8212,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8155,7 +8289,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8518,7 +8652,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8568,7 +8702,10 @@ export interface operations {
     readonly deleteShot: {
         readonly parameters: {
             readonly query?: never;
-            readonly header?: never;
+            readonly header?: {
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
+                readonly "if-match"?: string | null;
+            };
             readonly path: {
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -8602,8 +8739,17 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -8675,7 +8821,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8773,7 +8919,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8873,7 +9019,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8971,7 +9117,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9080,7 +9226,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9187,7 +9333,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9287,7 +9433,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9385,7 +9531,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9494,7 +9640,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9601,7 +9747,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9701,7 +9847,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9799,7 +9945,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9899,7 +10045,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9999,7 +10145,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10106,7 +10252,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10213,7 +10359,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10329,7 +10475,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10425,7 +10571,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10503,7 +10649,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10605,7 +10751,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10709,7 +10855,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10801,7 +10947,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10810,7 +10956,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10911,7 +11057,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10920,7 +11066,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11028,7 +11174,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11132,7 +11278,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11243,7 +11389,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11343,7 +11489,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11445,7 +11591,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11539,7 +11685,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11650,7 +11796,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11761,7 +11907,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11870,7 +12016,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12023,7 +12169,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12032,7 +12178,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12118,7 +12264,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12279,7 +12425,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12351,7 +12497,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12435,7 +12581,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12507,7 +12653,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12580,7 +12726,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12681,7 +12827,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12690,7 +12836,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12780,7 +12926,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12864,7 +13010,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12944,7 +13090,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13044,7 +13190,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13135,7 +13281,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13236,7 +13382,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13274,6 +13420,196 @@ export interface operations {
             };
             /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly listTrash: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["TrashList"];
+                };
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly removeShot: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description Id of an entry of the trash. */
+                readonly trashed: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 204: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly restoreShot: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description Id of an entry of the trash. */
+                readonly trashed: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ShotSummary"];
+                };
+            };
+            /** @description A key is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -26,6 +26,7 @@ def test_a_shot_is_listed_described_and_removed(client, room):
     assert {k: shot[k] for k in listed[-1]} == listed[-1]
     assert shot["cameras"] == ["/World/cam"] == [shot["defaultCamera"]["path"]]
     assert shot["frameRange"] == {"start": 1, "end": 24, "framesPerSecond": 24}
+    assert client.get(f"/v1/shots/{room}").headers["ETag"] == f'"{shot["revision"]}"'
     assert client.delete(f"/v1/shots/{room}").status_code == 204
     assert client.get(f"/v1/shots/{room}").status_code == 404
     assert client.delete(f"/v1/shots/{room}").status_code == 404

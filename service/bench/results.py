@@ -1,0 +1,167 @@
+"""Results of the service bench as plain data: the fields are the keys of its JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil
+from statistics import median
+
+from render.lab.bench.results import Goal
+
+MOST_RATIO, MOST_DELAY_S = 2.0, 2.0
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What the bench ran on.
+
+    Attributes:
+        date: in ISO format, UTC.
+        cores: that the process may use.
+        device: the OpenGL driver's name of what draws.
+        load: mean number of processes that wanted a core in the minute before; other work disturbs the results.
+        python: its version.
+        versions: of packages, by name.
+    """
+
+    date: str
+    cores: int
+    device: str
+    load: float
+    python: str
+    versions: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Several times, s.
+
+    Attributes:
+        count: how many.
+        median_s: their median; None without any.
+        p95_s: the time that 95 % do not exceed.
+        most_s: the longest.
+    """
+
+    count: int
+    median_s: float | None
+    p95_s: float | None
+    most_s: float | None
+
+
+def spread_of(seconds: Sequence[float]) -> Spread:
+    """Summarize times."""
+    if not seconds:
+        return Spread(0, None, None, None)
+    ordered = sorted(seconds)
+    return Spread(len(ordered), median(ordered), ordered[ceil(0.95 * len(ordered)) - 1], ordered[-1])
+
+
+@dataclass(frozen=True)
+class ViewersFound:
+    """What the viewers got who drag together.
+
+    Attributes:
+        viewers: how many there were.
+        refused: viewers who were refused, once or more often.
+        refusals: reasons, each once.
+        pictures: number of pictures of each viewer, least first.
+        ratio: most over least; None where somebody got none.
+        without_picture: viewers who got none.
+        first: from a viewer's first request to the first picture.
+        age: from the request of a picture to its arrival.
+        gap: between the pictures of a viewer.
+    """
+
+    viewers: int
+    refused: int
+    refusals: list[str]
+    pictures: list[int]
+    ratio: float | None
+    without_picture: int
+    first: Spread
+    age: Spread
+    gap: Spread
+
+
+@dataclass(frozen=True)
+class DelayRow:
+    """Waiting of one kind of request.
+
+    Attributes:
+        request: its name.
+        alone: beside the viewers alone.
+        absurd: beside an absurd GET too.
+        left: beside an absurd GET whose client has left.
+        delay_s: longest time beside the absurd GET minus the median without.
+        delay_left_s: likewise, after the client has left.
+        failures: answers that were errors, each once.
+    """
+
+    request: str
+    alone: Spread
+    absurd: Spread
+    left: Spread
+    delay_s: float | None
+    delay_left_s: float | None
+    failures: list[str]
+
+
+@dataclass(frozen=True)
+class ServiceBench:
+    """All of it.
+
+    Attributes:
+        machine: what it ran on.
+        seconds: time that the viewers dragged, s.
+        phase_s: time of each phase of the second part, s.
+        width: of their pictures, pixels.
+        rate: requests of each viewer a second.
+        drag: what they dragged.
+        together: what they got.
+        beside: viewers of the second part.
+        rays_refused: rays of a 1920 px picture that was answered 422; None where none was.
+        rays_admitted: rays of the absurd GET.
+        delays: rows by kind of request.
+        goals: goals and whether they are met.
+    """
+
+    machine: Machine
+    seconds: float
+    phase_s: float
+    width: int
+    rate: float
+    drag: str
+    together: ViewersFound
+    beside: int
+    rays_refused: int | None
+    rays_admitted: int
+    delays: list[DelayRow]
+    goals: list[Goal]
+
+
+def goals_of(together: ViewersFound, rays_refused: int | None, delays: Sequence[DelayRow]) -> list[Goal]:
+    """Judge what was found."""
+    ratio = float("inf") if together.ratio is None else together.ratio
+    failures = sum(len(row.failures) for row in delays)
+    worst = {
+        "an absurd GET": max(_or_infinite(row.delay_s) for row in delays),
+        "a GET whose client has left": max(_or_infinite(row.delay_left_s) for row in delays),
+    }
+    return [
+        Goal("viewers refused, at most", 0, together.refused, together.refused == 0),
+        Goal("pictures of a viewer, most over least, at most", MOST_RATIO, ratio, ratio <= MOST_RATIO),
+        Goal(
+            "pictures above the limit refused with 422, at least", 1, rays_refused is not None, rays_refused is not None
+        ),
+        *(
+            Goal(f"longest delay of others by {name}, s, at most", MOST_DELAY_S, delay, delay <= MOST_DELAY_S)
+            for name, delay in worst.items()
+        ),
+        Goal("failed requests of others, at most", 0, failures, failures == 0),
+    ]
+
+
+def _or_infinite(seconds: float | None) -> float:
+    return float("inf") if seconds is None else seconds

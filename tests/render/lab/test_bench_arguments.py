@@ -33,6 +33,8 @@ from tests.render.kits.cli_shots import Command
         (("importance", "--sizes", "256,x"), 2, "--sizes must be whole numbers from 32 to 2048"),
         (("importance", "--sizes", "8"), 2, "--sizes must be whole numbers"),
         (("importance", "--frames", "1"), 2, "--frames must be from 2 to 10000, got 1"),
+        (("service", "--viewers", "0"), 2, "--viewers must be from 1 to 1000, got 0"),
+        (("service", "--rate", "0"), 2, "--rate must be more than 0 and at most 3600, got 0"),
         (("scale", "--timeout", "0"), 2, "--timeout must be more than 0, got 0"),
         (("scale", "--axis", "beauty"), 2, "beauty"),
         (("scale", "--most", "0"), 2, "--most 0 leaves no case to measure"),

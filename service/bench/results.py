@@ -103,8 +103,8 @@ class DelayRow:
     alone: Spread
     absurd: Spread
     left: Spread
-    delay_s: float | None
-    delay_left_s: float | None
+    delay_s: float
+    delay_left_s: float
     failures: list[str]
 
 
@@ -143,15 +143,15 @@ class ServiceBench:
 
 def goals_of(together: ViewersFound, rays_refused: int | None, delays: Sequence[DelayRow]) -> list[Goal]:
     """Judge what was found."""
-    ratio = float("inf") if together.ratio is None else together.ratio
     failures = sum(len(row.failures) for row in delays)
     worst = {
-        "an absurd GET": max(_or_infinite(row.delay_s) for row in delays),
-        "a GET whose client has left": max(_or_infinite(row.delay_left_s) for row in delays),
+        "an absurd GET": max(row.delay_s for row in delays),
+        "a GET whose client has left": max(row.delay_left_s for row in delays),
     }
     return [
         Goal("viewers refused, at most", 0, together.refused, together.refused == 0),
-        Goal("pictures of a viewer, most over least, at most", MOST_RATIO, ratio, ratio <= MOST_RATIO),
+        Goal("viewers without a picture, at most", 0, together.without_picture, together.without_picture == 0),
+        *_fairness(together.ratio),
         Goal(
             "pictures above the limit refused with 422, at least", 1, rays_refused is not None, rays_refused is not None
         ),
@@ -163,5 +163,7 @@ def goals_of(together: ViewersFound, rays_refused: int | None, delays: Sequence[
     ]
 
 
-def _or_infinite(seconds: float | None) -> float:
-    return float("inf") if seconds is None else seconds
+def _fairness(ratio: float | None) -> list[Goal]:
+    if ratio is None:  # somebody got no picture, which is a goal of its own
+        return []
+    return [Goal("pictures of a viewer, most over least, at most", MOST_RATIO, ratio, ratio <= MOST_RATIO)]

@@ -112,7 +112,7 @@ def _delays(port: int, plan: LoadPlan, other_shot: str) -> tuple[int | None, int
             counts = beside.counts()
             with repeating(requests) as found:
                 sleep(plan.phase_s)
-            phases.append(found | {PICTURES: Repeated(beside.gaps_since(counts))})
+            phases.append(found | {PICTURES: Repeated(beside.gaps_since(counts) or [plan.phase_s])})
 
         beside.wait_for_pictures()
         sleep(SETTLE_S)
@@ -130,14 +130,14 @@ def _delays(port: int, plan: LoadPlan, other_shot: str) -> tuple[int | None, int
 
 def _row(name: str, phases: Sequence[Repeated]) -> DelayRow:
     alone, absurd, left = (phase.seconds for phase in phases)
-    usual_s = median(alone) if alone else 0.0
+    usual_s = median(alone)
     return DelayRow(
         name,
         spread_of(alone),
         spread_of(absurd),
         spread_of(left),
-        max(absurd) - usual_s if absurd else None,
-        max(left) - usual_s if left else None,
+        max(absurd) - usual_s,
+        max(left) - usual_s,
         _each_once(failure for phase in phases for failure in phase.failures),
     )
 

@@ -14,7 +14,7 @@ MOST_RATIO, MOST_DELAY_S = 2.0, 2.0
 
 @dataclass(frozen=True)
 class Machine:
-    """What the bench ran on.
+    """Machine that the bench ran on.
 
     Attributes:
         date: in ISO format, UTC.
@@ -60,7 +60,7 @@ def spread_of(seconds: Sequence[float]) -> Spread:
 
 @dataclass(frozen=True)
 class ViewersFound:
-    """What the viewers got who drag together.
+    """Pictures and refusals of the viewers who drag together.
 
     Attributes:
         viewers: how many there were.

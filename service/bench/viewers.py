@@ -27,7 +27,7 @@ OPEN_S = 60.0
 
 @dataclass
 class Viewer:
-    """What one viewer got.
+    """Pictures and refusals of one viewer.
 
     Attributes:
         number: counts the viewers from 0.

@@ -44,6 +44,7 @@ from service.http.routes.parameters import refusals
 from service.http.security_headers import SecurityHeadersMiddleware
 from service.http.service import Service
 from service.http.settings import Settings
+from service.http.stopping import StoppingMiddleware
 from service.picture.calls import frames as picture_frames
 from service.workers.calls import call
 from service.workers.errors import WorkerError
@@ -98,6 +99,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(GuardMiddleware, settings=settings)
     app.add_middleware(ClientMiddleware)
     app.add_middleware(AuditMiddleware, identity=app.state.identity)
+    app.add_middleware(StoppingMiddleware)
     app.add_middleware(MetricsMiddleware)
     install_error_handlers(app)
     app.add_middleware(SecurityHeadersMiddleware)

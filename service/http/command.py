@@ -7,7 +7,6 @@ import errno
 import logging
 import socket
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -20,6 +19,7 @@ from service.http.configuration import read_configuration
 from service.http.exposure import with_exposure
 from service.http.logs import LogFormat, set_up_logs
 from service.http.settings import Settings, default_data_folder
+from service.http.stopping import GracefulServer
 from service.storage.store import ShotStore
 
 
@@ -44,19 +44,21 @@ def serve(arguments: Sequence[str]) -> int:
     host, port = listener.getsockname()[:2]
     shown = f"[{host}]" if ":" in host else host
     logging.getLogger("pullfocus.service").info("http://%s:%d/ serves the shots of %s", shown, port, settings.data)
-    server = uvicorn.Server(
+    app = create_app(settings)
+    server = GracefulServer(
+        app,
         uvicorn.Config(
-            create_app(settings),
+            app,
             log_config=None,
             access_log=False,  # `service.http.request_context` logs each answer
             timeout_graceful_shutdown=5,
             ws_per_message_deflate=False,  # pictures are compressed already
             proxy_headers=bool(settings.trusted_proxies),
             forwarded_allow_ips=list(settings.trusted_proxies),
-        )
+        ),
+        settings.stop_grace_s,
     )
-    with suppress(KeyboardInterrupt):
-        server.run(sockets=[listener])
+    server.run(sockets=[listener])
     return 0 if server.started else 1
 
 

@@ -31,6 +31,8 @@ from service.workers.calls import stream_call
 from service.workers.errors import SupersededError
 from service.workers.jobs import Job
 
+RESTARTS_CODE = 1012
+"""Code of a WebSocket that is closed because the service stops; the client may connect again."""
 MAX_UNACKNOWLEDGED = 2
 """Pictures that may be sent before the client acknowledges one."""
 MAX_PROBLEMS = 32
@@ -71,7 +73,8 @@ class LiveConnection:
 
     async def serve(self) -> None:
         """Receive requests and send pictures until the client disconnects."""
-        tasks = [asyncio.create_task(self._send_all()), asyncio.create_task(self._receive_all())]
+        works = self._send_all(), self._receive_all(), self._service.stopping.wait()
+        tasks = [asyncio.create_task(work) for work in works]
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
             for task in done:
@@ -81,6 +84,9 @@ class LiveConnection:
             for task in tasks:
                 task.cancel()
             self._cancel_stream()
+        if self._service.stopping.is_begun:
+            with suppress(RuntimeError):  # the client has closed it already
+                await self._socket.close(RESTARTS_CODE)
 
     async def _receive_all(self) -> None:
         while True:

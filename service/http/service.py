@@ -22,6 +22,7 @@ from service.http.metrics import Metrics
 from service.http.places import hide_folder
 from service.http.quarantine import Quarantine
 from service.http.settings import MEBIBYTE, Settings
+from service.http.stopping import Stopping
 from service.models.shots import Shot
 from service.picture import calls as picture
 from service.stage import calls as stage
@@ -55,6 +56,7 @@ class Service:
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
         live_sockets: the live connections that are open.
+        stopping: whether it is stopping.
         run_id: changes with each start: the same inputs may give other pixels after an update.
     """
 
@@ -68,6 +70,7 @@ class Service:
     frame_cache: FrameCache
     metrics: Metrics
     live_sockets: set[WebSocket] = field(default_factory=set)
+    stopping: Stopping = field(default_factory=Stopping)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))
 
     @classmethod

@@ -68,6 +68,7 @@ class Settings:
         frame_cache_mb: size of the cache of encoded pictures, MiB.
         min_free_mb: free space on the disk of the data folder, MiB; with less, the service is not ready.
         max_lane_age_s: time that a request may wait in a lane, s; while one has waited longer, the service is not ready.
+        stop_grace_s: time that requests in progress have to end when the service is stopped, s.
     """
 
     host: str = "127.0.0.1"
@@ -105,3 +106,4 @@ class Settings:
     frame_cache_mb: int = 256
     min_free_mb: int = 256
     max_lane_age_s: float = 60.0
+    stop_grace_s: float = 30.0

@@ -31,7 +31,8 @@ _PR_SET_PDEATHSIG = 1
 
 def main(control_fd: int, preload: str) -> None:
     """Fork workers until the service is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the service, which then closes the socket
+    for sent_to_all in (signal.SIGINT, signal.SIGTERM):  # they end the service, which then closes the socket
+        signal.signal(sent_to_all, signal.SIG_IGN)
     import_module(preload)
     from service.workers.serving import serve  # after the preloaded modules, which choose what threads may start
 

@@ -15,6 +15,7 @@ from service.http.errors import ServiceError
 from service.http.frame_cache import FrameCache
 from service.http.live_connection import MAX_PROBLEMS, LiveConnection
 from service.http.metrics import Metrics
+from service.http.stopping import Stopping
 from service.models.cameras import READOUT_EXAMPLE, Readout
 from service.picture.requests import LivePicture
 from service.workers.places import NOWHERE
@@ -105,6 +106,8 @@ def serve(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
             admission=Admission(600),
             frame_cache=FrameCache(10**6),
             metrics=Metrics(SimpleNamespace()),
+            admission=SimpleNamespace(check=lambda *_: None),
+            stopping=Stopping(),
             run_id="run",
         )
         connection = asyncio.create_task(LiveConnection(service, socket, "room").serve())

@@ -87,7 +87,7 @@ class Settings:
     max_archive_entries: int = 10_000
     max_archive_ratio: int = 200
     max_picture_px: int = 4096 * 2304
-    max_picture_s: float = 300.0
+    max_picture_s: float = 600.0
     max_curve_frames: int = MAX_CURVE_FRAMES
     max_waiting: int = 128
     max_waiting_each: int = 64

@@ -106,7 +106,6 @@ def serve(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
             admission=Admission(600),
             frame_cache=FrameCache(10**6),
             metrics=Metrics(SimpleNamespace()),
-            admission=SimpleNamespace(check=lambda *_: None),
             stopping=Stopping(),
             run_id="run",
         )

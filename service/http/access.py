@@ -42,7 +42,7 @@ class _Scheme(SecurityBase):
         """Do nothing."""
 
 
-_BEARER = _Scheme("bearer", HTTPBearer(description="A key of this service, or a token of its OpenID Connect issuer."))
+_BEARER = _Scheme("bearer", HTTPBearer(description="A key of this service."))
 _COOKIE = _Scheme(
     "session",
     APIKey.model_validate(

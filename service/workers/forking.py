@@ -70,11 +70,6 @@ class Template:
         """Process id, or None where it does not run."""
         return self._process.pid if self._process is not None and self._process.poll() is None else None
 
-    def start(self) -> None:
-        """Start the process, if it does not run. Raises `WorkerDiedError`: it ends at once."""
-        with self._lock:
-            self._ensure()
-
     def fork(self, pipe_fd: int, signals_fd: int) -> Forked:
         """Start a worker.
 

@@ -234,12 +234,6 @@ class Lane(Generic[State]):
                     job.work.is_cancelled = True
                     self._signal_end(job)
 
-    def stop(self) -> None:
-        """Take no more jobs. Those that wait or run go on."""
-        with self._changed:
-            self._is_stopping = True
-            self._changed.notify_all()
-
     def close(self) -> None:
         """Fail the jobs that wait and those that run, and end their processes."""
         with self._changed:

@@ -35,7 +35,7 @@ FORBIDDEN: dict[str, tuple[int | None, int | None]] = {
     "sched_setscheduler": (144, 119),
     "migrate_pages": (256, 238),
     "move_pages": (279, 239),
-    # What Landlock leaves open: modes, owners, attributes and links of files, and handles in place of paths.
+    # Left open by Landlock: modes, owners, attributes and links of files, and handles in place of paths.
     "chmod": (90, None),
     "fchmod": (91, 52),
     "fchmodat": (268, 53),

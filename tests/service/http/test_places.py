@@ -33,6 +33,6 @@ def test_no_folder_of_the_program_is_named() -> None:
 
 
 def test_paths_of_prims_stay() -> None:
-    text = "the transform of /root/Chair and of /World/shots/a is not finite"
+    text = "the transform of /srv/Chair and of /World/shots/a is not finite"
 
     assert without_places(text) == text

@@ -152,16 +152,6 @@ def test_closing_answers_everyone_and_ends_the_worker(pool):
         lane.submit(call(echo))
 
 
-def test_a_stopping_lane_finishes_what_it_has(pool):
-    with tally_lane(pool) as lane:
-        accepted = [lane.submit(call(echo, str(n), pause_s=0.1)) for n in range(2)]
-        lane.stop()
-        with pytest.raises(StoppingError):
-            lane.submit(call(echo))
-        wait_until_idle(lane)
-        assert [f.result(0)[0] for f in accepted] == ["0", "1"]
-
-
 SCENE, OTHER_SCENE = Place("scene"), Place("other scene")
 
 

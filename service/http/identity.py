@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Annotated
 
 from fastapi import Depends
@@ -64,7 +64,7 @@ class Identity:
             principal = self.sign_in(sent.strip(), _address(scope)).principal()
         elif key is not None:
             _check_origin(scope, headers)
-            principal = key.principal()
+            principal = self.in_session(key, token or "")
         else:
             principal = NOBODY if self._access == "keys" else ANYONE
         self._limit(principal, _address(scope))
@@ -89,6 +89,10 @@ class Identity:
         if wait_s is not None:
             raise _too_many("Too many wrong keys come from this address.", wait_s)
         raise unauthorized("The key is wrong, expired or revoked.")
+
+    def in_session(self, key: Key, token: str) -> Principal:
+        """Return the sender of a request that a session of a key signs."""
+        return key.principal().until(datetime.now(UTC) + timedelta(seconds=self.sessions.left_s(token)))
 
     def audit(self, scope: Scope, status: int) -> None:
         """Write a line of the audit log.

@@ -62,7 +62,8 @@ class Key:
 
     def principal(self) -> Principal:
         """Return the sender that the key stands for."""
-        return Principal(f"key:{self.id}", self.label, frozenset(self.scopes), self.project)
+        ends_at = datetime.fromisoformat(self.expires_at) if self.expires_at else None
+        return Principal(f"key:{self.id}", self.label, frozenset(self.scopes), self.project, ends_at)
 
     def is_expired(self, now: datetime) -> bool:
         """Return whether the key has expired."""

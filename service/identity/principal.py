@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import datetime
 from typing import Literal, get_args
 
 ScopeName = Literal["read", "edit", "render", "admin"]
@@ -22,12 +23,18 @@ class Principal:
         label: name for people.
         scopes: what it may do, of `SCOPES`.
         project: whose shots it sees; `ALL_PROJECTS` for every project.
+        ends_at: time from which its credentials hold no more; None for never.
     """
 
     id: str
     label: str
     scopes: frozenset[str]
     project: str
+    ends_at: datetime | None = None
+
+    def until(self, end: datetime) -> Principal:
+        """Return the same sender, whose credentials hold until ``end`` at the latest."""
+        return replace(self, ends_at=end if self.ends_at is None else min(self.ends_at, end))
 
     def sees(self, project: str) -> bool:
         """Return whether it may know of the shots of a project."""

@@ -33,8 +33,12 @@ class Sessions:
 
     def key_id(self, token: str) -> str | None:
         """Return the id of a session's key; None where it has ended."""
-        key_id, ends = self._open.get(_hash(token), (None, 0.0))
-        return key_id if ends > self._clock() else None
+        return self._open[_hash(token)][0] if self.left_s(token) > 0 else None
+
+    def left_s(self, token: str) -> float:
+        """Return the seconds until a session ends; 0 where it has ended."""
+        _, ends = self._open.get(_hash(token), ("", 0.0))
+        return max(0.0, ends - self._clock())
 
     def end(self, token: str) -> None:
         """End a session, if it is open."""

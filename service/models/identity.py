@@ -34,13 +34,20 @@ class Who(Model):
     """Sender of the request."""
 
     model_config = shown_as(
-        {"id": "key:3f2a9c51d07b", "label": "Mara", "scopes": ["edit", "read", "render"], "project": "night-tram"}
+        {
+            "id": "key:3f2a9c51d07b",
+            "label": "Mara",
+            "scopes": ["edit", "read", "render"],
+            "project": "night-tram",
+            "endsAt": "2026-11-21T20:00:00Z",
+        }
     )
 
     id: str = Field(description="`anyone` on a service that needs no key.")
     label: str = Field(description="Name for people.")
     scopes: list[str] = Field(description="`read`, `edit`, `render`, `admin`.")
     project: str = Field(description="Project whose shots are seen; `*` for every project.")
+    ends_at: datetime | None = Field(description="Time at which the session or the key ends; null for never.")
 
 
 class KeySummary(Model):

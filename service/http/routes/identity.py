@@ -27,15 +27,16 @@ async def sign_in(request: Request, response: Response, identity: IdentityDep, s
     address = request.client.host if request.client else "unknown"
     key = identity.sign_in(sent.key.strip(), address)
     request.state.principal = key.principal()
+    token = identity.sessions.begin(key.id)
     response.set_cookie(
         SESSION_COOKIE,
-        identity.sessions.begin(key.id),
+        token,
         max_age=SESSION_S,
         httponly=True,
         samesite="strict",
         secure=request.url.scheme == "https",
     )
-    return Who.model_validate(key.principal())
+    return Who.model_validate(identity.in_session(key, token))
 
 
 @router.get("/session", operation_id="whoAmI")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
 
 import httpx
 import pytest
@@ -12,6 +13,7 @@ from websockets.sync.client import connect
 
 from service.http.settings import Settings
 from service.identity.principal import SCOPES
+from service.identity.sessions import SESSION_S
 from tests.service.conftest import Running, running, send
 from tests.service.kits.calls import CALLS, PUBLIC, scopes_of
 
@@ -184,6 +186,21 @@ def test_a_session_ends_with_its_key(locked):
         assert page.get("/v1/shots").status_code == 200
         locked.app.state.identity.keys.revoke(text.split("_")[1])
         assert page.get("/v1/shots").status_code == 401
+
+
+def test_one_is_told_when_session_and_key_end(locked):
+    held, now = key(locked, "read"), datetime.now(UTC)
+    keys = locked.app.state.identity.keys
+    brief, text = keys.create("Brief", frozenset({"read"}), "default", now + timedelta(hours=1))
+    assert locked.client.get("/v1/session", headers=held).json()["endsAt"] is None
+    told = locked.client.get("/v1/session", headers={"Authorization": f"Bearer {text}"}).json()
+    assert datetime.fromisoformat(told["endsAt"]) == datetime.fromisoformat(brief.expires_at)
+    url = str(locked.client.base_url).rstrip("/")
+    for sent, hours in ((text, 1), (held["Authorization"].split()[1], SESSION_S / 3600)):
+        with httpx.Client(base_url=url, headers={ORIGIN: url}) as page:
+            for told in (page.post("/v1/session", json={"key": sent}), page.get("/v1/session")):
+                ends_at = datetime.fromisoformat(told.json()["endsAt"])
+                assert abs(ends_at - now - timedelta(hours=hours)) < timedelta(minutes=2)
 
 
 def test_administrators_manage_keys(locked, admin):

@@ -7347,6 +7347,7 @@ export interface components {
          * Who
          * @description Sender of the request.
          * @example {
+         *       "endsAt": "2026-11-21T20:00:00Z",
          *       "id": "key:3f2a9c51d07b",
          *       "label": "Mara",
          *       "project": "night-tram",
@@ -7358,6 +7359,11 @@ export interface components {
          *     }
          */
         readonly Who: {
+            /**
+             * Endsat
+             * @description Time at which the session or the key ends; null for never.
+             */
+            readonly endsAt: string | null;
             /**
              * Id
              * @description `anyone` on a service that needs no key.

@@ -1,6 +1,7 @@
 import { restQuality } from "@/model/quality";
 import type { Changes } from "@/model/changes";
 import { LiveSocket, liveAddress, type Socket } from "@/net/live";
+import { errorOf, UnreachableError } from "@/net/errors";
 import type { LivePicture, PictureRequest } from "@/net/live_link";
 
 const QUALITY = restQuality(800, 400);
@@ -58,7 +59,7 @@ interface Heard {
   readonly states: boolean[];
 }
 
-function connected(): Heard & { socket: FakeSocket } {
+function connected(admitted: () => Promise<unknown> = () => Promise.resolve()): Heard & { socket: FakeSocket } {
   const [sockets, pictures, said, states]: [FakeSocket[], Heard["pictures"], unknown[], boolean[]] = [[], [], [], []];
   const listener = {
     onPicture: (picture: LivePicture, { time }: PictureRequest): Promise<void> =>
@@ -67,11 +68,12 @@ function connected(): Heard & { socket: FakeSocket } {
     onError: (error: unknown): void => void said.push(error),
     onOpen: (isOpen: boolean): void => void states.push(isOpen),
   };
-  const live = new LiveSocket("ws://here", { shot: "demo", camera: "/cam" }, listener, () => {
+  const connect = (): FakeSocket => {
     const socket = new FakeSocket();
     sockets.push(socket);
     return socket;
-  });
+  };
+  const live = new LiveSocket("ws://here", { shot: "demo", camera: "/cam" }, listener, { connect, admitted });
   const [socket] = sockets;
   if (!socket) throw new Error("It does not connect.");
   return { sockets, live, pictures, said, states, socket };
@@ -214,26 +216,46 @@ describe("a live connection that fails", () => {
     expect(live.free).toBe(true);
   });
 
-  it("that is lost is unsaved again, later each time, until it is given up for good", () => {
+  it("that is lost is unsaved again, later each time, until it is given up for good", async () => {
     const { live, sockets, states, socket } = connected();
     socket.open();
     live.request(request(1));
     socket.lose();
     expect(states).toEqual([true, false]);
     expect(live.free).toBe(true);
-    vi.advanceTimersByTime(500);
+    await vi.advanceTimersByTimeAsync(500);
     expect(sockets).toHaveLength(2);
     sockets[1]?.lose();
-    vi.advanceTimersByTime(999);
+    await vi.advanceTimersByTimeAsync(999);
     expect(sockets).toHaveLength(2);
-    vi.advanceTimersByTime(1);
+    await vi.advanceTimersByTimeAsync(1);
     sockets[2]?.open();
     expect(sockets[2]?.sent).toEqual([]); // whoever waits is told, and asks again
     live.close();
     sockets[2]?.lose();
-    vi.advanceTimersByTime(60_000);
+    await vi.advanceTimersByTimeAsync(60_000);
     expect(sockets).toHaveLength(3);
     expect(sockets[2]?.closed).toBe(true);
+  });
+});
+
+describe("a lost live connection", () => {
+  it("is opened again once the person is admitted, and not at all where nobody signs in", async () => {
+    let signIn = (): void => undefined;
+    const { sockets, socket } = connected(() => new Promise<void>((resolve) => (signIn = resolve)));
+    socket.lose();
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(sockets).toHaveLength(1);
+    signIn();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(sockets).toHaveLength(2);
+
+    const refused = connected(() => Promise.reject(errorOf(401, { code: "unauthorized", detail: "No." })));
+    refused.socket.lose();
+    const down = connected(() => Promise.reject(new UnreachableError()));
+    down.socket.lose();
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect([refused.sockets.length, vi.getTimerCount()]).toEqual([1, 1]); // the one that is down is tried on
   });
 });
 

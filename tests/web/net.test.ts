@@ -54,7 +54,7 @@ describe("what the service says", () => {
     expect(complaintOf(error)).toEqual({
       message: "night.usda is no USD stage.",
       advice: "Nothing was changed.",
-      passing: false,
+      remedy: null,
     });
   });
 

@@ -216,6 +216,11 @@ export class ShotDocument {
     });
   }
 
+  /** Resolves when all edits that were begun are made. */
+  async idle(): Promise<void> {
+    await this.#queue;
+  }
+
   /** Reads the history, and the shot again if another editor has changed it. */
   async catchUp(): Promise<void> {
     const known = this.history.peek();

@@ -1,10 +1,12 @@
 /** The whole editor: the shots, the open one, the remembered choices, and the last error. */
 
 import { signal } from "@preact/signals";
+import { isPerson } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import { NO_LIBRARIES, type Libraries } from "../model/photography";
 import { complaintOf, isAbort, type Complaint } from "../net/errors";
 import type { Download, Service } from "../net/service";
+import { Identity } from "./identity";
 import { Library } from "./library";
 import { Remembered } from "./remembered";
 import { Session } from "./session";
@@ -16,6 +18,7 @@ export interface Sheet {
 }
 
 export class Editor {
+  readonly identity: Identity;
   readonly library: Library;
   readonly remembered = new Remembered();
   readonly session = signal<Session | null>(null);
@@ -28,15 +31,24 @@ export class Editor {
   /** The shot that is being opened. */
   readonly opening = signal<string | null>(null);
   readonly complaint = signal<Complaint | null>(null);
+  /** What is waited for, as the service says it; null where nothing is. */
+  readonly waiting = signal<string | null>(null);
   readonly helpOpen = signal(false);
   /** Name of the download under way. */
   readonly exporting = signal<string | null>(null);
 
   readonly service: Service;
+  #start: Parameters<Editor["start"]> = [null, null, null];
 
-  constructor(service: Service) {
+  /** @param reload loads the page anew, at its present address. */
+  constructor(service: Service, reload: () => void) {
     this.service = service;
+    this.identity = new Identity(service, reload);
     this.library = new Library(service, this.fail);
+    service.listen({
+      onSignInNeeded: () => this.identity.ask(),
+      onWaiting: (refusal) => (this.waiting.value = refusal?.message ?? null),
+    });
   }
 
   /** Shows an error, unless its request was cancelled on purpose. */
@@ -44,8 +56,15 @@ export class Editor {
     if (!isAbort(error)) this.complaint.value = complaintOf(error);
   };
 
-  /** Lists the shots and opens the given one, else the first. */
+  /** Finds out who is signed in, lists the shots and opens the given one, else the first. */
   async start(shot: string | null, camera: string | null, time: number | null): Promise<void> {
+    this.#start = [shot, camera, time];
+    try {
+      await this.identity.refresh();
+    } catch (error) {
+      this.fail(error);
+      return;
+    }
     void this.#readLibraries();
     await this.library.refresh();
     const shots = this.library.shots.value ?? [];
@@ -57,7 +76,20 @@ export class Editor {
   async retry(): Promise<void> {
     this.complaint.value = null;
     if (this.session.value) this.session.value.document.refresh();
-    else await this.start(null, null, null);
+    else await this.start(...this.#start);
+  }
+
+  /** Reads what has changed since the person was here last: who is signed in, and the edits of others. */
+  async catchUp(): Promise<void> {
+    const { who } = this.identity;
+    if (who.value && isPerson(who.value)) await this.identity.refresh().catch(this.fail);
+    await this.session.value?.document.catchUp();
+  }
+
+  /** Ends the session at the service once the edits under way are made. */
+  async signOut(): Promise<void> {
+    await this.session.value?.document.idle();
+    await this.identity.signOut().catch(this.fail);
   }
 
   /** Opens a shot; the one that was open stays until the new one is there. */

@@ -12,13 +12,16 @@ export class ServiceError extends Error {
   readonly code: string;
   readonly path: string | null;
   readonly status: number;
+  /** Wait that the service asks for before another try, s; null where it asks for none. */
+  readonly retryAfterS: number | null;
 
-  constructor(problem: Problem, status: number) {
+  constructor(problem: Problem, status: number, retryAfterS: number | null = null) {
     super(problem.detail);
     this.name = "ServiceError";
     this.code = problem.code;
     this.path = problem.path ?? null;
     this.status = status;
+    this.retryAfterS = retryAfterS;
   }
 }
 
@@ -41,13 +44,16 @@ export class HintError extends Error {
   }
 }
 
-/** Makes an error of what came back in place of a result. */
-export function errorOf(status: number, body: unknown): ServiceError {
-  if (isProblem(body)) return new ServiceError(body, status);
-  return new ServiceError(
-    { code: `http_${status.toString()}`, detail: `The service answered with status ${status.toString()}.` },
-    status,
-  );
+/**
+ * Makes an error of what came back in place of a result.
+ *
+ * @param retryAfter the header `Retry-After`, in seconds.
+ */
+export function errorOf(status: number, body: unknown, retryAfter: string | null = null): ServiceError {
+  const retryAfterS = retryAfter !== null && /^\d+$/.test(retryAfter) ? Number(retryAfter) : null;
+  if (isProblem(body)) return new ServiceError(body, status, retryAfterS);
+  const detail = `The service answered with status ${status.toString()}.`;
+  return new ServiceError({ code: `http_${status.toString()}`, detail }, status, retryAfterS);
 }
 
 function isProblem(body: unknown): body is Problem {
@@ -66,23 +72,24 @@ export function isAbort(error: unknown): boolean {
 export interface Complaint {
   readonly message: string;
   readonly advice: string;
-  /** Whether asking again may help. */
-  readonly passing: boolean;
+  /** What may help at once: the same again, or a key. */
+  readonly remedy: "retry" | "signIn" | null;
 }
 
 export function complaintOf(error: unknown): Complaint {
   if (error instanceof ServiceError && error.status === 412) return CHANGED_MEANWHILE;
   if (error instanceof UnreachableError) {
-    return { message: error.message, advice: "Check that “pullfocus serve” is running.", passing: true };
+    return { message: error.message, advice: "Check that “pullfocus serve” is running.", remedy: "retry" };
   }
   if (error instanceof ServiceError) {
-    return { message: sentence(error.message), advice: adviceFor(error), passing: error.status >= 500 };
+    const remedy = error.status === 401 ? "signIn" : error.status >= 500 || error.status === 429 ? "retry" : null;
+    return { message: sentence(error.message), advice: adviceFor(error), remedy };
   }
-  if (error instanceof HintError) return { message: error.message, advice: error.advice, passing: false };
+  if (error instanceof HintError) return { message: error.message, advice: error.advice, remedy: null };
   return {
     message: error instanceof Error ? sentence(error.message) : "Something failed.",
     advice: "Reload the page.",
-    passing: false,
+    remedy: null,
   };
 }
 
@@ -90,11 +97,15 @@ export function complaintOf(error: unknown): Complaint {
 const CHANGED_MEANWHILE: Complaint = {
   message: "Somebody else changed this meanwhile.",
   advice: "It is shown as it is now; repeat your edit if you still want it.",
-  passing: false,
+  remedy: null,
 };
 
 function adviceFor(error: ServiceError): string {
   switch (error.status) {
+    case 401:
+      return "Sign in to go on.";
+    case 403:
+      return "Nothing was changed. Whoever gave you the key can give you one that may.";
     case 404:
       return "It may have been removed: reload the page.";
     case 413:
@@ -102,6 +113,7 @@ function adviceFor(error: ServiceError): string {
     case 415:
     case 422:
       return "Nothing was changed.";
+    case 429:
     case 503:
       return "Try again in a moment.";
     default:

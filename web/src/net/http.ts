@@ -3,6 +3,7 @@
 import createClient, { type Client } from "openapi-fetch";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
+import type { Who } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
@@ -23,9 +24,10 @@ import {
   toSummary,
   type Json,
 } from "./convert";
-import { errorOf, isAbort, UnreachableError } from "./errors";
+import { errorOf, isAbort, UnreachableError, type ServiceError } from "./errors";
 import { LiveSocket, liveAddress } from "./live";
 import type { LiveListener, LiveLink } from "./live_link";
+import { Patience, type PatienceListener } from "./patience";
 import type { paths } from "./schema";
 import type { CurveFormat, Download, Edit, EditResult, PictureFormat, Service } from "./service";
 import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
@@ -42,13 +44,31 @@ interface Answer<Data> {
 export class HttpService implements Service {
   readonly #base: string;
   readonly #client: Client<paths>;
+  readonly #patience = new Patience();
   /** By shot and camera. */
   readonly #tags = new Map<string, TagBook>();
 
   /** @param base address of the service, without a slash at its end; empty for where the page came from. */
   constructor(base = "") {
     this.#base = base;
-    this.#client = createClient<paths>({ baseUrl: base });
+    this.#client = createClient<paths>({ baseUrl: base, fetch: (request) => this.#send(request) });
+  }
+
+  listen(listener: PatienceListener): void {
+    this.#patience.listener = listener;
+  }
+
+  async whoAmI(): Promise<Who> {
+    return result(this.#client.GET("/v1/session"));
+  }
+
+  async signIn(key: string): Promise<Who> {
+    // A wrong key is told, and not asked for again by the request itself.
+    return result(this.#client.POST("/v1/session", { body: { key }, fetch }));
+  }
+
+  async signOut(): Promise<void> {
+    await done(this.#client.DELETE("/v1/session"));
   }
 
   async shots(): Promise<ShotSummary[]> {
@@ -57,7 +77,8 @@ export class HttpService implements Service {
   }
 
   async upload(file: File, onProgress: (fraction: number) => void, signal: AbortSignal): Promise<ShotSummary> {
-    return toSummary((await sendFile(`${this.#base}/v1/shots`, file, onProgress, signal)) as Json["Shot"]);
+    const attempt = (): Promise<unknown> => sendFile(`${this.#base}/v1/shots`, file, onProgress, signal);
+    return toSummary((await this.#patience.send(attempt, false, signal)) as Json["Shot"]);
   }
 
   async removeShot(shot: string): Promise<void> {
@@ -131,7 +152,8 @@ export class HttpService implements Service {
   }
 
   live(view: View, listener: LiveListener): LiveLink {
-    return new LiveSocket(liveAddress(this.#base || location.origin, view.shot), view, listener);
+    const address = liveAddress(this.#base || location.origin, view.shot);
+    return new LiveSocket(address, view, listener, { admitted: () => this.whoAmI() });
   }
 
   async frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob> {
@@ -228,6 +250,15 @@ export class HttpService implements Service {
     return { blob, name: `${shot}.edits.usda` };
   }
 
+  async #send(request: Request): Promise<Response> {
+    const attempt = async (): Promise<Response> => {
+      const answer = await fetch(request.clone());
+      if (REFUSED_FOR_NOW.includes(answer.status)) throw await refusalIn(answer);
+      return answer;
+    };
+    return this.#patience.send(attempt, request.method === "GET", request.signal);
+  }
+
   async #picture(view: View, query: PictureQuery, signal?: AbortSignal): Promise<Blob> {
     const options = { ...at(view, query), ...abortable(signal), parseAs: "blob" as const };
     return result<Blob>(this.#client.GET("/v1/shots/{shot}/frame", options));
@@ -262,9 +293,17 @@ function abortable(signal: AbortSignal | undefined): { signal?: AbortSignal } {
   return signal ? { signal } : {};
 }
 
+/** Statuses after which a request may be sent again as it is. */
+const REFUSED_FOR_NOW = [401, 429, 503];
+
+async function refusalIn(answer: Response): Promise<ServiceError> {
+  const body: unknown = await answer.json().catch(() => null);
+  return errorOf(answer.status, body, answer.headers.get("Retry-After"));
+}
+
 async function result<Data>(answer: Promise<Answer<Data>>): Promise<Data> {
   const { data, error, response } = await reached(answer);
-  if (!response.ok) throw errorOf(response.status, error);
+  if (!response.ok) throw errorOf(response.status, error, response.headers.get("Retry-After"));
   return data as Data;
 }
 

@@ -4,7 +4,7 @@
  */
 
 import { toReadout, type Json } from "./convert";
-import { errorOf } from "./errors";
+import { errorOf, ServiceError } from "./errors";
 import type { LiveLink, LiveListener, LivePicture, PictureRequest } from "./live_link";
 import { cameraOf, type View } from "./view";
 
@@ -16,11 +16,17 @@ const RETRY_MS = { first: 500, most: 15_000 };
 /** Requests without an answer that may be sent before the link is busy. */
 const MOST_UNANSWERED = 2;
 
+export interface LiveSocketOptions {
+  /** Resolves once a lost connection may be opened again: a socket is not told why it is refused. */
+  readonly admitted: () => Promise<unknown>;
+  readonly connect?: (address: string) => Socket;
+}
+
 export class LiveSocket implements LiveLink {
   readonly #address: string;
   readonly #view: View;
   readonly #listener: LiveListener;
-  readonly #connect: (address: string) => Socket;
+  readonly #options: LiveSocketOptions;
   #socket: Socket | null = null;
   #isOpen = false;
   #isClosed = false;
@@ -33,13 +39,8 @@ export class LiveSocket implements LiveLink {
   /** Id of the newest request with an answer. */
   #answered = 0;
 
-  constructor(
-    address: string,
-    view: View,
-    listener: LiveListener,
-    connect: (address: string) => Socket = (to) => new WebSocket(to),
-  ) {
-    [this.#address, this.#view, this.#listener, this.#connect] = [address, view, listener, connect];
+  constructor(address: string, view: View, listener: LiveListener, options: LiveSocketOptions) {
+    [this.#address, this.#view, this.#listener, this.#options] = [address, view, listener, options];
     this.#open();
   }
 
@@ -68,7 +69,7 @@ export class LiveSocket implements LiveLink {
   }
 
   #open(): void {
-    const socket = this.#connect(this.#address);
+    const socket = this.#options.connect?.(this.#address) ?? new WebSocket(this.#address);
     this.#socket = socket;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
@@ -87,11 +88,24 @@ export class LiveSocket implements LiveLink {
       this.#requests.clear();
       this.#answered = this.#newest;
       this.#listener.onOpen(false);
-      this.#retry = setTimeout(() => {
-        this.#open();
-      }, this.#waitMs);
-      this.#waitMs = Math.min(2 * this.#waitMs, RETRY_MS.most);
+      this.#openLater();
     };
+  }
+
+  #openLater(): void {
+    this.#retry = setTimeout(() => void this.#openAgain(), this.#waitMs);
+    this.#waitMs = Math.min(2 * this.#waitMs, RETRY_MS.most);
+  }
+
+  async #openAgain(): Promise<void> {
+    try {
+      await this.#options.admitted();
+    } catch (error) {
+      const isRefused = error instanceof ServiceError && error.status === 401;
+      if (!this.#isClosed && !isRefused) this.#openLater();
+      return;
+    }
+    if (!this.#isClosed) this.#open();
   }
 
   #send(id: number, { time, quality, unsaved, moving }: PictureRequest): void {

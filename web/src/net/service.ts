@@ -3,11 +3,13 @@
 import type { Changes } from "../model/changes";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
+import type { Who } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 import type { LiveListener, LiveLink } from "./live_link";
+import type { PatienceListener } from "./patience";
 import type { View } from "./view";
 
 /** An edit to be made. */
@@ -40,6 +42,13 @@ export type CurveFormat = "json" | "csv" | "usda" | "otio" | "opentrackio";
 export type PictureFormat = "png" | "jpeg" | "exr";
 
 export interface Service {
+  /** Sets who is asked for a key, and told of waits; until then requests that are refused fail. */
+  listen(listener: PatienceListener): void;
+  /** Who sends the requests. */
+  whoAmI(): Promise<Who>;
+  /** Exchanges a key for a session, which signs all that the page sends. Fails with status 401 where the key is wrong. */
+  signIn(key: string): Promise<Who>;
+  signOut(): Promise<void>;
   shots(): Promise<ShotSummary[]>;
   upload(file: File, onProgress: (fraction: number) => void, signal: AbortSignal): Promise<ShotSummary>;
   removeShot(shot: string): Promise<void>;

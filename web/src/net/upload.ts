@@ -24,7 +24,7 @@ export function sendFile(
     };
     request.onload = () => {
       if (request.status >= 200 && request.status < 300) resolve(request.response);
-      else reject(errorOf(request.status, request.response));
+      else reject(errorOf(request.status, request.response, request.getResponseHeader("Retry-After")));
     };
     request.onerror = () => {
       reject(new UnreachableError());

@@ -5,6 +5,7 @@ import { useState } from "preact/hooks";
 import type { Editor } from "../editor/editor";
 import { Help } from "./dialogs/Help";
 import { Inspector } from "./panels/Inspector";
+import { SignIn } from "./dialogs/SignIn";
 import { SheetDialog } from "./dialogs/SheetDialog";
 import { Shots } from "./dialogs/Shots";
 import { Timeline } from "./timeline/Timeline";
@@ -22,6 +23,7 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
       <Timeline editor={editor} />
       <Help editor={editor} />
       <SheetDialog editor={editor} />
+      <SignIn editor={editor} />
     </DropTarget>
   );
 }

@@ -1,11 +1,12 @@
 /** The bar on top: what is open, what can be undone, how it is shown, and what can be taken away. */
 
 import type { JSX } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../editor/editor";
 import { SURROUNDS, type Surround } from "../editor/remembered";
 import type { Session } from "../editor/session";
 import { primName } from "../model/shot";
+import { Account } from "./Account";
+import { Menu } from "./controls/Menu";
 import { save } from "./hooks";
 import { Icon } from "./icons";
 
@@ -22,6 +23,7 @@ export function TopBar({ editor }: { editor: Editor }): JSX.Element {
       {session && <UndoButtons session={session} />}
       <Appearance editor={editor} />
       {session && <Downloads editor={editor} session={session} />}
+      <Account editor={editor} />
       <button
         type="button"
         class="button icon-only"
@@ -144,57 +146,38 @@ function Appearance({ editor }: { editor: Editor }): JSX.Element {
 }
 
 function Downloads({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
-  const [open, setOpen] = useState(false);
-  const ref = useRef<HTMLDivElement>(null);
-  useEffect(() => {
-    if (!open) return;
-    const outside = (event: Event): void => {
-      if (event instanceof KeyboardEvent ? event.key === "Escape" : !ref.current?.contains(event.target as Node))
-        setOpen(false);
-    };
-    document.addEventListener("pointerdown", outside);
-    document.addEventListener("keydown", outside);
-    return () => {
-      document.removeEventListener("pointerdown", outside);
-      document.removeEventListener("keydown", outside);
-    };
-  }, [open]);
   const making = editor.exporting.value;
   return (
-    <div class="menu" ref={ref}>
-      <button
-        type="button"
-        class="button primary"
-        aria-expanded={open}
-        aria-controls="downloads"
-        disabled={making !== null}
-        onClick={() => {
-          setOpen(!open);
-        }}
-      >
-        <Icon name="download" />
-        {making === null ? "Download" : `Making ${making}…`}
-      </button>
-      {open && (
-        <div id="downloads" class="menu-list" aria-label="Download">
-          {items(session).map(({ group, what, make }, at, all) => (
-            <>
-              {group !== all[at - 1]?.group && <h3 key={group}>{group}</h3>}
-              <button
-                key={what}
-                type="button"
-                onClick={() => {
-                  setOpen(false);
-                  void editor.export(what, make, save);
-                }}
-              >
-                {what}
-              </button>
-            </>
-          ))}
-        </div>
-      )}
-    </div>
+    <Menu
+      name="downloads"
+      label="Download"
+      kind="primary"
+      disabled={making !== null}
+      head={
+        <>
+          <Icon name="download" />
+          {making === null ? "Download" : `Making ${making}…`}
+        </>
+      }
+    >
+      {(close) =>
+        items(session).map(({ group, what, make }, at, all) => (
+          <>
+            {group !== all[at - 1]?.group && <h3 key={group}>{group}</h3>}
+            <button
+              key={what}
+              type="button"
+              onClick={() => {
+                close();
+                void editor.export(what, make, save);
+              }}
+            >
+              {what}
+            </button>
+          </>
+        ))
+      }
+    </Menu>
   );
 }
 

@@ -20,6 +20,7 @@ const STROKES = {
   download: "M8 2v8M4.5 7L8 10.5 11.5 7M3 13.5h10",
   target: "M8 1v3M8 12v3M1 8h3M12 8h3M11 8a3 3 0 1 1-6 0a3 3 0 1 1 6 0",
   trash: "M3 4.5h10M6.5 4.5V3h3v1.5M4.5 4.5l.6 8.5h5.8l.6-8.5M7 7v4M9 7v4",
+  person: "M10.5 5.5a2.5 2.5 0 1 1-5 0a2.5 2.5 0 1 1 5 0M3 13.5c0-2.8 2.2-4 5-4s5 1.2 5 4",
   points: "M2 5V2h3M11 2h3v3M14 11v3h-3M5 14H2v-3M7 8h2",
 } as const;
 

@@ -19,6 +19,7 @@ export function Viewer({ editor }: { editor: Editor }): JSX.Element {
   return (
     <main class={`viewer surround-${editor.remembered.surround.value}`} aria-label="Picture">
       {session ? <Picture editor={editor} session={session} /> : <Empty editor={editor} />}
+      <Waiting editor={editor} />
       <Complaint editor={editor} />
       {session && <PictureFoot session={session} />}
     </main>
@@ -133,6 +134,19 @@ function Busy({ editor, session }: { editor: Editor; session: Session }): JSX.El
   );
 }
 
+/** What is waited for, until the service takes more requests. */
+function Waiting({ editor }: { editor: Editor }): JSX.Element | null {
+  const waiting = editor.waiting.value;
+  if (waiting === null || editor.complaint.value) return null;
+  return (
+    <div class="complaint waiting" role="status">
+      <p>
+        <strong>Waiting for the service.</strong> {waiting} The page tries again by itself.
+      </p>
+    </div>
+  );
+}
+
 /** The last error in one line, with a remedy. */
 function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
   const complaint = editor.complaint.value;
@@ -142,9 +156,16 @@ function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
       <p>
         <strong>{complaint.message}</strong> {complaint.advice}
       </p>
-      {complaint.passing && (
-        <button type="button" class="button" onClick={() => void editor.retry()}>
-          Try again
+      {complaint.remedy && (
+        <button
+          type="button"
+          class="button"
+          onClick={() => {
+            if (complaint.remedy === "signIn") editor.identity.askAgain();
+            else void editor.retry();
+          }}
+        >
+          {complaint.remedy === "signIn" ? "Sign in" : "Try again"}
         </button>
       )}
       <button

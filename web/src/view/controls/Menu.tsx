@@ -1,0 +1,67 @@
+/** A button that opens a list below it. */
+
+import type { ComponentChildren, JSX } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+
+interface MenuProps {
+  /** Id of the list. */
+  readonly name: string;
+  readonly label: string;
+  /** Of the button, read aloud and on hover, where its content does not say enough. */
+  readonly title?: string;
+  readonly kind?: "primary";
+  readonly disabled?: boolean;
+  /** Content of the button. */
+  readonly head: ComponentChildren;
+  readonly onOpen?: () => void;
+  /** Content of the list; it is given what closes the list. */
+  readonly children: (close: () => void) => ComponentChildren;
+}
+
+export function Menu({ name, label, title, kind, disabled = false, head, onOpen, children }: MenuProps): JSX.Element {
+  const [open, setOpen] = useState(false);
+  const ref = useRef<HTMLDivElement>(null);
+  const button = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    if (!open) return;
+    const outside = (event: Event): void => {
+      const isEscape = event instanceof KeyboardEvent && event.key === "Escape";
+      if (event instanceof KeyboardEvent ? !isEscape : ref.current?.contains(event.target as Node)) return;
+      if (isEscape && ref.current?.contains(document.activeElement)) button.current?.focus();
+      setOpen(false);
+    };
+    document.addEventListener("pointerdown", outside);
+    document.addEventListener("keydown", outside);
+    return () => {
+      document.removeEventListener("pointerdown", outside);
+      document.removeEventListener("keydown", outside);
+    };
+  }, [open]);
+  return (
+    <div class="menu" ref={ref}>
+      <button
+        ref={button}
+        type="button"
+        class={kind ? `button ${kind}` : "button"}
+        aria-label={title}
+        title={title}
+        aria-expanded={open}
+        aria-controls={name}
+        disabled={disabled}
+        onClick={() => {
+          if (!open) onOpen?.();
+          setOpen(!open);
+        }}
+      >
+        {head}
+      </button>
+      {open && (
+        <div id={name} class="menu-list" role="group" aria-label={label}>
+          {children(() => {
+            setOpen(false);
+          })}
+        </div>
+      )}
+    </div>
+  );
+}

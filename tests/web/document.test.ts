@@ -75,6 +75,16 @@ describe("edits", () => {
   });
 });
 
+it("who may not edit is told why, and nothing is sent", async () => {
+  const fake = new FakeService();
+  const failed: unknown[] = [];
+  const fail = (error: unknown): void => void failed.push(error);
+  const document = new ShotDocument(fake.service, SHOT, "/cam", signal(1), fail, signal("Pip may look, not edit."));
+  expect(await document.edit("a", toStop(4))).toBe(false);
+  expect([await document.undo(), await document.redo(), fake.made]).toEqual([false, false, []]);
+  expect(failed.map((error) => complaintOf(error).message)).toEqual(Array(3).fill("Pip may look, not edit."));
+});
+
 describe("the answer to an edit", () => {
   it("is shown without anything being read again, at its own time", async () => {
     const { fake, document } = opened();

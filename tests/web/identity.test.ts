@@ -1,5 +1,5 @@
 import { Identity } from "@/editor/identity";
-import { formatEnd, isSamePerson, keyIdOf, rightsOf, type Who } from "@/model/identity";
+import { formatEnd, isSamePerson, keyIdOf, refusalOf, rightsOf, type Who } from "@/model/identity";
 import { errorOf } from "@/net/errors";
 import type { Service } from "@/net/service";
 import { turn } from "./fake_service";
@@ -100,6 +100,17 @@ describe("what somebody may do", () => {
   it("is said in words", () => {
     expect(rightsOf(MARA)).toBe("look at shots, draw pictures and edit");
     expect([rightsOf(PIP), rightsOf({ ...PIP, scopes: [] })]).toEqual(["look at shots", "do nothing"]);
+  });
+
+  it("decides whether shots can be edited and pictures drawn", async () => {
+    const { identity, comes } = locked();
+    await identity.refresh();
+    expect([identity.noEdits.value, identity.noPictures.value]).toEqual([null, null]);
+    comes({ ...MARA, scopes: ["read"] });
+    await identity.refresh();
+    expect(identity.noEdits.value).toBe("Mara may look at shots, not edit.");
+    expect(identity.noPictures.value).toBe("Mara may look at shots, not draw pictures.");
+    expect(refusalOf(null, "edit")).toBeNull();
   });
 
   it("a person is told by label and project", () => {

@@ -6,13 +6,14 @@ import { sampleAt, type Curve } from "../model/curve";
 import { NO_HISTORY, redoLabel, undoLabel } from "../model/history";
 import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
 import { frameCount, sameTime } from "../model/time";
-import { isAbort } from "../net/errors";
+import { HintError, isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { EditResult, Service } from "../net/service";
 import type { View } from "../net/view";
 
 const NO_CHANGES: Changes = [];
+const NO_EDITS_ADVICE = "Whoever gave you the key can give you one that may.";
 /** Shots of up to this many frames get their focus curve with the result of each edit; longer ones read it afterwards. */
 const MOST_CURVE_FRAMES = 500;
 
@@ -53,6 +54,9 @@ export class ShotDocument {
   readonly #curveRevision = signal(-1);
   readonly #time: ReadonlySignal<number>;
 
+  /** Reason why it may not be edited; null where it may. */
+  readonly noEdits: ReadonlySignal<string | null>;
+
   readonly #service: Service;
   readonly #fail: Fail;
   /** Result of the last edit. */
@@ -64,8 +68,16 @@ export class ShotDocument {
   readonly #followCurve: NewestWins<number, Curve>;
   #queue: Promise<unknown> = Promise.resolve();
 
-  constructor(service: Service, shot: Shot, camera: string | null, time: ReadonlySignal<number>, fail: Fail) {
+  constructor(
+    service: Service,
+    shot: Shot,
+    camera: string | null,
+    time: ReadonlySignal<number>,
+    fail: Fail,
+    noEdits: ReadonlySignal<string | null> = signal(null),
+  ) {
     this.#service = service;
+    this.noEdits = noEdits;
     this.shot = shot;
     this.view = { shot: shot.id, camera };
     this.#time = time;
@@ -184,6 +196,7 @@ export class ShotDocument {
    * @param unsaved changes that the picture shows until the edit is applied.
    */
   edit(label: string, changes: Changes | Promise<Changes>, unsaved?: Changes): Promise<boolean> {
+    if (this.#isRefused()) return Promise.resolve(false);
     if (!(changes instanceof Promise) && changes.length === 0) {
       if (unsaved) this.endPreview();
       return Promise.resolve(true);
@@ -199,6 +212,7 @@ export class ShotDocument {
 
   /** Undoes the last edit, unless another editor has edited since the history was read. */
   undo(): Promise<boolean> {
+    if (this.#isRefused()) return Promise.resolve(false);
     if (this.pending.peek() === 0 && this.history.peek().before === null) return Promise.resolve(false);
     return this.#inTurn(async () => {
       const { before, revision } = this.history.value;
@@ -208,6 +222,7 @@ export class ShotDocument {
   }
 
   redo(): Promise<boolean> {
+    if (this.#isRefused()) return Promise.resolve(false);
     if (this.pending.peek() === 0 && this.history.peek().after === null) return Promise.resolve(false);
     return this.#inTurn(async () => {
       const { after, revision } = this.history.value;
@@ -298,6 +313,13 @@ export class ShotDocument {
   close(): void {
     for (const follower of [this.#followPoints, this.#followReadout, this.#followSettings, this.#followCurve])
       follower.clear();
+  }
+
+  /** Tells the person why they may not edit, and returns whether they may not. */
+  #isRefused(): boolean {
+    const reason = this.noEdits.peek();
+    if (reason !== null) this.#fail(new HintError(reason, NO_EDITS_ADVICE));
+    return reason !== null;
   }
 
   #takeReadout(value: Readout, at: At): void {

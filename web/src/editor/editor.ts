@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { isPerson } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import { NO_LIBRARIES, type Libraries } from "../model/photography";
-import { complaintOf, isAbort, type Complaint } from "../net/errors";
+import { complaintOf, HintError, isAbort, type Complaint } from "../net/errors";
 import type { Download, Service } from "../net/service";
 import { Identity } from "./identity";
 import { Library } from "./library";
@@ -102,7 +102,14 @@ export class Editor {
       const view = known ? camera : opened.defaultCamera;
       this.complaint.value = null;
       this.session.value?.close();
-      this.session.value = new Session(this.service, opened, view, time ?? opened.range.start, this.fail);
+      this.session.value = new Session(
+        this.service,
+        opened,
+        view,
+        time ?? opened.range.start,
+        this.fail,
+        this.identity,
+      );
     } catch (error) {
       this.fail(error);
     } finally {
@@ -117,6 +124,11 @@ export class Editor {
   }
 
   async upload(files: Iterable<File>): Promise<void> {
+    const refusal = this.identity.noEdits.value;
+    if (refusal !== null) {
+      this.fail(new HintError(refusal, "A key that may edit can add shots."));
+      return;
+    }
     const shots = await Promise.all([...files].map((file) => this.library.upload(file)));
     const last = shots.findLast((shot) => shot !== null);
     if (last) await this.open(last.id);

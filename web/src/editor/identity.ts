@@ -1,7 +1,7 @@
 /** Who is signed in, and the question for a key where the service needs one. */
 
-import { signal } from "@preact/signals";
-import { isPerson, isSamePerson, type Who } from "../model/identity";
+import { computed, signal } from "@preact/signals";
+import { isPerson, isSamePerson, refusalOf, type Who } from "../model/identity";
 import { complaintOf } from "../net/errors";
 import type { Service } from "../net/service";
 
@@ -20,6 +20,10 @@ export class Identity {
   readonly trying = signal(false);
   /** Reason why the last key was not taken. */
   readonly refusal = signal<string | null>(null);
+
+  /** Reasons why shots may not be edited, or pictures drawn; null where they may. */
+  readonly noEdits = computed(() => refusalOf(this.who.value, "edit"));
+  readonly noPictures = computed(() => refusalOf(this.who.value, "render"));
 
   readonly #service: Service;
   readonly #reload: () => void;

@@ -8,7 +8,7 @@ import type { Changes } from "../model/changes";
 import { draftQuality, type Quality } from "../model/quality";
 import type { FocusPoint } from "../model/shot";
 import { sameTime } from "../model/time";
-import type { LiveLink, LivePicture, PictureRequest } from "../net/live_link";
+import type { LiveLink, LiveListener, LivePicture, PictureRequest } from "../net/live_link";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { Service } from "../net/service";
@@ -20,6 +20,14 @@ const MOST_KEPT = 400;
 const GOOD_WIDTH = 0.45;
 /** Rest before a whole picture is requested where pictures are not live, ms. */
 const SETTLE_MS = 400;
+
+/** In place of live pictures that may not be drawn. */
+const NO_LINK: LiveLink = {
+  free: true,
+  request: () => undefined,
+  cancel: () => undefined,
+  close: () => undefined,
+};
 
 /** A picture on screen, with the points where they were at its time. */
 export interface Displayed extends Omit<LivePicture, "blob"> {
@@ -54,6 +62,9 @@ export class Pictures {
   /** Times whose picture is kept and can be played without the service. */
   readonly keptTimes = signal<readonly number[]>([]);
 
+  /** Reason why no pictures may be drawn; null where they may. */
+  readonly refusal: string | null;
+
   readonly #document: ShotDocument;
   readonly #link: LiveLink;
   readonly #fetcher: NewestWins<NumberedRequest, LivePicture>;
@@ -69,9 +80,10 @@ export class Pictures {
   #serial = 0;
   #shownSerial = 0;
 
-  constructor(service: Service, document: ShotDocument, fail: (error: unknown) => void) {
+  constructor(service: Service, document: ShotDocument, fail: (error: unknown) => void, refusal: string | null = null) {
     this.#document = document;
-    this.#link = service.live(document.view, {
+    this.refusal = refusal;
+    const listener: LiveListener = {
       onPicture: (picture, request) => this.#take(picture, request as NumberedRequest),
       onReadout: (readout, request) => {
         document.showReadout(readout, request.unsaved);
@@ -86,7 +98,8 @@ export class Pictures {
         if (isOpen) this.#fetcher.clear();
         if (was !== isOpen && this.#current) this.#send(this.#current);
       },
-    });
+    };
+    this.#link = refusal === null ? service.live(document.view, listener) : NO_LINK;
     this.#fetcher = new NewestWins({
       load: async (request, signal) => {
         const quality = request.moving ? draftQuality(request.quality) : request.quality;
@@ -111,6 +124,7 @@ export class Pictures {
 
   /** Requests a picture in place of the one before. */
   request(picture: RevisionRequest): void {
+    if (this.refusal !== null) return;
     if (this.#current && isSame(this.#current, picture) && (picture.moving || !this.#current.moving)) return;
     const request = { ...picture, number: (this.#newest += 1) };
     this.#current = request;

@@ -43,6 +43,7 @@ import { base64Of } from "../net/files";
 import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { CameraPhotography } from "./photography";
+import type { Identity } from "./identity";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 
@@ -80,13 +81,20 @@ export class Session {
   readonly #stop: () => void;
   #hasReadNotes = false;
 
-  constructor(service: Service, shot: Shot, camera: string | null, time: number, fail: (error: unknown) => void) {
+  constructor(
+    service: Service,
+    shot: Shot,
+    camera: string | null,
+    time: number,
+    fail: (error: unknown) => void,
+    { noEdits, noPictures }: Pick<Identity, "noEdits" | "noPictures">,
+  ) {
     this.#service = service;
     this.#fail = fail;
     this.shot = shot;
     this.playhead = new Playhead(shot.range, time, () => this.pictures.free);
-    this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail);
-    this.pictures = new Pictures(service, this.document, fail);
+    this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail, noEdits);
+    this.pictures = new Pictures(service, this.document, fail, noPictures.peek());
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
     this.#stop = this.#follow();
   }
@@ -132,7 +140,7 @@ export class Session {
   /** A click at a place of the picture, 0 to 1 from its top left. */
   async click(at: readonly [number, number], intent: ClickIntent): Promise<void> {
     const { box } = this;
-    if (!box.value || this.picking.value || !this.document.hasLens) return;
+    if (!box.value || this.picking.value || !this.document.hasLens || this.document.noEdits.value !== null) return;
     this.playhead.pause();
     const time = this.playhead.time.value;
     this.picking.value = at;
@@ -325,7 +333,7 @@ export class Session {
       }),
       effect(() => {
         // Last of all, since it reads the whole shot; once.
-        if (this.settled.value && !this.#hasReadNotes) {
+        if ((this.settled.value || this.pictures.refusal !== null) && !this.#hasReadNotes) {
           this.#hasReadNotes = true;
           this.#service.notes(this.shot.id).then((notes) => (this.notes.value = notes), this.#fail);
         }

@@ -4,8 +4,10 @@ import type { components } from "../net/schema";
 
 export type Who = components["schemas"]["Who"];
 
+export type Scope = "read" | "render" | "edit" | "admin";
+
 /** Things that scopes allow, for sentences; in the order in which they are listed. */
-const DOES: Readonly<Record<string, string>> = {
+const DOES: Readonly<Record<Scope, string>> = {
   read: "look at shots",
   render: "draw pictures",
   edit: "edit",
@@ -20,6 +22,12 @@ export function isPerson(who: Who): boolean {
 /** Whether two are the same person: a new key in place of a revoked one keeps its label. */
 export function isSamePerson(one: Who, other: Who): boolean {
   return one.label === other.label && one.project === other.project;
+}
+
+/** Reason why somebody may not do something; null where they may. */
+export function refusalOf(who: Who | null, scope: Scope): string | null {
+  if (who === null || who.scopes.includes(scope)) return null;
+  return `${who.label} may ${rightsOf(who)}, not ${DOES[scope]}.`;
 }
 
 /** What somebody may do, such as "look at shots and edit". */

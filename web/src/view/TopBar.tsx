@@ -67,6 +67,7 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
 
 function UndoButtons({ session }: { session: Session }): JSX.Element {
   const [undo, redo] = [session.document.undoLabel.value, session.document.redoLabel.value];
+  const refusal = session.document.noEdits.value;
   const undoLabel = undo === null ? "Nothing to undo" : `Undo: ${undo}`;
   const redoLabel = redo === null ? "Nothing to redo" : `Redo: ${redo}`;
   return (
@@ -74,9 +75,9 @@ function UndoButtons({ session }: { session: Session }): JSX.Element {
       <button
         type="button"
         class="button icon-only"
-        disabled={undo === null}
+        disabled={undo === null || refusal !== null}
         aria-label={undoLabel}
-        title={`${undoLabel} (Ctrl Z)`}
+        title={refusal ?? `${undoLabel} (Ctrl Z)`}
         onClick={() => void session.document.undo()}
       >
         <Icon name="undo" />
@@ -84,9 +85,9 @@ function UndoButtons({ session }: { session: Session }): JSX.Element {
       <button
         type="button"
         class="button icon-only"
-        disabled={redo === null}
+        disabled={redo === null || refusal !== null}
         aria-label={redoLabel}
-        title={`${redoLabel} (Ctrl Shift Z)`}
+        title={refusal ?? `${redoLabel} (Ctrl Shift Z)`}
         onClick={() => void session.document.redo()}
       >
         <Icon name="redo" />
@@ -167,6 +168,8 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
             <button
               key={what}
               type="button"
+              disabled={group === FRAME && session.pictures.refusal !== null}
+              title={group === FRAME ? (session.pictures.refusal ?? undefined) : undefined}
               onClick={() => {
                 close();
                 void editor.export(what, make, save);
@@ -180,6 +183,8 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
     </Menu>
   );
 }
+
+const FRAME = "This frame";
 
 interface Item {
   readonly group: string;
@@ -195,7 +200,7 @@ function items(session: Session): Item[] {
     { group: "Focus curve", what: "Editorial, OpenTimelineIO (.otio)", make: () => session.downloadCurve("otio") },
     { group: "Focus curve", what: "Set, OpenTrackIO (.json)", make: () => session.downloadCurve("opentrackio") },
     { group: "Edits", what: "Edit layer (.usda)", make: () => session.downloadEdits() },
-    { group: "This frame", what: "Graded (.png)", make: () => session.downloadFrame("png") },
-    { group: "This frame", what: "Scene-linear (.exr)", make: () => session.downloadFrame("exr") },
+    { group: FRAME, what: "Graded (.png)", make: () => session.downloadFrame("png") },
+    { group: FRAME, what: "Scene-linear (.exr)", make: () => session.downloadFrame("exr") },
   ];
 }

@@ -6,6 +6,7 @@ import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { grouped, mountedLens, type LensSummary, type MountedLens } from "../../model/lens";
 import type { Readout } from "../../model/shot";
+import { Edits } from "../controls/Edits";
 
 const THIN = "";
 const OTHER = "*";
@@ -22,45 +23,47 @@ export function LensChooser({ editor, session, readout }: LensChooserProps): JSX
   const file = useRef<HTMLInputElement>(null);
   return (
     <div class="lens-choice">
-      <select
-        aria-label="Lens on the camera"
-        value={valueOf(mounted)}
-        onChange={(event) => {
-          session.mountLens(lenses.find(({ name }) => name === event.currentTarget.value) ?? null);
-        }}
-      >
-        {mounted.kind === "other" && <option value={OTHER}>{mounted.title}</option>}
-        <option value={THIN}>Thin lens</option>
-        {grouped(lenses).map(([label, members]) => (
-          <optgroup key={label} label={label}>
-            {members.map(({ name, title }) => (
-              <option key={name} value={name}>
-                {title}
-              </option>
-            ))}
-          </optgroup>
-        ))}
-      </select>
-      <button
-        type="button"
-        class="button"
-        title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq, Optical Bench .txt or data sheet .lens"
-        onClick={() => file.current?.click()}
-      >
-        File…
-      </button>
-      <input
-        ref={file}
-        type="file"
-        hidden
-        aria-label="Lens file"
-        accept=".dat,.zmx,.seq,.txt,.lens"
-        onChange={({ currentTarget }) => {
-          const chosen = currentTarget.files?.[0];
-          if (chosen) session.mountLensFile(chosen);
-          currentTarget.value = "";
-        }}
-      />
+      <Edits session={session}>
+        <select
+          aria-label="Lens on the camera"
+          value={valueOf(mounted)}
+          onChange={(event) => {
+            session.mountLens(lenses.find(({ name }) => name === event.currentTarget.value) ?? null);
+          }}
+        >
+          {mounted.kind === "other" && <option value={OTHER}>{mounted.title}</option>}
+          <option value={THIN}>Thin lens</option>
+          {grouped(lenses).map(([label, members]) => (
+            <optgroup key={label} label={label}>
+              {members.map(({ name, title }) => (
+                <option key={name} value={name}>
+                  {title}
+                </option>
+              ))}
+            </optgroup>
+          ))}
+        </select>
+        <button
+          type="button"
+          class="button"
+          title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq, Optical Bench .txt or data sheet .lens"
+          onClick={() => file.current?.click()}
+        >
+          File…
+        </button>
+        <input
+          ref={file}
+          type="file"
+          hidden
+          aria-label="Lens file"
+          accept=".dat,.zmx,.seq,.txt,.lens"
+          onChange={({ currentTarget }) => {
+            const chosen = currentTarget.files?.[0];
+            if (chosen) session.mountLensFile(chosen);
+            currentTarget.value = "";
+          }}
+        />
+      </Edits>
       <p class="muted">{descriptionOf(mounted)}</p>
       {mounted.kind === "library" && (
         <LensSection

@@ -32,20 +32,24 @@ export function Shots({ editor }: { editor: Editor }): JSX.Element {
           />
         ))}
       </ul>
-      <p class="drop-hint">Drop a .usda, .usdc or .usdz file anywhere, or a .zip of a shot with what it references.</p>
+      <p class="drop-hint" hidden={editor.identity.noEdits.value !== null}>
+        Drop a .usda, .usdc or .usdz file anywhere, or a .zip of a shot with what it references.
+      </p>
     </nav>
   );
 }
 
 export function UploadButton({ editor, label }: { editor: Editor; label?: string }): JSX.Element {
   const input = useRef<HTMLInputElement>(null);
+  const refusal = editor.identity.noEdits.value;
   return (
     <>
       <button
         type="button"
         class={label ? "button primary" : "button icon-only"}
         aria-label="Add a shot"
-        title="Add a shot"
+        title={refusal ?? "Add a shot"}
+        disabled={refusal !== null}
         onClick={() => input.current?.click()}
       >
         <Icon name="plus" />
@@ -73,6 +77,7 @@ function ShotRow({ editor, shot }: { editor: Editor; shot: ShotSummary }): JSX.E
   const session = editor.session.value;
   const isOpen = session?.shot.id === shot.id;
   const opening = editor.opening.value === shot.id;
+  const refusal = editor.identity.noEdits.value;
   return (
     <li class={isOpen ? "shot open" : "shot"}>
       <div class="shot-row">
@@ -91,7 +96,8 @@ function ShotRow({ editor, shot }: { editor: Editor; shot: ShotSummary }): JSX.E
           type="button"
           class="button icon-only quiet"
           aria-label={`Remove ${shot.name}`}
-          title="Remove this shot"
+          title={refusal ?? "Remove this shot"}
+          disabled={refusal !== null}
           onClick={() => {
             setAsking(!asking);
           }}

@@ -6,6 +6,7 @@ import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { SHUTTER_TYPES, type FilmSettings, type Photography, type ShutterType } from "../../model/photography";
 import { Choice, Options } from "../controls/Choice";
+import { Edits } from "../controls/Edits";
 import { ExposurePanel } from "./ExposurePanel";
 import { FilmPanel, GradePanel } from "./FilmPanel";
 import { GlassPanel } from "./GlassPanel";
@@ -29,7 +30,9 @@ export function CameraPanel({ editor, session }: { editor: Editor; session: Sess
       <ExposurePanel session={session} current={current} />
       <FilmPanel editor={editor} session={session} film={current.film} />
       <GradePanel session={session} film={current.film} />
-      <GlassPanel session={session} exposure={current.exposure} />
+      <Edits session={session}>
+        <GlassPanel session={session} exposure={current.exposure} />
+      </Edits>
       <Body editor={editor} session={session} film={current.film} />
       <Motion editor={editor} session={session} current={current} />
     </>
@@ -52,28 +55,30 @@ function Body({ editor, session, film }: { editor: Editor; session: Session; fil
         </span>
       </div>
       <div class="fields">
-        <Choice
-          label="Body"
-          value={mounted?.name ?? OTHER}
-          hint={mounted?.description}
-          onChoose={(name) => {
-            const body = bodies.find((one) => one.name === name);
-            if (body) session.mountBody(body);
-          }}
-        >
-          {!mounted && <option value={OTHER}>{film.body || "The shot’s own gate"}</option>}
-          {(["film", "digital"] as const).map((kind) => (
-            <optgroup key={kind} label={kind === "film" ? "Film formats" : "Digital"}>
-              {bodies
-                .filter((body) => body.kind === kind)
-                .map(({ name, title }) => (
-                  <option key={name} value={name}>
-                    {title}
-                  </option>
-                ))}
-            </optgroup>
-          ))}
-        </Choice>
+        <Edits session={session}>
+          <Choice
+            label="Body"
+            value={mounted?.name ?? OTHER}
+            hint={mounted?.description}
+            onChoose={(name) => {
+              const body = bodies.find((one) => one.name === name);
+              if (body) session.mountBody(body);
+            }}
+          >
+            {!mounted && <option value={OTHER}>{film.body || "The shot’s own gate"}</option>}
+            {(["film", "digital"] as const).map((kind) => (
+              <optgroup key={kind} label={kind === "film" ? "Film formats" : "Digital"}>
+                {bodies
+                  .filter((body) => body.kind === kind)
+                  .map(({ name, title }) => (
+                    <option key={name} value={name}>
+                      {title}
+                    </option>
+                  ))}
+              </optgroup>
+            ))}
+          </Choice>
+        </Edits>
         <Choice
           label="Guides"
           value={guide.value}
@@ -117,16 +122,18 @@ function Motion({ editor, session, current }: { editor: Editor; session: Session
           Show motion blur
           {still && motion.value === "on" && <span class="aside muted">the shutter is still</span>}
         </label>
-        <Choice
-          label="Shutter"
-          value={current.exposure.shutterType}
-          onChoose={(chosen) => {
-            const shutterType = SHUTTER_TYPES.find((type) => type === chosen) ?? "global";
-            session.photography.setExposure("Shutter type", { shutterType }, current.exposure);
-          }}
-        >
-          <Options values={SHUTTER_TYPES} names={SHUTTER_NAMES} />
-        </Choice>
+        <Edits session={session}>
+          <Choice
+            label="Shutter"
+            value={current.exposure.shutterType}
+            onChoose={(chosen) => {
+              const shutterType = SHUTTER_TYPES.find((type) => type === chosen) ?? "global";
+              session.photography.setExposure("Shutter type", { shutterType }, current.exposure);
+            }}
+          >
+            <Options values={SHUTTER_TYPES} names={SHUTTER_NAMES} />
+          </Choice>
+        </Edits>
       </div>
     </section>
   );

@@ -11,6 +11,7 @@ import { ExposureField, type ExposureSlider } from "../controls/ExposureField";
 import { quantityOf, type Quantity } from "../controls/quantity";
 import { parseQuantity, trim } from "../numbers";
 import { Setting } from "../controls/Setting";
+import { Edits } from "../controls/Edits";
 
 interface PartProps {
   readonly session: Session;
@@ -28,9 +29,11 @@ export function ExposurePanel({ session, current }: PartProps): JSX.Element {
       </div>
       <div class="fields">
         <LightMeter session={session} exposure={current.exposure} />
-        <Stop session={session} current={current} />
-        <Shutter session={session} current={current} />
-        <Numbers session={session} exposure={current.exposure} />
+        <Edits session={session}>
+          <Stop session={session} current={current} />
+          <Shutter session={session} current={current} />
+          <Numbers session={session} exposure={current.exposure} />
+        </Edits>
       </div>
     </section>
   );

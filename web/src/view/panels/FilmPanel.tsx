@@ -8,6 +8,7 @@ import { groupedFilms, type FilmSettings, type FilmSummary } from "../../model/p
 import { FILM_SLIDERS, type Declared } from "../../model/settings.gen";
 import { Choice, Options } from "../controls/Choice";
 import { quantityOf } from "../controls/quantity";
+import { Edits } from "../controls/Edits";
 import { Setting } from "../controls/Setting";
 
 const [NO_FILM, SENSOR, DRAWN] = ["", "*digital", "*drawn"];
@@ -37,14 +38,16 @@ export function FilmPanel({ editor, session, film }: PartProps & { readonly edit
         )}
       </div>
       <div class="fields">
-        <StockChoice session={session} film={film} films={films} />
-        <p class="reason">{descriptionOf(film, stock)}</p>
-        {inCamera && film.process !== "reversal" && <PrintChoice session={session} film={film} films={films} />}
-        <Balance session={session} film={film} stock={stock} />
-        {inCamera &&
-          Object.values(OF_FILM).map((declared) => (
-            <Number key={declared.name} session={session} film={film} declared={declared} />
-          ))}
+        <Edits session={session}>
+          <StockChoice session={session} film={film} films={films} />
+          <p class="reason">{descriptionOf(film, stock)}</p>
+          {inCamera && film.process !== "reversal" && <PrintChoice session={session} film={film} films={films} />}
+          <Balance session={session} film={film} stock={stock} />
+          {inCamera &&
+            Object.values(OF_FILM).map((declared) => (
+              <Number key={declared.name} session={session} film={film} declared={declared} />
+            ))}
+        </Edits>
       </div>
     </section>
   );
@@ -185,36 +188,38 @@ export function GradePanel({ session, film }: PartProps): JSX.Element | null {
         <h2 id="grade-title">Grade</h2>
       </div>
       <div class="fields">
-        <Choice
-          label="Display"
-          value={display?.name ?? film.display}
-          onChoose={(name) => {
-            const kept = grades.displays.find((one) => one.name === name)?.views.includes(film.view);
-            set("Display", { display: name, ...(kept ? {} : { view: "" }) });
-          }}
-        >
-          <Options values={grades.displays.map(({ name }) => name)} />
-        </Choice>
-        <Choice
-          label="View"
-          value={film.view || (display?.defaultView ?? "")}
-          onChoose={(view) => {
-            set("View", { display: display?.name ?? "", view });
-          }}
-        >
-          <Options values={display?.views ?? []} />
-        </Choice>
-        <Choice
-          label="Look"
-          value={film.look}
-          onChoose={(look) => {
-            set("Look", { look });
-          }}
-        >
-          <option value="">None</option>
-          {film.look !== "" && !grades.looks.includes(film.look) && <option value={film.look}>{film.look}</option>}
-          <Options values={grades.looks} />
-        </Choice>
+        <Edits session={session}>
+          <Choice
+            label="Display"
+            value={display?.name ?? film.display}
+            onChoose={(name) => {
+              const kept = grades.displays.find((one) => one.name === name)?.views.includes(film.view);
+              set("Display", { display: name, ...(kept ? {} : { view: "" }) });
+            }}
+          >
+            <Options values={grades.displays.map(({ name }) => name)} />
+          </Choice>
+          <Choice
+            label="View"
+            value={film.view || (display?.defaultView ?? "")}
+            onChoose={(view) => {
+              set("View", { display: display?.name ?? "", view });
+            }}
+          >
+            <Options values={display?.views ?? []} />
+          </Choice>
+          <Choice
+            label="Look"
+            value={film.look}
+            onChoose={(look) => {
+              set("Look", { look });
+            }}
+          >
+            <option value="">None</option>
+            {film.look !== "" && !grades.looks.includes(film.look) && <option value={film.look}>{film.look}</option>}
+            <Options values={grades.looks} />
+          </Choice>
+        </Edits>
       </div>
     </section>
   );

@@ -5,6 +5,7 @@ import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { WEIGHTS } from "../../model/scale";
 import { inFrame, primName, type FocusPoint } from "../../model/shot";
+import { Edits } from "../controls/Edits";
 import { Field } from "../controls/Field";
 import { Icon } from "../icons";
 import { parseQuantity } from "../numbers";
@@ -37,46 +38,52 @@ function PointRow({ session, point, unit }: { session: Session; point: FocusPoin
       onClick={() => (session.selected.value = name)}
     >
       <div class="point-head">
-        <input
-          type="checkbox"
-          class="switch"
-          checked={settings.enabled}
-          aria-label={`${name} enabled`}
-          title="Enabled"
-          onChange={(event) => {
-            session.setEnabled(point, event.currentTarget.checked);
-          }}
-        />
-        <KeyButton session={session} point={point} attribute="enabled" />
+        <Edits session={session}>
+          <input
+            type="checkbox"
+            class="switch"
+            checked={settings.enabled}
+            aria-label={`${name} enabled`}
+            title="Enabled"
+            onChange={(event) => {
+              session.setEnabled(point, event.currentTarget.checked);
+            }}
+          />
+          <KeyButton session={session} point={point} attribute="enabled" />
+        </Edits>
         <button type="button" class="point-name" aria-pressed={selected} title={point.anchor.target.join(" ")}>
           {name} <span class="muted">{where(point, unit)}</span>
         </button>
-        <button
-          type="button"
-          class="button icon-only quiet"
-          aria-label={`Pull focus to ${name} now`}
-          title="Pull focus to it now (F)"
-          onClick={() => {
-            session.pullTo(point);
-          }}
-        >
-          <Icon name="target" />
-        </button>
-        <button
-          type="button"
-          class="button icon-only quiet"
-          aria-label={`Remove ${name}`}
-          title="Remove (Delete)"
-          onClick={(event) => {
-            event.stopPropagation();
-            session.remove(point);
-          }}
-        >
-          <Icon name="trash" />
-        </button>
+        <Edits session={session}>
+          <button
+            type="button"
+            class="button icon-only quiet"
+            aria-label={`Pull focus to ${name} now`}
+            title="Pull focus to it now (F)"
+            onClick={() => {
+              session.pullTo(point);
+            }}
+          >
+            <Icon name="target" />
+          </button>
+          <button
+            type="button"
+            class="button icon-only quiet"
+            aria-label={`Remove ${name}`}
+            title="Remove (Delete)"
+            onClick={(event) => {
+              event.stopPropagation();
+              session.remove(point);
+            }}
+          >
+            <Icon name="trash" />
+          </button>
+        </Edits>
       </div>
-      <Weight session={session} point={point} />
-      {selected && <PointSettings session={session} point={point} />}
+      <Edits session={session}>
+        <Weight session={session} point={point} />
+        {selected && <PointSettings session={session} point={point} />}
+      </Edits>
     </li>
   );
 }

@@ -3,6 +3,8 @@
 import type { JSX } from "preact";
 import type { Editor } from "../../editor/editor";
 import { PANELS, type Panel } from "../../editor/remembered";
+import type { Session } from "../../editor/session";
+import { Edits } from "../controls/Edits";
 import { CameraPanel } from "./CameraPanel";
 import { FocusPanel } from "./FocusPanel";
 import { FocusPoints } from "./FocusPoints";
@@ -21,6 +23,7 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
       ) : session ? (
         <>
           <Tabs editor={editor} />
+          <ReadOnly session={session} />
           {editor.remembered.panel.value === "camera" ? (
             <div role="tabpanel" id="panel-camera" aria-labelledby="tab-camera">
               <CameraPanel editor={editor} session={session} key={session.shot.id} />
@@ -28,7 +31,9 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
           ) : (
             <div role="tabpanel" id="panel-focus" aria-labelledby="tab-focus">
               <LensPanel editor={editor} session={session} unit={unit} />
-              <FocusPanel session={session} />
+              <Edits session={session}>
+                <FocusPanel session={session} />
+              </Edits>
               <FocusPoints session={session} unit={unit} />
             </div>
           )}
@@ -37,6 +42,15 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
         <p class="muted pad-all">The lens and the focus points of a shot show here.</p>
       )}
     </aside>
+  );
+}
+
+function ReadOnly({ session }: { session: Session }): JSX.Element | null {
+  const reason = session.document.noEdits.value;
+  return reason === null ? null : (
+    <p class="read-only" role="note">
+      {reason}
+    </p>
   );
 }
 

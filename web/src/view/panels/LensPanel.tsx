@@ -11,6 +11,7 @@ import { DepthStrip } from "../viewer/DepthStrip";
 import { LensChooser } from "../dialogs/LensChooser";
 import { trim } from "../numbers";
 import { Setting } from "../controls/Setting";
+import { Edits } from "../controls/Edits";
 
 interface LensPanelProps {
   readonly editor: Editor;
@@ -28,7 +29,9 @@ export function LensPanel({ editor, session, unit }: LensPanelProps): JSX.Elemen
       {readout ? (
         <>
           <LensChooser editor={editor} session={session} readout={readout} />
-          <LensFields session={session} readout={readout} unit={unit} />
+          <Edits session={session}>
+            <LensFields session={session} readout={readout} unit={unit} />
+          </Edits>
           <DepthOfField session={session} readout={readout} unit={unit} />
         </>
       ) : (

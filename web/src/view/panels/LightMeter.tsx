@@ -10,6 +10,7 @@ import {
   type MeterReading,
 } from "../../model/photography";
 import { trim } from "../numbers";
+import { Edits } from "../controls/Edits";
 import { ExposureField } from "../controls/ExposureField";
 import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
 
@@ -37,11 +38,13 @@ export function LightMeter({ session, exposure }: MeterProps): JSX.Element {
       <Head session={session} exposure={exposure} />
       <Scale stops={meter ? (stops ?? null) : null} />
       <Readings meter={meter} />
-      {decides ? (
-        <Aim session={session} exposure={exposure} />
-      ) : (
-        <SetToMeter session={session} exposure={exposure} meter={meter} />
-      )}
+      <Edits session={session}>
+        {decides ? (
+          <Aim session={session} exposure={exposure} />
+        ) : (
+          <SetToMeter session={session} exposure={exposure} meter={meter} />
+        )}
+      </Edits>
     </div>
   );
 }
@@ -64,6 +67,7 @@ function Head({ session, exposure }: MeterProps): JSX.Element {
             role="radio"
             aria-checked={mode === choice}
             title={LOOKS_AT[choice]}
+            disabled={decides && session.document.noEdits.value !== null}
             onClick={() => {
               photography.meterMode.value = choice;
               if (decides) photography.setExposure(`Meter: ${MODE_NAMES[choice]}`, decideBy(choice), exposure);
@@ -73,18 +77,20 @@ function Head({ session, exposure }: MeterProps): JSX.Element {
           </button>
         ))}
       </div>
-      <label class="switch-row" title="The meter exposes each frame, smoothed over time so that nothing flickers">
-        <input
-          type="checkbox"
-          class="switch"
-          checked={decides}
-          onChange={({ currentTarget: { checked } }) => {
-            const label = checked ? "Expose by the meter" : "Expose by hand";
-            photography.setExposure(label, checked ? decideBy(mode) : { meteringMode: "manual" }, exposure);
-          }}
-        />
-        Auto
-      </label>
+      <Edits session={session}>
+        <label class="switch-row" title="The meter exposes each frame, smoothed over time so that nothing flickers">
+          <input
+            type="checkbox"
+            class="switch"
+            checked={decides}
+            onChange={({ currentTarget: { checked } }) => {
+              const label = checked ? "Expose by the meter" : "Expose by hand";
+              photography.setExposure(label, checked ? decideBy(mode) : { meteringMode: "manual" }, exposure);
+            }}
+          />
+          Auto
+        </label>
+      </Edits>
     </div>
   );
 }

@@ -41,7 +41,7 @@ function Marker({ session, point, unit }: { session: Session; point: FocusPoint;
       aria-label={`Focus point ${point.name}, ${depth}`}
       onClick={() => (session.selected.value = point.name)}
       onPointerDown={(down) => {
-        if (down.button !== 0) return;
+        if (down.button !== 0 || session.document.noEdits.value !== null) return;
         const frame = down.currentTarget.closest(".picture")?.getBoundingClientRect();
         if (!frame) return;
         const drag = new MarkerDrag(session, point);

@@ -62,6 +62,7 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
     <div class="surround" ref={surround}>
       <div class="picture" style={style}>
         <Canvas session={session} />
+        {session.pictures.refusal !== null && <p class="no-picture">{session.pictures.refusal}</p>}
         <Guides editor={editor} session={session} />
         <MeterSpot editor={editor} session={session} />
         {editor.remembered.markers.value === "on" && <Markers session={session} unit={editor.remembered.unit.value} />}
@@ -90,6 +91,8 @@ function Canvas({ session }: { session: Session }): JSX.Element {
     <canvas
       ref={canvas}
       role="img"
+      class={session.document.noEdits.value === null ? undefined : "read-only"}
+      title={session.document.noEdits.value ?? undefined}
       aria-label={shown ? `Frame ${formatFrame(shown.time)} of ${session.shot.name}` : "No frame yet"}
       data-settled={session.settled.value}
       data-stage={shown?.stage}
@@ -209,7 +212,7 @@ function PictureFoot({ session }: { session: Session }): JSX.Element {
   const selected = session.selected.value;
   return (
     <footer class="picture-foot">
-      <span>
+      <span hidden={session.document.noEdits.value !== null}>
         <b>Click</b> {session.gathers.value ? ADDS : PULLS} · <b>Shift</b> {session.gathers.value ? PULLS : ADDS}
         {selected !== null && (
           <>

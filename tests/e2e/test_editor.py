@@ -296,3 +296,10 @@ def test_a_dropped_file_becomes_a_shot(page: Page, service: str) -> None:
     page.get_by_role("button", name="Remove", exact=True).click()
     expect(page.locator(".crumbs .shot-name")).to_have_text("Demo shot")
     assert [shot["id"] for shot in httpx.get(f"{service}/v1/shots").json()["shots"]] == ["demo"]
+
+    page.get_by_role("button", name="Undo", exact=True).click()
+    expect(page.locator(".crumbs .shot-name")).to_have_text(re.compile("box"))
+    expect(page.get_by_text("Trash (1)")).to_have_count(0)
+    page.get_by_role("button", name=re.compile("^Remove .*box")).click()
+    page.get_by_role("button", name="Remove", exact=True).click()
+    expect(page.get_by_text("Trash (1)")).to_be_visible()

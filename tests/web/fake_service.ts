@@ -14,6 +14,7 @@ export const SHOT: Shot = {
   name: "Demo",
   sizeBytes: 1,
   fileCount: 1,
+  quarantine: null,
   range: { start: 1, end: 96, framesPerSecond: 24 },
   cameras: [{ path: "/cam", aspect: 2 }],
   defaultCamera: "/cam",

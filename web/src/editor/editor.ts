@@ -4,7 +4,8 @@ import { signal } from "@preact/signals";
 import { isPerson } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import { NO_LIBRARIES, type Libraries } from "../model/photography";
-import { complaintOf, HintError, isAbort, type Complaint } from "../net/errors";
+import type { TrashedShot } from "../model/shot";
+import { complaintOf, HintError, isAbort, ServiceError, type Complaint } from "../net/errors";
 import type { Download, Service } from "../net/service";
 import { Identity } from "./identity";
 import { Library } from "./library";
@@ -53,7 +54,10 @@ export class Editor {
 
   /** Shows an error, unless its request was cancelled on purpose. */
   readonly fail = (error: unknown): void => {
-    if (!isAbort(error)) this.complaint.value = complaintOf(error);
+    if (isAbort(error)) return;
+    this.complaint.value = complaintOf(error);
+    // The list of shots has the reason, and what releases the shot.
+    if (error instanceof ServiceError && error.status === 423) void this.library.refresh();
   };
 
   /** Finds out who is signed in, lists the shots and opens the given one, else the first. */
@@ -66,6 +70,7 @@ export class Editor {
       return;
     }
     void this.#readLibraries();
+    if (this.identity.noEdits.value === null) void this.library.refreshTrash();
     await this.library.refresh();
     const shots = this.library.shots.value ?? [];
     const chosen = shots.find((candidate) => candidate.id === shot) ?? shots[0];
@@ -141,6 +146,16 @@ export class Editor {
     this.session.value = null;
     const next = this.library.shots.value?.[0];
     if (next) await this.open(next.id);
+  }
+
+  /** Restores a deleted shot and opens it. */
+  async restore(entry: TrashedShot): Promise<void> {
+    if (await this.library.restore(entry)) await this.open(entry.shot);
+  }
+
+  /** Releases a shot from quarantine and opens it. */
+  async release(shot: string): Promise<void> {
+    if (await this.library.release(shot)) await this.open(shot);
   }
 
   async #readLibraries(): Promise<void> {

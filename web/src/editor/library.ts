@@ -1,7 +1,7 @@
 /** The shots of the service, and the uploads. */
 
 import { signal } from "@preact/signals";
-import type { ShotSummary } from "../model/shot";
+import type { ShotSummary, TrashedShot } from "../model/shot";
 import { complaintOf, isAbort, type Complaint } from "../net/errors";
 import type { Service } from "../net/service";
 
@@ -17,6 +17,10 @@ export interface Upload {
 
 export class Library {
   readonly shots = signal<readonly ShotSummary[] | null>(null);
+  /** The deleted shots that can be restored, the last one first. */
+  readonly trash = signal<readonly TrashedShot[]>([]);
+  /** The shot that was just deleted, while it is in the trash. */
+  readonly removed = signal<TrashedShot | null>(null);
   readonly uploads = signal<readonly Upload[]>([]);
 
   readonly #service: Service;
@@ -69,6 +73,40 @@ export class Library {
   async remove(shot: string): Promise<boolean> {
     try {
       await this.#service.removeShot(shot);
+      await Promise.all([this.refresh(), this.refreshTrash()]);
+      this.removed.value = this.trash.value.find((entry) => entry.shot === shot) ?? null;
+      return true;
+    } catch (error) {
+      this.#fail(error);
+      return false;
+    }
+  }
+
+  async refreshTrash(): Promise<void> {
+    try {
+      this.trash.value = await this.#service.trash();
+    } catch (error) {
+      this.#fail(error);
+    }
+  }
+
+  /** Restores a deleted shot; resolves to whether that went well. */
+  async restore(entry: TrashedShot): Promise<boolean> {
+    this.removed.value = null;
+    return this.#changing(async () => {
+      await this.#service.restore(entry.id);
+      await this.refreshTrash();
+    });
+  }
+
+  /** Lets a shot in quarantine be opened again; resolves to whether that went well. */
+  async release(shot: string): Promise<boolean> {
+    return this.#changing(() => this.#service.release(shot));
+  }
+
+  async #changing(act: () => Promise<void>): Promise<boolean> {
+    try {
+      await act();
       await this.refresh();
       return true;
     } catch (error) {

@@ -12,6 +12,19 @@ export interface ShotSummary {
   readonly name: string;
   readonly sizeBytes: number;
   readonly fileCount: number;
+  /** Reason why it is not opened until somebody releases it; null where it is opened. */
+  readonly quarantine: string | null;
+}
+
+/** A deleted shot that can be restored. */
+export interface TrashedShot {
+  /** Of the entry of the trash. */
+  readonly id: string;
+  /** Id that the shot had, and will have again. */
+  readonly shot: string;
+  readonly name: string;
+  /** When it is removed for good. */
+  readonly removedAt: string;
 }
 
 export interface CameraSummary {

@@ -28,8 +28,8 @@ export function distance(value: number | null): number {
 }
 
 export function toSummary(json: Json["ShotSummary"] | Json["Shot"]): ShotSummary {
-  const { id, name, sizeBytes, fileCount } = json;
-  return { id, name, sizeBytes, fileCount };
+  const { id, name, sizeBytes, fileCount, quarantine = null } = json;
+  return { id, name, sizeBytes, fileCount, quarantine };
 }
 
 export function toShot(json: Json["Shot"], cameras: Json["CameraList"]): Shot {

@@ -113,6 +113,8 @@ function adviceFor(error: ServiceError): string {
     case 415:
     case 422:
       return "Nothing was changed.";
+    case 423:
+      return "";
     case 429:
     case 503:
       return "Try again in a moment.";

@@ -7,7 +7,7 @@ import type { Who } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
-import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
+import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary, TrashedShot } from "../model/shot";
 import {
   toCurve,
   toEditResult,
@@ -83,6 +83,19 @@ export class HttpService implements Service {
 
   async removeShot(shot: string): Promise<void> {
     await done(this.#client.DELETE("/v1/shots/{shot}", { params: { path: { shot } } }));
+  }
+
+  async trash(): Promise<readonly TrashedShot[]> {
+    return (await result(this.#client.GET("/v1/trash"))).shots;
+  }
+
+  async restore(entry: string): Promise<ShotSummary> {
+    const params = { path: { trashed: entry } };
+    return toSummary(await result(this.#client.POST("/v1/trash/{trashed}/restore", { params })));
+  }
+
+  async release(shot: string): Promise<void> {
+    await done(this.#client.DELETE("/v1/shots/{shot}/quarantine", { params: { path: { shot } } }));
   }
 
   async open(shot: string): Promise<Shot> {

@@ -7,7 +7,7 @@ import type { Who } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
-import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
+import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary, TrashedShot } from "../model/shot";
 import type { LiveListener, LiveLink } from "./live_link";
 import type { PatienceListener } from "./patience";
 import type { View } from "./view";
@@ -51,7 +51,14 @@ export interface Service {
   signOut(): Promise<void>;
   shots(): Promise<ShotSummary[]>;
   upload(file: File, onProgress: (fraction: number) => void, signal: AbortSignal): Promise<ShotSummary>;
+  /** Moves a shot with its edits to the trash. */
   removeShot(shot: string): Promise<void>;
+  /** The deleted shots, the last one first. */
+  trash(): Promise<readonly TrashedShot[]>;
+  /** Restores a shot by the id of its entry in the trash. */
+  restore(entry: string): Promise<ShotSummary>;
+  /** Releases a shot from quarantine. */
+  release(shot: string): Promise<void>;
   open(shot: string): Promise<Shot>;
   /** The lens library. */
   lenses(): Promise<readonly LensSummary[]>;

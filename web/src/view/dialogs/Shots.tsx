@@ -6,6 +6,7 @@ import type { Editor } from "../../editor/editor";
 import type { Upload } from "../../editor/library";
 import type { Note, ShotSummary } from "../../model/shot";
 import { Icon } from "../icons";
+import { Trash } from "./Trash";
 
 const ACCEPTED = ".usd,.usda,.usdc,.usdz,.zip";
 
@@ -32,6 +33,7 @@ export function Shots({ editor }: { editor: Editor }): JSX.Element {
           />
         ))}
       </ul>
+      <Trash editor={editor} />
       <p class="drop-hint" hidden={editor.identity.noEdits.value !== null}>
         Drop a .usda, .usdc or .usdz file anywhere, or a .zip of a shot with what it references.
       </p>
@@ -129,8 +131,27 @@ function ShotRow({ editor, shot }: { editor: Editor; shot: ShotSummary }): JSX.E
           </button>
         </div>
       )}
+      {shot.quarantine !== null && <Quarantine editor={editor} shot={shot} reason={shot.quarantine} />}
       {isOpen && session.notes.value.length > 0 && <Notes notes={session.notes.value} />}
     </li>
+  );
+}
+
+function Quarantine({ editor, shot, reason }: { editor: Editor; shot: ShotSummary; reason: string }): JSX.Element {
+  const refusal = editor.identity.noEdits.value;
+  return (
+    <div class="ask" role="group" aria-label={`${shot.name} is in quarantine`}>
+      <span>In quarantine: {reason}.</span>
+      <button
+        type="button"
+        class="button"
+        disabled={refusal !== null}
+        title={refusal ?? "Lets it be opened again; it goes back where it ends three more workers"}
+        onClick={() => void editor.release(shot.id)}
+      >
+        Release
+      </button>
+    </div>
   );
 }
 

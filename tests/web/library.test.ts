@@ -1,0 +1,57 @@
+import { Library } from "@/editor/library";
+import type { ShotSummary, TrashedShot } from "@/model/shot";
+import { complaintOf, errorOf } from "@/net/errors";
+import type { Service } from "@/net/service";
+import { SHOT } from "./fake_service";
+
+/** A service with one shot and a trash, which keeps deleted shots or not. */
+function shelf(keepsTrash = true): { library: Library; failed: unknown[]; quarantine: () => void } {
+  let shots: readonly ShotSummary[] = [SHOT];
+  let trash: readonly TrashedShot[] = [];
+  const service: Partial<Service> = {
+    shots: () => Promise.resolve([...shots]),
+    trash: () => Promise.resolve(trash),
+    removeShot: () => {
+      shots = [];
+      trash = keepsTrash ? [{ id: "demo.1", shot: "demo", name: "Demo", removedAt: "2026-12-24T08:00:00Z" }] : [];
+      return Promise.resolve();
+    },
+    restore: (entry) => {
+      if (trash[0]?.id !== entry) return Promise.reject(errorOf(404, { code: "not_in_trash", detail: "It is gone." }));
+      [shots, trash] = [[SHOT], []];
+      return Promise.resolve(SHOT);
+    },
+    release: () => Promise.resolve(void (shots = [SHOT])),
+  };
+  const failed: unknown[] = [];
+  const library = new Library(service as Service, (error) => failed.push(error));
+  return { library, failed, quarantine: () => (shots = [{ ...SHOT, quarantine: "it ends its workers" }]) };
+}
+
+describe("a deleted shot", () => {
+  it("is offered again, and restored", async () => {
+    const { library, failed } = shelf();
+    await library.remove("demo");
+    const removed = library.removed.value;
+    expect([library.shots.value, removed?.id, library.trash.value.length]).toEqual([[], "demo.1", 1]);
+    expect(removed && (await library.restore(removed))).toBe(true);
+    expect([library.shots.value, library.trash.value, library.removed.value]).toEqual([[SHOT], [], null]);
+    expect(removed && (await library.restore(removed))).toBe(false);
+    expect(failed.map((error) => complaintOf(error).message)).toEqual(["It is gone."]);
+  });
+
+  it("is not offered where nothing is kept", async () => {
+    const { library } = shelf(false);
+    await library.remove("demo");
+    expect([library.removed.value, library.trash.value]).toEqual([null, []]);
+  });
+});
+
+it("a shot in quarantine has its reason until it is released", async () => {
+  const { library, quarantine } = shelf();
+  quarantine();
+  await library.refresh();
+  expect(library.shots.value?.[0]?.quarantine).toBe("it ends its workers");
+  expect(await library.release("demo")).toBe(true);
+  expect(library.shots.value?.[0]?.quarantine).toBeNull();
+});

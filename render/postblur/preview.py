@@ -44,7 +44,14 @@ class Previewer:
         self._nearest: tuple[Layers, float] | None = None
 
     def peel(
-        self, peeler: Peeler, camera: Camera, view: PinholeView, *, unlit: bool, sketch: Sketch
+        self,
+        peeler: Peeler,
+        camera: Camera,
+        view: PinholeView,
+        *,
+        unlit: bool,
+        sketch: Sketch,
+        sketch_layers: int = LAYERS,
     ) -> tuple[Layers, PinholeView]:
         """Peel the loaded scene, or take the layers that are kept of it.
 
@@ -55,6 +62,7 @@ class Previewer:
             unlit: take base colour for radiance.
             sketch: when to peel coarsely: ``new`` does so for a view seen for the first time. A view that is kept has
                 changed in something that needs no new layers, and is worth the whole size.
+            sketch_layers: layers of a coarse peel.
 
         Returns:
             The layers, and the view they show: the argument, or the same in fewer pixels.
@@ -65,13 +73,15 @@ class Previewer:
             small, unlit=unlit, cache_slot=SKETCH
         )
         if sketch == "always" or (sketch == "new" and is_new):
-            return self._peel(peeler, camera, small, unlit, SKETCH), view.resize(width, height)
-        return self._peel(peeler, camera, wide, unlit, PREVIEW), view
+            return self._peel(peeler, camera, small, sketch_layers, unlit, SKETCH), view.resize(width, height)
+        return self._peel(peeler, camera, wide, LAYERS, unlit, PREVIEW), view
 
-    def _peel(self, peeler: Peeler, camera: Camera, wide: PinholeView, unlit: bool, cache_slot: str) -> Layers:
+    def _peel(
+        self, peeler: Peeler, camera: Camera, wide: PinholeView, layers: int, unlit: bool, cache_slot: str
+    ) -> Layers:
         pupil_m = camera.focal_length_mm / 2000 / WIDE_OPEN if camera.f_stop > 0 else 0.0
         umbra = umbra_reach(max(wide.fx, wide.fy) * pupil_m)
-        layers = LAYERS if pupil_m > 0 else 1
+        layers = layers if pupil_m > 0 else 1
         is_sketch = cache_slot == SKETCH
         return peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, is_sketch=is_sketch, cache_slot=cache_slot)
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 
-from service.workers.streaming import IsStale
+from service.workers.streaming import StaleCheck
 
 State = TypeVar("State")
 Reply = TypeVar("Reply")
@@ -83,7 +83,7 @@ class StreamCall(Generic[State, Item]):
     args: tuple[Any, ...]
     kwargs: dict[str, Any]
 
-    def run(self, state: State, is_stale: IsStale) -> Iterator[Item]:
+    def run(self, state: State, is_stale: StaleCheck) -> Iterator[Item]:
         """Call the function in the worker process. It ends early once ``is_stale`` returns True."""
         items: Iterator[Item] = resolve(self.function)(state, is_stale, *self.args, **self.kwargs)
         return items
@@ -103,7 +103,7 @@ def call(
 
 
 def stream_call(
-    function: Callable[Concatenate[State, IsStale, Arguments], Iterator[Item]],
+    function: Callable[Concatenate[State, StaleCheck, Arguments], Iterator[Item]],
     *args: Arguments.args,
     **kwargs: Arguments.kwargs,
 ) -> StreamCall[State, Item]:

@@ -298,11 +298,10 @@ class Lane(Generic[State]):
         self._publish()
 
     def _publish(self) -> None:
-        """Tell the running workers how many jobs wait, and waiting threads that something has changed."""
+        """Tell the running workers how many jobs wait."""
         for job in self._running:
             if job.process is not None:
                 job.process.signals.queue_length = len(self._queue)
-        self._changed.notify_all()
 
     def _dispatch(self) -> None:
         """Begin jobs while there is room."""
@@ -320,6 +319,7 @@ class Lane(Generic[State]):
             self._shares.begin(job.client.principal)
             self._running.append(job)
             self._threads.submit(self._run, job)
+            self._changed.notify_all()
         self._publish()
 
     def _next(self) -> Job[State] | None:

@@ -11,10 +11,9 @@ import fcntl
 import mmap
 import os
 import time
-from collections.abc import Callable
 
-IsStale = Callable[[], bool]
-"""Polled by a generator function between its pieces of work; True once it must end."""
+CROWD = 2
+"""Calls that wait for a worker, more than which are a crowd."""
 
 
 class Signals:
@@ -60,7 +59,7 @@ def create_memory() -> int:
 
 
 class StaleCheck:
-    """Decides, in the worker, whether a stream must end here: the `IsStale` of its generator function.
+    """Decides, in the worker, whether a stream must end here. Its generator function calls it between its pieces of work.
 
     A cancelled stream ends at once. A stream ends for other calls that wait once it has yielded an item and its grace time is
     over, because long work without a new item would block everyone else.
@@ -82,6 +81,11 @@ class StaleCheck:
         self._grace_until_s = time.monotonic() + grace_s
         self.has_yielded = has_yielded
         self.has_ended = False
+
+    @property
+    def is_crowded(self) -> bool:
+        """Whether so many calls wait that a quick item is better than a good one."""
+        return self._signals.queue_length > CROWD
 
     def __call__(self) -> bool:
         """Return True where the stream must end."""

@@ -17,7 +17,7 @@ from render.model.scene import Scene
 from render.optics.view import PinholeView
 from render.pictures.progressive.clock import Clock
 from render.pictures.progressive.planner import PreviewPlan, PreviewPlanner
-from render.postblur.preview import Sketch
+from render.postblur.preview import LAYERS, Sketch
 from render.trace.lens import Stage as TraceStage
 from render.trace.rays import make_ray_pattern
 
@@ -42,6 +42,7 @@ class LiveFrames:
         clock: Clock,
         *,
         budget_ms: float,
+        is_hurried: bool = False,
         rays: int | None = None,
     ) -> tuple[FloatArray, int]:
         """Draw a small picture, as good as the time that is left allows.
@@ -52,6 +53,7 @@ class LiveFrames:
             settings: of the final picture.
             clock: runs since the request; takes note of ``peel`` and ``blur``.
             budget_ms: time by that clock at which the picture should be drawn.
+            is_hurried: as in `PreviewRequest`.
             rays: rays per pixel, in place of as many as fit.
 
         Returns:
@@ -72,7 +74,10 @@ class LiveFrames:
                 sketch = "always"
             unlit = settings.shading == "unlit"
             previewer, peeler = renderer.device.previewer, renderer.device.peeler
-            peeled, largest = previewer.peel(peeler, camera, largest, unlit=unlit, sketch=sketch)
+            sketch_layers = 1 if is_hurried else LAYERS
+            peeled, largest = previewer.peel(
+                peeler, camera, largest, unlit=unlit, sketch=sketch, sketch_layers=sketch_layers
+            )
             renderer.graphics.ctx.finish()
             clock.note("peel")
             if is_blurred:

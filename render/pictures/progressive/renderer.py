@@ -157,7 +157,14 @@ class ProgressiveRenderer:
         frame = self._reusable_frame(job)
         if frame is None:
             budget_ms = (1 - _FINISH_SHARE) * job.request.budget_ms
-            light, rays = self._frames.draw_preview(job.scene, job.camera, job.settings, job.clock, budget_ms=budget_ms)
+            light, rays = self._frames.draw_preview(
+                job.scene,
+                job.camera,
+                job.settings,
+                job.clock,
+                budget_ms=budget_ms,
+                is_hurried=job.request.is_hurried,
+            )
             yield self._show(job, "preview", light, rays)
             if job.request.is_moving:
                 return

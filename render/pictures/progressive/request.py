@@ -28,6 +28,7 @@ class PreviewRequest:
         choice: display, view and look, in place of these parts of the shot's grade.
         budget_ms: time for the first picture, which is as good as fits.
         is_moving: True while a control is dragged, so that the next request follows at once: the preview is the only picture.
+        is_hurried: True where others wait: a preview of a new view shows nothing behind what the centre of the lens sees.
     """
 
     camera_path: str | None
@@ -37,6 +38,7 @@ class PreviewRequest:
     choice: GradeChoice | None = None
     budget_ms: float = 100.0
     is_moving: bool = False
+    is_hurried: bool = False
 
 
 @dataclass(frozen=True)

@@ -30,11 +30,14 @@ from service.storage.store import ShotRecord
 from service.workers.calls import stream_call
 from service.workers.errors import SupersededError
 from service.workers.jobs import Job
+from service.workers.streaming import CROWD
 
 RESTARTS_CODE = 1012
 """Code of a WebSocket that is closed because the service stops; the client may connect again."""
 MAX_UNACKNOWLEDGED = 2
 """Pictures that may be sent before the client acknowledges one."""
+CROWDED_S = 0.1
+"""Least time between two requests of a client that reach a crowded lane: others would wait for each of them, and see few."""
 MAX_PROBLEMS = 32
 """Problems that may wait to be sent; a client that does not read them is not received from any more."""
 
@@ -64,6 +67,8 @@ class LiveConnection:
         self._unsent_picture: tuple[_Request, LivePicture] | None = None
         self._sent_count = self._acknowledged_count = 0
         self._request_count = 0
+        self._unstarted: _Request | None = None
+        self._to_start = asyncio.Event()
         self._oldest_valid = (
             0  # number of the oldest request that may still send: earlier ones were overtaken or stopped
         )
@@ -73,7 +78,7 @@ class LiveConnection:
 
     async def serve(self) -> None:
         """Receive requests and send pictures until the client disconnects."""
-        works = self._send_all(), self._receive_all(), self._service.stopping.wait()
+        works = self._send_all(), self._start_all(), self._receive_all(), self._service.stopping.wait()
         tasks = [asyncio.create_task(work) for work in works]
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -97,11 +102,11 @@ class LiveConnection:
             fields: Any = None
             try:
                 fields = _json_of(message.get("text"))
-                await self._handle(fields)
+                self._handle(fields)
             except Exception as error:
                 self._report_problem(fields.get("id") if isinstance(fields, dict) else None, error)
 
-    async def _handle(self, fields: dict[str, Any]) -> None:
+    def _handle(self, fields: dict[str, Any]) -> None:
         if "ack" in fields:
             ack = min(LiveAck.model_validate(fields).ack, self._sent_count)
             self._acknowledged_count = max(self._acknowledged_count, ack)
@@ -111,7 +116,23 @@ class LiveConnection:
             self._stop()
         else:
             self._request_count += 1
-            await self._start(_Request(LiveRequest.model_validate(fields), self._request_count))
+            self._unstarted = _Request(LiveRequest.model_validate(fields), self._request_count)
+            self._to_start.set()
+
+    async def _start_all(self) -> None:
+        """Start the newest request, again and again."""
+        while True:
+            await self._to_start.wait()
+            self._to_start.clear()
+            pending, self._unstarted = self._unstarted, None
+            if pending is None:  # stopped
+                continue
+            try:
+                await self._start(pending)
+            except Exception as error:
+                self._report_problem(pending.request.id, error)
+            if self._service.lanes.live.waiting > CROWD:
+                await asyncio.sleep(CROWDED_S)
 
     async def _start(self, pending: _Request) -> None:
         """Start a stream of pictures, in place of the one before, or send the final picture from the cache."""
@@ -119,6 +140,8 @@ class LiveConnection:
         check_pixels(request.width, request.height, self._service.settings.max_picture_px)
         record = self._service.store.get(self._shot_id)
         edits = await run_in_threadpool(record.edit_text)
+        if pending.number < self._oldest_valid:  # stopped meanwhile
+            return
         if not request.moving and not request.changes:
             pending.tag = self._tag(record, edits, request)
             cached = self._service.frame_cache.get(pending.tag)
@@ -142,7 +165,7 @@ class LiveConnection:
         """Discard all requests: nothing of them is sent any more."""
         self._cancel_stream()
         self._oldest_valid = self._request_count + 1
-        self._unsent_picture = self._unsent_readout = None
+        self._unsent_picture = self._unsent_readout = self._unstarted = None
 
     def _tag(self, record: ShotRecord, edits: str, request: LiveRequest) -> str:
         """Return the tag of the final picture in the cache of frames, which is that of the same frame over HTTP."""

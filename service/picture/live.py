@@ -34,7 +34,7 @@ def stream_pictures(
 
     Args:
         state: the worker's state.
-        is_stale: polled between pieces of work; the stream ends once it returns True. In a crowd its first picture is a quicker one.
+        is_stale: polled between pieces of work; the stream ends once it returns True. In a crowd the first picture is hurried.
         request: the frame.
         unsaved: changes that are applied for these pictures only. The lens readout follows the first picture then.
         budget_ms: time for the first picture.

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from render.film import GradeChoice
 from render.frame import FrameRenderer, FrameSettings
 from render.gl.cancellation import CancellationPoint, Cancelled
 from render.lab.reference.metrics import psnr_db
+from render.layers.peel import Layers, Peeler, PeelKey
 from render.layers.renderer import LayerRenderer
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
@@ -160,6 +162,23 @@ def test_a_preview_that_waits_for_its_layers_has_more_rays(
         first = next(progressive.pictures(PreviewRequest("/cam", time, SETTINGS, budget_ms=1.0, is_moving=True)))
         work.append(first.graded.size * first.rays)
     assert work[1] > 2 * work[0]
+
+
+def test_a_hurried_preview_of_a_new_view_has_one_layer(
+    progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    layers: list[int] = []
+    peel = Peeler.peel_by
+
+    def note_layers(self: Peeler, key: PeelKey, **named: Any) -> Layers:
+        layers.append(key.layers)
+        return peel(self, key, **named)
+
+    monkeypatch.setattr(Peeler, "peel_by", note_layers)
+    for is_hurried, time in ((False, 1.0), (True, 3.0)):
+        request = PreviewRequest("/cam", time, SETTINGS, is_moving=True, is_hurried=is_hurried)
+        assert [shown.stage for shown in progressive.pictures(request)] == ["preview"]
+    assert layers == [2, 1]
 
 
 def test_a_drag_gets_previews_alone(progressive: ProgressiveRenderer) -> None:

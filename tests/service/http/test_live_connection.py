@@ -13,7 +13,7 @@ import pytest
 from service.http.admission import Admission
 from service.http.errors import ServiceError
 from service.http.frame_cache import FrameCache
-from service.http.live_connection import MAX_PROBLEMS, LiveConnection
+from service.http.live_connection import CROWDED_S, MAX_PROBLEMS, LiveConnection
 from service.http.metrics import Metrics
 from service.http.stopping import Stopping
 from service.models.cameras import READOUT_EXAMPLE, Readout
@@ -73,6 +73,7 @@ class Pictures:
     def __init__(self) -> None:
         self.streams: list[SimpleNamespace] = []
         self.dropped: list[SimpleNamespace] = []
+        self.waiting = 0
 
     def submit_stream(self, work: object, place: object, client: object, **callbacks: object) -> SimpleNamespace:
         self.streams.append(SimpleNamespace(work=work, **callbacks))
@@ -167,6 +168,34 @@ def test_after_a_stop_nothing_is_sent_until_the_next_request():
         await pictures.show(1, PREVIEW)
         assert socket.pictures[2:] == [(2, "preview")]
         assert socket.texts == []
+
+    serve(play)
+
+
+def test_in_a_crowd_only_the_newest_of_quick_requests_is_started():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        pictures.waiting = 50
+        for number in range(1, 6):
+            await socket.request(number, moving=True)
+        while len(pictures.streams) < 2:
+            await asyncio.sleep(0.001)
+        await pictures.show(1, PREVIEW)
+        assert socket.pictures == [(5, "preview")]
+
+    serve(play)
+
+
+def test_a_stop_in_a_crowd_discards_what_was_not_started():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        pictures.waiting = 50
+        await socket.request(1, moving=True)
+        await socket.request(2, moving=True)
+        await socket.send(stop=True)
+        await asyncio.sleep(2 * CROWDED_S)
+        assert len(pictures.streams) == 1
+        await socket.request(3)
+        await asyncio.sleep(2 * CROWDED_S)
+        assert len(pictures.streams) == 2
 
     serve(play)
 

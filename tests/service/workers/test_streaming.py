@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterator
 
@@ -12,6 +13,7 @@ from service.workers.calls import StreamCall, call, stream_call
 from service.workers.errors import QueueFullError, WorkerError
 from service.workers.lane import Lane
 from service.workers.pool import WorkerPool
+from service.workers.streaming import CROWD, Signals, StaleCheck, create_memory
 from tests.service.conftest import until
 from tests.service.workers.fake_work import Tally, crash, echo, fail, refine, refuse
 from tests.service.workers.kit import WAIT_S, tally_lane, tally_pool
@@ -174,3 +176,15 @@ def test_one_that_takes_too_long_is_ended(pool):
     with tally_lane(pool, timeout_s=0.5) as lane:
         assert Watched(lane, stream_call(refine, shows=100_000)).code() == "unfit"
         assert lane.submit(call(echo, "next")).result(WAIT_S) == ("next", 1)
+
+
+def test_a_stream_knows_when_more_calls_wait_than_a_few():
+    descriptor = create_memory()
+    signals = Signals(descriptor)
+    os.close(descriptor)
+    is_stale = StaleCheck(signals, 1, has_yielded=False, grace_s=0.0)
+    signals.queue_length = CROWD
+    assert not is_stale.is_crowded
+    signals.queue_length = CROWD + 1
+    assert is_stale.is_crowded
+    assert not is_stale()  # its first item comes whoever waits

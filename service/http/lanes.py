@@ -6,6 +6,7 @@
     stage      workers that read and edit shots; a shot has one, the only writer of its edits
     live       workers that draw live pictures, pick surfaces and meter light
     final      workers that draw frames which are requested over HTTP; they give way to the others
+    long       workers that draw those frames which are expected to take long; they give way to all
     exposure   workers that hold a long exposure; a shot has one
 """
 
@@ -30,6 +31,8 @@ STAGE_SLOTS = 4
 CHECK_SLOTS = 2
 CORES_PER_PICTURE = 4
 """Cores that a picture keeps busy, where the processor draws it."""
+LONG_S = 10.0
+"""Expected processor time from which on a frame takes long, s."""
 DESCRIPTORS = 512
 PROCESSES = 256
 
@@ -42,6 +45,7 @@ class Lanes:
     stage: Lane[opened.OpenedShot]
     live: Lane[state.PictureWorkerState]
     final: Lane[state.PictureWorkerState]
+    long: Lane[state.PictureWorkerState]
     exposure: Lane[state.PictureWorkerState]
 
     @classmethod
@@ -80,6 +84,7 @@ class Lanes:
             stage=lane("stage", stage, settings.stage_memory_mb, stage_s, STAGE_SLOTS, is_single=True),
             live=lane("live", picture, memory_mb, frame_s, pictures, draws=True),
             final=lane("final", picture, memory_mb, frame_s, pictures, draws=True, niceness=10),
+            long=lane("long", picture, memory_mb, frame_s, pictures, draws=True, niceness=15),
             exposure=lane(
                 "exposure",
                 picture,
@@ -95,7 +100,15 @@ class Lanes:
 
     def __iter__(self) -> Iterator[Lane[Any]]:
         """Iterate over the lanes."""
-        return iter((self.check, self.stage, self.live, self.final, self.exposure))
+        return iter((self.check, self.stage, self.live, self.final, self.long, self.exposure))
+
+    def frame_lane(self, estimate_s: float) -> Lane[state.PictureWorkerState]:
+        """Return the lane of a frame that is requested over HTTP.
+
+        Args:
+            estimate_s: processor time that it is expected to take, s.
+        """
+        return self.final if estimate_s < LONG_S else self.long
 
     def close(self) -> None:
         """Fail the work that waits and that runs."""

@@ -65,7 +65,7 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
     client = present_client()
     group = (client, query.client, record.id) if query.client else None
     estimate_s = service.admission.check(record.id, query)
-    picture = await service.lanes.final.result(
+    picture = await service.lanes.frame_lane(estimate_s).result(
         call(frames.render_frame, request, query.format, live),
         service.place_of(record),
         client,

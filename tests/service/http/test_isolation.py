@@ -51,7 +51,7 @@ def test_workers_serve_one_shot_each(service, client, room, another):
 
 
 def test_work_on_a_frame_ends_when_its_client_has_gone(service, client, room):
-    lane = service.internal.lanes.final
+    lane = service.internal.lanes.long
     with asking(client, room, **DEAR, seed=1):
         until(lambda: lane.running == 1)
         with asking(client, room, **DEAR, seed=2):
@@ -62,7 +62,7 @@ def test_work_on_a_frame_ends_when_its_client_has_gone(service, client, room):
 
 
 def test_a_dear_frame_delays_no_other(service, client, room, another):
-    lane = service.internal.lanes.final
+    lane = service.internal.lanes.long
     with asking(client, room, **DEAR, seed=3):
         until(lambda: lane.running == 1)
         for shot in (another, room):  # the second one needs another process of the same shot
@@ -90,9 +90,9 @@ def test_a_shot_that_ends_workers_is_put_in_quarantine(tmp_path):
         for attempt in range(2):
             with ThreadPoolExecutor() as threads:
                 lost = threads.submit(client.get, f"/v1/shots/{shot}/frame", params=DEAR | {"seed": attempt})
-                until(lambda: service.internal.lanes.final.running == 1)
+                until(lambda: service.internal.lanes.long.running == 1)
                 time.sleep(0.5)
-                os.kill(service.worker("final", shot), signal.SIGSEGV)
+                os.kill(service.worker("long", shot), signal.SIGSEGV)
                 assert (lost.result().status_code, lost.result().json()["code"]) == (422, "unfit")
         for path in ("", "/frame?time=1&width=8", "/inspect", "/meter?time=1"):
             refusal = client.get(f"/v1/shots/{shot}{path}")

@@ -47,7 +47,10 @@ class Served:
         return found
 
     def is_busy(self) -> bool:
-        return 'pullfocus_lane_running{lane="final"} 1.0' in self.client.get("/metrics").text
+        return (
+            re.search(r"pullfocus_lane_running{lane=\"(final|long)\"} 1.0", self.client.get("/metrics").text)
+            is not None
+        )
 
 
 @contextmanager

@@ -107,9 +107,9 @@ def test_a_dead_picture_process_costs_at_most_one_frame(service, client, room, k
     assert frame(client, room, seed=6).status_code == 200
     with ThreadPoolExecutor() as pool:
         lost = pool.submit(frame, client, room, seed=int(killer), rays=2000, width=1000, height=500)
-        until(lambda: service.internal.lanes.final.running)
+        until(lambda: service.internal.lanes.long.running)
         time.sleep(0.2)
-        os.kill(service.worker("final", room), killer)
+        os.kill(service.worker("long", room), killer)
         answer = lost.result()
     assert (answer.status_code, answer.json()["code"]) == refusal
     assert ("retry-after" in answer.headers) == (answer.status_code == 503)

@@ -58,6 +58,11 @@ describe("what the service says", () => {
     });
   });
 
+  it("without a key says so to a person, and offers to sign in", () => {
+    const error = errorOf(401, { code: "unauthorized", detail: "Send it as `Authorization: Bearer KEY`." });
+    expect(complaintOf(error)).toMatchObject({ message: "You are not signed in.", remedy: "signIn" });
+  });
+
   it("an answer that is no JSON of ours is still an error with its status", () => {
     expect(errorOf(502, "<html>").message).toContain("502");
   });

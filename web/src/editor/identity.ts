@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 import { isPerson, isSamePerson, refusalOf, type Who } from "../model/identity";
-import { complaintOf } from "../net/errors";
+import { complaintOf, ServiceError } from "../net/errors";
 import type { Service } from "../net/service";
 
 /** The question that is open, and the requests that wait for its answer. */
@@ -64,7 +64,7 @@ export class Identity {
       if (this.#isDismissed) this.#reload();
       else if (this.#take(who)) this.#settle(true);
     } catch (error) {
-      this.refusal.value = complaintOf(error).message;
+      this.refusal.value = error instanceof ServiceError ? error.message : complaintOf(error).message;
     } finally {
       this.trying.value = false;
     }

@@ -78,11 +78,12 @@ export interface Complaint {
 
 export function complaintOf(error: unknown): Complaint {
   if (error instanceof ServiceError && error.status === 412) return CHANGED_MEANWHILE;
+  if (error instanceof ServiceError && error.status === 401) return NOT_SIGNED_IN;
   if (error instanceof UnreachableError) {
     return { message: error.message, advice: "Check that “pullfocus serve” is running.", remedy: "retry" };
   }
   if (error instanceof ServiceError) {
-    const remedy = error.status === 401 ? "signIn" : error.status >= 500 || error.status === 429 ? "retry" : null;
+    const remedy = error.status >= 500 || error.status === 429 ? "retry" : null;
     return { message: sentence(error.message), advice: adviceFor(error), remedy };
   }
   if (error instanceof HintError) return { message: error.message, advice: error.advice, remedy: null };
@@ -100,10 +101,15 @@ const CHANGED_MEANWHILE: Complaint = {
   remedy: null,
 };
 
+/** The service's own sentence tells programs how to send a key. */
+const NOT_SIGNED_IN: Complaint = {
+  message: "You are not signed in.",
+  advice: "What you did last was not done; sign in to go on.",
+  remedy: "signIn",
+};
+
 function adviceFor(error: ServiceError): string {
   switch (error.status) {
-    case 401:
-      return "Sign in to go on.";
     case 403:
       return "Nothing was changed. Whoever gave you the key can give you one that may.";
     case 404:

@@ -19,10 +19,9 @@ _NUMBER, _ARCHITECTURE, _ARGUMENTS = (
 )  # offsets in ``struct seccomp_data``; the lower half of an argument comes first
 _FIRST_X32_NUMBER = 0x40000000
 _THREAD, _NEW_NAMESPACES = 0x00010000, 0x7E020080  # flags of clone
-_TERMINAL_INPUT, _TERMINAL_SELECTION = (
-    0x5412,
-    0x541C,
-)  # ioctls that type into the terminal that the service was started in
+_TERMINAL_INPUT, _TERMINAL_SELECTION = 0x5412, 0x541C  # ioctls that type into the terminal that the service runs in
+_OWNER_BY_IOCTL = 0x8901, 0x8902  # FIOSETOWN, SIOCSPGRP: whom the kernel signals when a descriptor is ready
+_OWNER_BY_FCNTL = 8, 10, 15  # F_SETOWN, F_SETSIG, F_SETOWN_EX; Landlock judges these signals from Linux 6.12 on
 _CLONE3 = 435
 
 Instruction = tuple[int, int, int, int]
@@ -37,14 +36,15 @@ class _Architecture:
     audit: int
     clone: int
     ioctl: int
+    fcntl: int
     prlimit64: int
     utimensat: int
     signals: tuple[int, ...]  # kill, tgkill, rt_sigqueueinfo, rt_tgsigqueueinfo
 
 
 _ARCHITECTURES = {
-    "x86_64": _Architecture(0, 0xC000003E, 56, 16, 302, 280, (62, 234, 129, 297)),
-    "aarch64": _Architecture(1, 0xC00000B7, 220, 29, 261, 88, (129, 131, 138, 240)),
+    "x86_64": _Architecture(0, 0xC000003E, 56, 16, 72, 302, 280, (62, 234, 129, 297)),
+    "aarch64": _Architecture(1, 0xC00000B7, 220, 29, 25, 261, 88, (129, 131, 138, 240)),
 }
 
 
@@ -66,7 +66,8 @@ def make_filter(machine: str, pid: int) -> list[Instruction]:
         _answer(KILL_PROCESS),
         *_where({_CLONE3}, [_answer(ERROR | errno.ENOSYS)]),  # the C library then calls clone, whose flags can be read
         *_where({architecture.clone}, _new_thread()),
-        *_where({architecture.ioctl}, _argument(1, refused=(_TERMINAL_INPUT, _TERMINAL_SELECTION))),
+        *_where({architecture.ioctl}, _argument(1, refused=(_TERMINAL_INPUT, _TERMINAL_SELECTION, *_OWNER_BY_IOCTL))),
+        *_where({architecture.fcntl}, _argument(1, refused=_OWNER_BY_FCNTL)),
         *_where({architecture.prlimit64}, _argument(0, allowed=(0, pid))),
         *_where({architecture.utimensat}, _times_of_a_descriptor()),
         *_where(architecture.signals, _argument(0, allowed=(pid,))),

@@ -44,10 +44,12 @@ def test_there_is_no_network(tmp_path: Path, action: str) -> None:
         "os.kill(0, 0)",
         "os.pidfd_open(os.getppid())",
         "resource.prlimit(os.getppid(), resource.RLIMIT_CORE, (0, 0))",
+        "fcntl.fcntl(0, fcntl.F_SETOWN, os.getppid())",
+        "fcntl.ioctl(0, 0x8901, struct.pack('i', os.getppid()))",
     ],
 )
 def test_other_processes_are_out_of_reach(tmp_path: Path, action: str) -> None:
-    before = "import resource, subprocess"
+    before = "import fcntl, resource, struct, subprocess"
 
     assert Confined(tmp_path, offered=FILTER_ALONE).output(f"print(error_of(lambda: {action}))", before) == ["EPERM"]
 

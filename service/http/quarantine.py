@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 
 from render.errors import NotFoundError, OutputError
 from service.http.errors import ServiceError
@@ -20,6 +21,10 @@ REASONS = {
     "timeout": "it takes longer than a worker may",
     "unsafe": "its worker sent what no worker sends",
 }
+
+
+FORGET_S = 86_400.0
+"""Time after which a shot that has ended few workers has a clean sheet again: one bad request a month is no reason."""
 
 
 class Quarantine:
@@ -52,9 +57,11 @@ class Quarantine:
         with self._lock:
             try:
                 record = self._store.get(shot_id)
-                count = read_blames(record.folder).count + 1
+                before, now_s = read_blames(record.folder), time.time()
+                is_old = before.count < self._max_blames and abs(now_s - before.last_s) > FORGET_S
+                count = 1 if is_old else before.count + 1
                 log.error("shot %s has ended a worker (%s), time %d of %d", shot_id, end, count, self._max_blames)
-                write_blames(record.folder, Blames(count, end))
+                write_blames(record.folder, Blames(count, end, now_s))
             except NotFoundError:  # an upload that was not accepted, or a shot that was removed
                 return
             except OutputError as error:

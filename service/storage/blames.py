@@ -24,10 +24,12 @@ class Blames:
     Attributes:
         count: number of times.
         reason: why it last did: ``memory``, ``crash``, ``cpu``, ``timeout`` or ``unsafe``.
+        last_s: when it last did, in seconds of Unix time.
     """
 
     count: int = 0
     reason: str = ""
+    last_s: float = 0.0
 
 
 def read_blames(folder: Path) -> Blames:

@@ -6,14 +6,15 @@ from collections.abc import Iterator
 from statistics import median
 
 from render.lab.bench.progress import goal_lines
-from service.bench.results import ServiceBench, Spread
+from service.bench.results import ServiceBench, Spread, ViewersFound
 
 _MOST_REASONS = 5
 
 
 def report(found: ServiceBench) -> str:
     """The tables."""
-    return "\n".join([*_head(found), "", *_viewers(found), "", *_delays(found), "", *goal_lines(found.goals)]) + "\n"
+    lines = [*_head(found), "", *_viewers(found), "", *_delays(found), "", *goal_lines(found.goals)]
+    return "\n".join(lines) + "\n"
 
 
 def _head(found: ServiceBench) -> Iterator[str]:
@@ -24,24 +25,30 @@ def _head(found: ServiceBench) -> Iterator[str]:
 
 
 def _viewers(found: ServiceBench) -> Iterator[str]:
-    each = found.together
     yield (
-        f"{each.viewers} live viewers drag ({found.drag}) for {found.seconds:g} s; pictures {found.width} px wide, "
+        f"{found.running.viewers} live viewers drag ({found.drag}) for {found.seconds:g} s; pictures {found.width} px wide, "
         f"{found.rate:g} requests a second each"
     )
-    yield f"  refused              {each.refused}"
-    yield from (f"    {reason}" for reason in each.refusals[:_MOST_REASONS])
+    yield "  a service that has just started, its shaders not compiled:"
+    yield from _pictures(found.at_start)
+    yield "  the same service right afterwards:"
+    yield from _pictures(found.running)
+
+
+def _pictures(each: ViewersFound) -> Iterator[str]:
+    yield f"    refused              {each.refused}"
+    yield from (f"      {reason}" for reason in each.refusals[:_MOST_REASONS])
     least, middle, most = each.pictures[0], median(each.pictures), each.pictures[-1]
     ratio = "" if each.ratio is None else f"; most over least {each.ratio:.2f}"
-    yield f"  pictures of a viewer {least} least, {middle:g} median, {most} most{ratio}; {sum(each.pictures)} in all"
+    yield f"    pictures of a viewer {least} least, {middle:g} median, {most} most{ratio}; {sum(each.pictures)} in all"
     if each.without_picture:
-        yield f"  without any          {each.without_picture}"
+        yield f"    without any          {each.without_picture}"
     for name, times in (
         ("first picture, s", each.first),
         ("age of a picture, s", each.age),
         ("between two, s", each.gap),
     ):
-        yield f"  {name:20} median {_s(times.median_s)}, p95 {_s(times.p95_s)}, longest {_s(times.most_s)}"
+        yield f"    {name:20} median {_s(times.median_s)}, p95 {_s(times.p95_s)}, longest {_s(times.most_s)}"
 
 
 def _delays(found: ServiceBench) -> Iterator[str]:

@@ -13,9 +13,14 @@ from tests.render.kits.cli_shots import Command
 
 def test_a_viewer_without_a_picture_misses_the_goal():
     none = spread_of([])
-    found = ViewersFound(2, 0, [], [0, 5], None, 1, none, none, none)
+    starved = ViewersFound(2, 0, [], [0, 5], None, 1, none, none, none)
+    unfair = ViewersFound(2, 0, [], [1, 5], 5.0, 0, none, none, none)
     row = DelayRow("edit", none, none, none, 1.5, 2.5, [])
-    assert [goal.holds for goal in goals_of(found, 300, [row])] == [True, False, True, True, False, True]
+    assert [goal.holds for goal in goals_of(starved, unfair, 300, [row])] == [
+        *(True, False),
+        *(True, True, False),
+        *(True, True, False, True),
+    ]
 
 
 def test_the_spread_of_times_has_the_95th_percentile():
@@ -31,8 +36,9 @@ def test_three_viewers_drag_for_two_seconds(tmp_path: Path, capsys: pytest.Captu
     )
     assert ended.status == 0, ended.err
     found = json.loads(file.read_text())
-    assert found["together"]["viewers"] == len(found["together"]["pictures"]) == 3
-    assert found["together"]["refusals"] == []
+    for together in (found["at_start"], found["running"]):
+        assert together["viewers"] == len(together["pictures"]) == 3
+        assert together["refusals"] == []
     assert found["rays_refused"] > found["rays_admitted"] > 0
     assert len(found["delays"]) == 5
     assert all(row["failures"] == [] and row["alone"]["count"] > 0 for row in found["delays"])

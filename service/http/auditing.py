@@ -5,9 +5,8 @@ from __future__ import annotations
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.guard import SAFE_METHODS
-from service.http.identity import Identity
+from service.http.identity import REFUSALS, Identity
 
-REFUSALS = (401, 403, 421, 429)
 STARTS = ("http.response.start", "websocket.http.response.start")
 
 

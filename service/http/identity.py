@@ -27,6 +27,10 @@ BURST_S = 10
 FAILURES, FAILURES_PER_S = 10, 1 / 6
 """Wrong keys that one address may send at once, and from then on."""
 SESSION_PATH = "/v1/session"
+REFUSALS = (401, 403, 421, 429)
+"""Statuses of answers that refuse the sender."""
+MAX_AUDITED_PATH = 500
+"""Characters of a path that the audit log keeps."""
 
 
 class Identity:
@@ -40,7 +44,8 @@ class Identity:
         self._access = settings.access
         self.keys = Keys(settings.data)
         self.sessions = Sessions()
-        self.audit_log = AuditLog(settings.data)
+        self._accepted_log = AuditLog(settings.data / "audit.jsonl")
+        self._refused_log = AuditLog(settings.data / "audit-refused.jsonl")
         self._failures = RateLimit(FAILURES_PER_S, FAILURES)
         self._per_s = settings.requests_per_s
         self._requests = RateLimit(settings.requests_per_s, BURST_S * settings.requests_per_s)
@@ -55,13 +60,12 @@ class Identity:
             ServiceError: 401, 403 or 429.
         """
         headers = Headers(scope=scope)
-        kind, _, sent = headers.get("authorization", "").partition(" ")
+        sent = self._sent_key(headers)
         token = cookie_parser(headers.get("cookie", "")).get(SESSION_COOKIE)
         key_id = self.sessions.key_id(token) if token else None
         key = self.keys.find(key_id) if key_id else None
-        # A service that needs no key takes no notice of what is meant for others, such as a proxy.
-        if kind.lower() == "bearer" and (self._access == "keys" or sent.startswith(KEY_PREFIX)):
-            principal = self.sign_in(sent.strip(), _address(scope)).principal()
+        if sent is not None:
+            principal = self.sign_in(sent, _address(scope)).principal()
         elif key is not None:
             _check_origin(scope, headers)
             principal = self.in_session(key, token or "")
@@ -90,6 +94,22 @@ class Identity:
             raise _too_many("Too many wrong keys come from this address.", wait_s)
         raise unauthorized("The key is wrong, expired or revoked.")
 
+    def is_valid(self, scope: Scope) -> bool:
+        """Return whether the key or session that a request was identified by is still valid.
+
+        Args:
+            scope: of a request that `identify` has let in.
+        """
+        principal = scope["state"]["principal"]
+        if principal in (ANYONE, NOBODY):
+            return True
+        headers = Headers(scope=scope)
+        sent = self._sent_key(headers)
+        if sent is not None:
+            return self.keys.verify(sent) is not None
+        key_id = self.sessions.key_id(cookie_parser(headers.get("cookie", "")).get(SESSION_COOKIE, ""))
+        return key_id is not None and self.keys.find(key_id) is not None
+
     def in_session(self, key: Key, token: str) -> Principal:
         """Return the sender of a request that a session of a key signs."""
         return key.principal().until(datetime.now(UTC) + timedelta(seconds=self.sessions.left_s(token)))
@@ -103,7 +123,8 @@ class Identity:
         """
         state = scope.get("state", {})
         principal = state.get("principal", NOBODY)
-        self.audit_log.write(
+        log = self._refused_log if status in REFUSALS else self._accepted_log
+        log.write(
             {
                 "time": datetime.now(UTC).isoformat(timespec="milliseconds"),
                 "request": request_id.get(),
@@ -111,10 +132,16 @@ class Identity:
                 "label": principal.label,
                 "address": _address(scope),
                 "method": scope.get("method", "WEBSOCKET"),
-                "path": scope["path"],
+                "path": scope["path"][:MAX_AUDITED_PATH],
                 "status": status,
             }
         )
+
+    def _sent_key(self, headers: Headers) -> str | None:
+        """Return the key in the header. A service that needs none takes no notice of what is meant for others, as for a proxy."""
+        kind, _, sent = headers.get("authorization", "").partition(" ")
+        is_ours = self._access == "keys" or sent.startswith(KEY_PREFIX)
+        return sent.strip() if kind.lower() == "bearer" and is_ours else None
 
     def _limit(self, principal: Principal, address: str) -> None:
         if self._per_s == 0 or (self._access == "open" and principal is ANYONE):

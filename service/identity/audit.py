@@ -1,4 +1,12 @@
-"""Audit log: one line of JSON for each request that changes something or is refused, and never a secret."""
+"""Audit log: one line of JSON for each request that changes something or is refused, and never a secret.
+
+::
+
+    DATA/audit.jsonl            what changed something
+    DATA/audit-refused.jsonl    what was refused: strangers may fill it, and push no line out of the other
+
+A full file becomes ``audit.jsonl.1``, and so on up to `KEPT_FILES`.
+"""
 
 from __future__ import annotations
 
@@ -16,25 +24,27 @@ KEPT_FILES = 5
 
 
 class AuditLog:
-    """Appends lines to ``DATA/audit.jsonl``; a full file becomes ``audit.jsonl.1``, and so on up to `KEPT_FILES`.
+    """Appends lines to one file.
 
     Args:
-        data: the data folder.
+        file: the file.
         max_bytes: size at which a file is full.
     """
 
-    def __init__(self, data: Path, max_bytes: int = MAX_BYTES) -> None:
-        self._file = data / "audit.jsonl"
+    def __init__(self, file: Path, max_bytes: int = MAX_BYTES) -> None:
+        self._file = file
         self._max_bytes = max_bytes
 
     def write(self, fields: Mapping[str, object]) -> None:
         """Append a line. A line that cannot be written is logged instead; the request is not refused for it."""
         line = json.dumps(fields, ensure_ascii=True) + "\n"
         try:
-            self._rotate(len(line))
-            descriptor = os.open(self._file, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o600)
+            self._rotate(len(line) + 1)
+            descriptor = os.open(self._file, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o600)
             try:
-                os.write(descriptor, line.encode())
+                size = os.fstat(descriptor).st_size
+                is_cut = size > 0 and os.pread(descriptor, 1, size - 1) != b"\n"  # by a crash or a full disk
+                os.write(descriptor, ("\n" * is_cut + line).encode())
             finally:
                 os.close(descriptor)
         except OSError as error:

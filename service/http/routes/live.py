@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+from contextlib import suppress
 from typing import Any
 
 from fastapi import APIRouter, FastAPI, WebSocket
@@ -10,10 +12,16 @@ from pydantic.json_schema import models_json_schema
 
 from service.http.access import RENDERS
 from service.http.errors import RETRY_AFTER, ServiceError, problem
+from service.http.identity import Identity, IdentityDep
 from service.http.live_connection import LiveConnection
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop
+
+ENDED_CODE, ENDED_REASON = 1008, "The key or the session has ended: sign in again."
+"""Close of a WebSocket whose sender is no longer let in (RFC 6455, section 7.4.1)."""
+CHECK_PAUSE_S = 1.0
+"""Time between two looks at whether the sender of a WebSocket is still let in."""
 
 router = APIRouter(tags=["frames"], dependencies=RENDERS)
 
@@ -29,6 +37,8 @@ kept. A `LiveStop` cancels all requests; a picture that is being sent still arri
 **The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
 `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final. It sends text for a `LiveReadout`, the lens readout
 of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
+
+When the key or the session of the client ends, the service closes the connection with the code 1008.
 
 Browsers may connect only from the service's own page: the `Origin` has to match the `Host`."""
 
@@ -56,7 +66,7 @@ def describe_messages(app: FastAPI) -> None:
 
 
 @router.websocket("/shots/{shot}/live")
-async def connect_live(socket: WebSocket, service: ServiceDep, shot: ShotId) -> None:
+async def connect_live(socket: WebSocket, service: ServiceDep, identity: IdentityDep, shot: ShotId) -> None:
     """Stream pictures; see `PROTOCOL`."""
     if len(service.live_sockets) >= service.settings.max_viewers:
         detail = f"{len(service.live_sockets)} live connections are open already; try again later."
@@ -66,10 +76,32 @@ async def connect_live(socket: WebSocket, service: ServiceDep, shot: ShotId) -> 
     service.metrics.live_viewers.inc()
     try:
         await socket.accept()
-        await LiveConnection(service, socket, shot).serve()
+        await _serve_while_valid(LiveConnection(service, socket, shot), socket, identity)
     finally:
         service.live_sockets.discard(socket)
         service.metrics.live_viewers.dec()
+
+
+async def _serve_while_valid(connection: LiveConnection, socket: WebSocket, identity: Identity) -> None:
+    """Serve a connection until its client disconnects, or the key or session that it came with ends."""
+
+    async def watch() -> None:
+        while identity.is_valid(socket.scope):
+            await asyncio.sleep(CHECK_PAUSE_S)
+
+    serving, watching = asyncio.create_task(connection.serve()), asyncio.create_task(watch())
+    try:
+        await asyncio.wait((serving, watching), return_when=asyncio.FIRST_COMPLETED)
+        has_ended = not serving.done()
+    finally:
+        watching.cancel()
+        serving.cancel()
+    if has_ended:
+        await asyncio.wait((serving,))
+        with suppress(RuntimeError):  # the client has closed it already
+            await socket.close(ENDED_CODE, ENDED_REASON)
+    else:
+        serving.result()
 
 
 @router.get(

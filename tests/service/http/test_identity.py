@@ -8,7 +8,7 @@ from datetime import UTC, datetime, timedelta
 
 import httpx
 import pytest
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from service.http.settings import Settings
@@ -224,7 +224,7 @@ def test_the_audit_log_says_who_what_and_from_where(tmp_path):
         answer = service.client.get("/v1/shots")
         service.client.get("/v1/shots", headers={"Host": "evil.example"})
         watch(service, "none", {})
-    text = (tmp_path / "audit.jsonl").read_text()
+    text = (tmp_path / "audit.jsonl").read_text() + (tmp_path / "audit-refused.jsonl").read_text()
     lines = [json.loads(line) for line in text.splitlines()]
     key_id = held["Authorization"].split("_")[1]
     assert [(line["principal"], line["method"], line["path"], line["status"]) for line in lines] == [
@@ -243,3 +243,36 @@ def test_a_key_names_its_sender_also_where_none_is_needed(service):
     assert service.client.get("/v1/session").json()["id"] == "anyone"
     assert service.client.get("/v1/session", headers=held).json()["label"] == "Mara"
     assert service.client.post("/v1/shots", headers=held).status_code == 403
+
+
+def test_refused_requests_push_no_line_out_of_the_audit_log(tmp_path):
+    with running(Settings(data=tmp_path, demo=False, access="keys")) as service:
+        service.client.delete("/v1/shots/night", headers=key(service, "read", "edit"))
+        for _ in range(5):
+            service.client.get("/v1/" + "x" * 3000)
+    (accepted,) = map(json.loads, (tmp_path / "audit.jsonl").read_text().splitlines())
+    assert accepted["method"] == "DELETE"
+    refused = [json.loads(line) for line in (tmp_path / "audit-refused.jsonl").read_text().splitlines()]
+    assert {len(line["path"]) for line in refused} == {500}
+
+
+@pytest.mark.parametrize("by", ["key", "session", "sign-out"])
+def test_a_socket_is_closed_when_its_key_or_session_ends(locked, by):
+    held = key(locked, "render", project="*")
+    text = held["Authorization"].split()[1]
+    url = str(locked.client.base_url).rstrip("/")
+    with httpx.Client(base_url=url, headers={ORIGIN: url}, timeout=60) as page:
+        if by != "key":
+            page.post("/v1/session", json={"key": text})
+            held = {"Cookie": f"pullfocus_session={page.cookies['pullfocus_session']}", ORIGIN: url}
+        with connect(f"{url.replace('http', 'ws')}/v1/shots/none/live", additional_headers=held) as socket:
+            with pytest.raises(TimeoutError):
+                socket.recv(1.5)
+            if by == "sign-out":
+                assert page.delete("/v1/session").status_code == 204
+            else:
+                locked.app.state.identity.keys.revoke(text.split("_")[1])
+            with pytest.raises(ConnectionClosed) as closed:
+                socket.recv(5)
+    assert closed.value.rcvd.code == 1008
+    assert "sign in again" in closed.value.rcvd.reason

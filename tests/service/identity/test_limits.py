@@ -54,7 +54,7 @@ def test_a_session_ends():
 
 
 def test_the_audit_log_is_private_and_rotates(tmp_path):
-    log = AuditLog(tmp_path, max_bytes=100)
+    log = AuditLog(tmp_path / "audit.jsonl", max_bytes=100)
     for n in range(40):
         log.write({"n": n, "path": "/v1\n{"})
     files = sorted(tmp_path.iterdir())
@@ -65,5 +65,15 @@ def test_the_audit_log_is_private_and_rotates(tmp_path):
 
 
 def test_an_audit_line_that_cannot_be_written_is_logged(tmp_path, caplog):
-    AuditLog(tmp_path / "none").write({"path": "/v1/shots"})
+    AuditLog(tmp_path / "none" / "audit.jsonl").write({"path": "/v1/shots"})
     assert "/v1/shots" in caplog.text
+
+
+def test_half_a_line_of_a_crash_spoils_no_other(tmp_path):
+    file = tmp_path / "audit.jsonl"
+    AuditLog(file).write({"n": 1})
+    with file.open("a") as cut:
+        cut.write('{"n": 2, "pa')
+    AuditLog(file).write({"n": 3})
+    first, _, last = file.read_text().splitlines()
+    assert (json.loads(first), json.loads(last)) == ({"n": 1}, {"n": 3})

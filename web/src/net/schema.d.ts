@@ -848,6 +848,8 @@ export interface paths {
          *     `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final. It sends text for a `LiveReadout`, the lens readout
          *     of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
          *
+         *     When the key or the session of the client ends, the service closes the connection with the code 1008.
+         *
          *     Browsers may connect only from the service's own page: the `Origin` has to match the `Host`.
          */
         readonly get: operations["watch"];

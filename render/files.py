@@ -41,6 +41,25 @@ def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
         raise _explained(error, target) from error
 
 
+def sync_folder(folder: str | os.PathLike[str]) -> None:
+    """Wait until the disk has the names in a folder: a file that was renamed into it is there after a loss of power too.
+
+    Args:
+        folder: the folder.
+
+    Raises:
+        OutputError: the disk fails.
+    """
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+    except OSError as error:
+        raise OutputError(f"the disk fails at the folder {folder}: {error.strerror}", path=str(folder)) from error
+
+
 def read_regular_file(path: str | os.PathLike[str], most_bytes: int) -> bytes | None:
     """Content of a plain file; None for what is missing, larger, a link, a folder, a device or a pipe, which are not waited for.
 
@@ -52,10 +71,11 @@ def read_regular_file(path: str | os.PathLike[str], most_bytes: int) -> bytes | 
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     except (OSError, ValueError):  # ValueError: a name with a null character
         return None
+    status = os.fstat(descriptor)
+    if not stat.S_ISREG(status.st_mode) or status.st_size > most_bytes:
+        os.close(descriptor)
+        return None
     with open(descriptor, "rb") as file:
-        status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode) or status.st_size > most_bytes:
-            return None
         content = file.read(most_bytes + 1)
     return content if len(content) <= most_bytes else None
 

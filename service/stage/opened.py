@@ -10,10 +10,12 @@ from typing import Concatenate, ParamSpec, TypeVar
 from pxr import Work
 
 from render.errors import NotFoundError, PullfocusError
+from render.model.edit_history import EditHistory, revision_of
 from render.shot import Shot
+from render.shot.edits.edit_layer import EditsSnapshot
 from render.stage.faults import faults_of_stage
 from service.edit_context import ANY_CONTEXT, EditContext
-from service.storage.edit_files import load_history, save_history
+from service.storage.edit_files import clear_unfinished, load_history, save_edits
 from service.storage.store import ShotRecord
 from service.workers.calls import register
 
@@ -78,12 +80,22 @@ class OpenedShot:
             try:
                 yield shot
                 if shot.edits.history != before.history:
-                    _save(record, shot)
+                    save_edits(record.edits_folder, shot.edits.history, before.history)
             except BaseException:
-                if shot.edits.history != before.history:
-                    shot.edits.restore(before)
-                    _save_history_again(record, shot)
+                self._take_back(record, shot, before)
                 raise
+
+    def _take_back(self, record: ShotRecord, shot: Shot, before: EditsSnapshot) -> None:
+        """Undo an edit that failed. Where it may have been saved for all that, the shot is read from the disk at its next use."""
+        if shot.edits.history == before.history:
+            return
+        shot.edits.restore(before)
+        try:
+            is_saved = revision_of(record.edit_text()) != before.history.present.revision
+        except PullfocusError:
+            is_saved = True
+        if is_saved:
+            self._shot = None
 
     def _get(self, record: ShotRecord, *, load_edits: bool) -> Shot:
         if self._shot is None:
@@ -91,7 +103,7 @@ class OpenedShot:
                 raise NotFoundError(f"There is no shot {record.id!r} any more.", code="shot_not_found", path=record.id)
             edits = record.edits if load_edits and record.edits.is_file() else None
             shot = Shot.open(record.root_path, confined_to=record.files, edits=edits)
-            kept = load_history(record.history) if load_edits else None  # a picture worker may not read these
+            kept = _load_history(record) if load_edits else None  # a picture worker may not read it
             if kept is not None:
                 shot.edits.resume(kept)
             self._shot = shot
@@ -110,19 +122,10 @@ def warm_up(opened: OpenedShot) -> None:
     """Do nothing: an answer shows that a worker has started."""
 
 
-def _save(record: ShotRecord, shot: Shot) -> None:
-    """Write the history, then the edits. If only the history is written, the edits tell which state is the present one."""
-    save_history(record.history, shot.edits.history)
-    if shot.edits.history.present.text:
-        shot.edits.save(record.edits)
-    else:
-        record.edits.unlink(missing_ok=True)
-
-
-def _save_history_again(record: ShotRecord, shot: Shot) -> None:
-    """Remove an edit that failed from the history on disk. Where that fails too, `Shot.edits.resume` repairs it."""
-    with suppress(PullfocusError):
-        save_history(record.history, shot.edits.history)
+def _load_history(record: ShotRecord) -> EditHistory | None:
+    with suppress(OSError):  # a worker that opens an upload may not write, and there is nothing
+        clear_unfinished(record.edits_folder)
+    return load_history(record.edits_folder)
 
 
 def as_sent(text: str, record: ShotRecord) -> str:

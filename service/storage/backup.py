@@ -24,7 +24,7 @@ from pathlib import Path
 
 from render.errors import InputError, OutputError
 from render.files import check_writable
-from service.storage.edit_files import INDEX
+from service.storage.edit_files import EDITS, HISTORY, INDEX, states_of_index
 from service.storage.migration import layout_of
 from service.storage.restore import MANIFEST, verify
 
@@ -122,12 +122,12 @@ def edits_at_one_moment(folder: Path) -> dict[str, bytes]:
         InputError: they do not stand still, or a state that the index names is missing.
     """
     for _ in range(_ATTEMPTS):
-        index = _read(folder / "history" / INDEX)
-        edits = _read(folder / "edits.usda")
-        names = [f"history/{name}" for name in _states(index)]
+        index = _read(folder / HISTORY / INDEX)
+        edits = _read(folder / EDITS)
+        names = [f"{HISTORY}/{name}" for name in _states(index)]
         states = {name: _read(folder / name) for name in names}
-        if _read(folder / "history" / INDEX) == index and None not in states.values():
-            found = {**states, f"history/{INDEX}": index, "edits.usda": edits}
+        if _read(folder / HISTORY / INDEX) == index and None not in states.values():
+            found = {**states, f"{HISTORY}/{INDEX}": index, EDITS: edits}
             return {name: content for name, content in found.items() if content is not None}
     raise InputError(
         f"the edits in {folder} cannot be read as a whole: a state of their history is missing", path=str(folder)
@@ -137,8 +137,7 @@ def edits_at_one_moment(folder: Path) -> dict[str, bytes]:
 def _states(index: bytes | None) -> list[str]:
     """Names of the files of the states in an index. A damaged index is kept as it is, and its states with it are not known."""
     try:
-        revisions = [str(entry["revision"]) for entry in json.loads(index or b'{"states": []}')["states"]]
-        return [f"{revision}.usda" for revision in revisions if revision.isalnum()]
+        return [f"{revision}.usda" for revision in states_of_index(index or b'{"states": []}') if revision.isalnum()]
     except (ValueError, KeyError, TypeError):
         return []
 

@@ -15,11 +15,10 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 from pathlib import Path
 
 from render.errors import OutputError
-from render.files import write_atomic
+from render.files import sync_folder, write_atomic
 
 log = logging.getLogger("pullfocus.service")
 
@@ -45,7 +44,7 @@ def migrate(data: Path) -> None:
         detail = f"the data folder {data} cannot be brought to layout {LAYOUT}: {error.strerror}"
         raise OutputError(detail, code="layout", path=str(data)) from error
     write_atomic(data / LAYOUT_FILE, json.dumps({"layout": LAYOUT}).encode())
-    _sync(data)
+    sync_folder(data)
     if moved:
         log.info("the data folder %s was brought from layout %d to layout %d", data, layout, LAYOUT)
 
@@ -87,15 +86,6 @@ def _gather_edits(shot: Path) -> bool:
             detail = f"there are both {old} and {new}: move the one away that is not wanted"
             raise OutputError(detail, code="layout", path=str(old))
         old.rename(new)
-    _sync(edits)
-    _sync(shot)
+    sync_folder(edits)  # `LAYOUT_FILE` may not be there before what it says
+    sync_folder(shot)
     return bool(present)
-
-
-def _sync(folder: Path) -> None:
-    """Wait until the disk has the names in a folder: `LAYOUT_FILE` may not be there before what it says."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -25,8 +25,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from render.errors import NotFoundError, OutputError, StageError
-from render.files import read_regular_file
+from render.files import read_regular_file, sync_folder, write_atomic
 from service.identity.principal import DEFAULT_PROJECT
+from service.storage.edit_files import EDITS, clear_unfinished
 from service.storage.migration import migrate
 
 log = logging.getLogger("pullfocus.service")
@@ -79,12 +80,7 @@ class ShotRecord:
     @property
     def edits(self) -> Path:
         """Path of the edit layer, which may not exist yet."""
-        return self.edits_folder / "edits.usda"
-
-    @property
-    def history(self) -> Path:
-        """Folder of earlier states of the edit layer, which may not exist yet."""
-        return self.edits_folder / "history"
+        return self.edits_folder / EDITS
 
     def with_root(self, root: str) -> ShotRecord:
         """Return the same shot with another root layer."""
@@ -117,6 +113,7 @@ class ShotStore:
     """
 
     def __init__(self, data: Path) -> None:
+        self._data = data
         self._shots = data / "shots"
         try:
             self._shots.mkdir(parents=True, exist_ok=True)
@@ -128,11 +125,14 @@ class ShotStore:
             raise OutputError(f"the data folder {data} cannot be written: {error.strerror}", path=str(data)) from error
         try:
             migrate(data)
+            self._clear_unaccepted()
+            self._clear_unfinished()
         except OutputError:
             self.close()
             raise
-        self._clear_unaccepted()
-        self._clear_unfinished()
+        except OSError as error:
+            self.close()
+            raise OutputError(f"the data folder {data} cannot be written: {error.strerror}", path=str(data)) from error
 
     def close(self) -> None:
         """Unlock the folder."""
@@ -145,11 +145,11 @@ class ShotStore:
                 shutil.rmtree(folder)
 
     def _clear_unfinished(self) -> None:
-        """Remove what killed writers have left of files (`render.files.write_atomic`); uploaded files are not touched."""
-        for folder in self._shots.iterdir():
-            for place in (folder, folder / "edits", folder / "edits" / "history"):
-                for part in () if place.is_symlink() else place.glob("*.part"):  # a worker may have left links
-                    part.unlink(missing_ok=True)
+        """Remove what killed writers have left of files; uploaded files are not touched."""
+        trashed = self._data / "trash"
+        for folder in (self._data, *self._shots.iterdir(), *(trashed.iterdir() if trashed.is_dir() else ())):
+            clear_unfinished(folder)
+            clear_unfinished(folder / "edits")
 
     def list(self) -> list[ShotRecord]:
         """Read the records of all shots, newest last."""
@@ -193,9 +193,9 @@ class ShotStore:
             "fileCount": len(sizes),
             "project": begun.project,
         }
-        part = begun.folder / f"{RECORD}.part"
-        part.write_text(json.dumps(fields, indent=2), encoding="utf-8")
-        os.replace(part, begun.folder / RECORD)
+        write_atomic(begun.folder / RECORD, json.dumps(fields, indent=2).encode())
+        for folder in (begun.folder, self._shots):
+            sync_folder(folder)
         return self.get(begun.id)
 
     def discard(self, begun: ShotRecord) -> None:

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import OutputError, SettingsError
-from render.files import check_writable, write_atomic
+from render.files import check_writable, read_regular_file, write_atomic
 from render.film import Grade
 from render.model.camera import Camera
 from render.output import FrameMetadata, encode, format_of, write_frame
@@ -248,3 +248,17 @@ def test_an_encoder_without_room_says_so(tmp_path: Path, monkeypatch: pytest.Mon
 
     with pytest.raises(OutputError, match=r"cannot encode a \.png file in the temporary folder .*gone"):
         encoded("png", smooth_picture())
+
+
+def test_only_plain_files_of_the_right_size_are_read(tmp_path):
+    file, folder, pipe, link = (tmp_path / name for name in ("file", "folder", "pipe", "link"))
+    file.write_bytes(b"1234")
+    folder.mkdir()
+    os.mkfifo(pipe)
+    link.symlink_to(file)
+    assert read_regular_file(file, 4) == b"1234"
+    assert read_regular_file(file, 3) is None
+    before = len(os.listdir("/proc/self/fd"))
+    for other in (folder, pipe, link, tmp_path / "missing", tmp_path / "nul\0"):
+        assert read_regular_file(other, 4) is None
+    assert len(os.listdir("/proc/self/fd")) == before

@@ -15,12 +15,11 @@ from tempfile import mkdtemp
 import pytest
 
 from render.errors import InputError, OutputError, PullfocusError
-from render.files import write_atomic
 from render.model.edit_history import EditHistory
 from service.http.settings import Settings
 from service.storage import backup as backup_module
 from service.storage.backup import back_up, edits_at_one_moment
-from service.storage.edit_files import load_history, save_history
+from service.storage.edit_files import load_history, save_edits
 from service.storage.restore import MANIFEST, restore
 from service.storage.store import ShotStore
 from tests.service.conftest import running
@@ -85,8 +84,7 @@ def test_edits_are_of_one_moment_while_they_are_written(tmp_path):
         for number in range(100_000):
             if ended.is_set():
                 return
-            save_history(folder / "history", state(number))  # drops the states of the one before
-            write_atomic(folder / "edits.usda", state(number).present.text.encode())
+            save_edits(folder, state(number), state(max(0, number - 1)))  # drops the states of the one before that
 
     writer = threading.Thread(target=write)
     writer.start()
@@ -99,7 +97,7 @@ def test_edits_are_of_one_moment_while_they_are_written(tmp_path):
             for name, content in edits_at_one_moment(folder).items():
                 (copy / name).parent.mkdir(parents=True, exist_ok=True)
                 (copy / name).write_bytes(content)
-            history = load_history(copy / "history")
+            history = load_history(copy)
             assert history is not None
             seen.add(history.present.revision)
     finally:

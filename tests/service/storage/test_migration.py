@@ -124,7 +124,7 @@ def test_a_new_folder_has_the_present_layout(tmp_path):
     assert json.loads((tmp_path / "layout.json").read_text()) == {"layout": LAYOUT}
     record = store.begin("new.usda")
     assert record.edits_folder.is_dir()
-    assert load_history(record.history) is None
+    assert load_history(record.edits_folder) is None
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import pytest
 
 from render.errors import NotFoundError, OutputError
 from render.model.edit_history import revision_of
+from service.storage.edit_files import HISTORY
 from service.storage.store import ShotStore
 
 
@@ -69,11 +70,13 @@ def test_shots_outlive_the_service_and_half_of_one_does_not(tmp_path):
 def test_what_killed_writers_leave_is_removed(tmp_path):
     store = ShotStore(tmp_path / "data")
     record, other = accepted(store), accepted(store)
-    record.history.mkdir()
-    left = [folder / ".x.part" for folder in (record.folder, record.edits_folder, record.history)]
+    history = record.edits_folder / HISTORY
+    history.mkdir()
+    folders = tmp_path / "data", record.folder, record.edits_folder, history
+    left = [folder / ".x.part" for folder in folders]
     kept = [record.files / "sent.part", tmp_path / "elsewhere" / "kept.part"]
     kept[1].parent.mkdir()
-    other.history.symlink_to(kept[1].parent)
+    (other.edits_folder / HISTORY).symlink_to(kept[1].parent)
     for file in (*left, *kept):
         file.touch()
     store.close()

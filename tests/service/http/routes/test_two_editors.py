@@ -193,14 +193,14 @@ def test_history_outlives_the_service_and_its_damage_spares_edits(room_file, tmp
             set_stop(first.client, shot, f_stop)
         first.client.post(f"{shot}/edits/undo")
         history = first.client.get(f"{shot}/edits/history").json()
-    folder = tmp_path / "shots" / shot_id / "edits" / "history"
+    folder = tmp_path / "shots" / shot_id / "edits"
     with running(settings) as second:
         assert second.client.get(f"{shot}/edits/history").json() == history
         second.client.post(f"{shot}/edits/undo")
         assert stop_of(second.client, shot) == 4
         second.client.post(f"{shot}/edits/redo")
-    index = json.loads((folder / "index.json").read_text())
-    (folder / f"{index['states'][0]['revision']}.usda").write_text("#usda 1.0\n")
+    index = json.loads((folder / "history" / "index.json").read_text())
+    (folder / "history" / f"{index['states'][0]['revision']}.usda").write_text("#usda 1.0\n")
     assert load_history(folder) is None
     with running(settings) as third:
         assert stop_of(third.client, shot) == 8

@@ -193,6 +193,11 @@ def _is_consequence(error: Mapping[str, Any], errors: Sequence[Mapping[str, Any]
 
 def _finding(error: Mapping[str, Any]) -> dict[str, str]:
     """Return one finding of the validator, without the input, which may be large or hold NaN."""
+    if error["type"] == "json_invalid":
+        return {
+            "path": "body",
+            "detail": f"The body is no JSON that can be read: {error['ctx']['error']}."[:MAX_FINDING_CHARS],
+        }
     path = ".".join(str(part) for part in error["loc"])
     return {"path": path[:MAX_FINDING_CHARS], "detail": str(error["msg"])[:MAX_FINDING_CHARS]}
 

@@ -6,11 +6,14 @@ import base64
 import binascii
 import math
 import re
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, WithJsonSchema
 from pydantic.alias_generators import to_camel
 from pydantic.config import JsonDict
+from pydantic_core import CoreSchema
+
+from service.models.json_types import with_json_types
 
 NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
 PRIM_PATH_PATTERN = r"^/.*$"
@@ -19,7 +22,13 @@ MAX_POINT_NAME = 200
 
 
 class Model(BaseModel):
-    """Base of every model: camelCase outside, snake_case inside; NaN and unknown fields are refused."""
+    """Base of every model: camelCase outside, snake_case inside; NaN and unknown fields are refused.
+
+    Attributes:
+        is_text: whether its values come as text, as those of a query do; else a text is no number, and neither is ``true``.
+    """
+
+    is_text: ClassVar[bool] = False
 
     model_config = ConfigDict(
         alias_generator=to_camel,
@@ -29,6 +38,12 @@ class Model(BaseModel):
         from_attributes=True,
         frozen=True,
     )
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler, /) -> CoreSchema:
+        """Return the validator of the model, which takes the types of JSON for what they are."""
+        schema = handler(source)
+        return schema if cls.is_text else with_json_types(schema)
 
 
 def shown_as(example: JsonDict) -> ConfigDict:

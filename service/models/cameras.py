@@ -138,6 +138,8 @@ class Readout(Model):
 class PlaceQuery(Model):
     """Point of the picture: a focus point, or a position."""
 
+    is_text = True
+
     camera: PrimPath | None = Field(
         default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/main_cam"]
     )

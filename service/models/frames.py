@@ -14,6 +14,8 @@ from service.models.engines import ENGINE_HELP, EngineName
 class PictureQuery(Model):
     """A frame and how it is rendered."""
 
+    is_text = True
+
     camera: PrimPath | None = Field(
         default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/main_cam"]
     )

@@ -32,6 +32,8 @@ Stage = Literal["preview", "refining", "final"]
 class LiveRequest(PictureQuery):
     """Requests pictures of a frame, in place of the request before."""
 
+    is_text = False
+
     id: int = Field(
         ge=0, le=2**53 - 1, description="Number of the request, which is repeated in its answers.", examples=[3]
     )

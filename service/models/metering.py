@@ -51,6 +51,8 @@ MeterMode = Literal["spot", "center", "average"]
 class MeterQuery(Model):
     """Area that a light meter measures."""
 
+    is_text = True
+
     camera: PrimPath | None = Field(
         default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/main_cam"]
     )

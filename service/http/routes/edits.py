@@ -11,6 +11,7 @@ from service.edit_context import EditContext, edits_tag
 from service.http.access import EDITS, READS
 from service.http.errors import ServiceError
 from service.http.frame_cache import matches
+from service.http.json_bodies import JsonRoute
 from service.http.links import edit_links
 from service.http.routes.parameters import EditContextDep, IfMatch, ShotId, problems, set_etag
 from service.http.service import Service, ServiceDep
@@ -22,7 +23,7 @@ from service.picture.calls import frames
 from service.stage.calls import edits
 from service.storage.store import ShotRecord
 
-router = APIRouter(tags=["edits"], dependencies=READS)
+router = APIRouter(tags=["edits"], route_class=JsonRoute, dependencies=READS)
 
 
 @router.get(

@@ -10,13 +10,14 @@ from starlette.concurrency import run_in_threadpool
 
 from service.http.access import ADMINISTERS, SESSION_COOKIE, PrincipalDep, unauthorized
 from service.http.identity import IdentityDep
+from service.http.json_bodies import JsonRoute
 from service.http.routes.parameters import problems
 from service.identity.principal import NOBODY
 from service.identity.roles import scopes_of
 from service.identity.sessions import SESSION_S
 from service.models.identity import KeyList, KeyRequest, KeySummary, NewKey, SignIn, Who
 
-router = APIRouter(tags=["identity"])
+router = APIRouter(tags=["identity"], route_class=JsonRoute)
 
 KeyId = Annotated[str, Path(alias="key", max_length=80, description="A key's id.", examples=["3f2a9c51d07b"])]
 

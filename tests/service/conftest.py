@@ -32,6 +32,13 @@ class Running:
         (pid,) = [worker.pid for worker in workers if (worker.role.name, worker.place.key) == (role, shot)]
         return pid
 
+    def working(self, role: str, shot: str) -> int:
+        """Process id of the one worker of a role that serves a shot, once it works on a call: it has used a second."""
+        until(
+            lambda: any(worker.role.name == role and worker.cpu_s() > 1.0 for worker in self.internal.pool.processes())
+        )
+        return self.worker(role, shot)
+
     @property
     def internal(self) -> Service:
         """The application's queues, caches and counters."""

@@ -41,7 +41,7 @@ def _summary(service: Service, record: ShotRecord) -> ShotSummary:
     "/shots",
     operation_id="createShot",
     status_code=201,
-    responses=problems(413, 415, 503) | shot_links(201),
+    responses=problems(400, 413, 415, 503) | shot_links(201),
     dependencies=EDITS,
 )
 async def create_shot(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import socket
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -91,8 +90,7 @@ def test_a_shot_that_ends_workers_is_put_in_quarantine(tmp_path):
             with ThreadPoolExecutor() as threads:
                 lost = threads.submit(client.get, f"/v1/shots/{shot}/frame", params=DEAR | {"seed": attempt})
                 until(lambda: service.internal.lanes.long.running == 1)
-                time.sleep(0.5)
-                os.kill(service.worker("long", shot), signal.SIGSEGV)
+                os.kill(service.working("long", shot), signal.SIGSEGV)
                 assert (lost.result().status_code, lost.result().json()["code"]) == (422, "unfit")
         for path in ("", "/frame?time=1&width=8", "/inspect", "/meter?time=1"):
             refusal = client.get(f"/v1/shots/{shot}{path}")

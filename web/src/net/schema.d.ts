@@ -8556,6 +8556,15 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
+            /** @description The body is no form of the kind that its `Content-Type` names. */
+            readonly 400: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
             /** @description A key is missing, wrong or expired. */
             readonly 401: {
                 headers: {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import time
 from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
 
@@ -108,8 +107,7 @@ def test_a_dead_picture_process_costs_at_most_one_frame(service, client, room, k
     with ThreadPoolExecutor() as pool:
         lost = pool.submit(frame, client, room, seed=int(killer), rays=2000, width=1000, height=500)
         until(lambda: service.internal.lanes.long.running)
-        time.sleep(0.2)
-        os.kill(service.worker("long", room), killer)
+        os.kill(service.working("long", room), killer)
         answer = lost.result()
     assert (answer.status_code, answer.json()["code"]) == refusal
     assert ("retry-after" in answer.headers) == (answer.status_code == 503)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, is_dataclass
 from enum import Enum
 from importlib import import_module
@@ -30,8 +30,12 @@ MAX_MESSAGE_BYTES = 1 << 30
 MAX_STEPS = 5_000_000
 """Limit on the values, names and marks in a worker's message, some of which need far more memory than their bytes."""
 
+MAX_KEY_PARTS = 16
+"""Limit on the parts of a tuple that is a key or in a set."""
+_ATOMS = (str, int, float, bytes, Enum, type(None))
+
 _PLAIN = {
-    "builtins": {"complex", "set", "frozenset"},
+    "builtins": {"complex"},
     "datetime": {"datetime", "date", "timedelta", "timezone"},
 }
 _OWN = (
@@ -160,6 +164,24 @@ def _load_build(reader: Any) -> None:
     _Unpickler.load_build(reader)
 
 
+def _load_bytearray(reader: Any) -> None:
+    """Refuse an array of bytes, whose memory is taken before its bytes are there."""
+    raise pickle.UnpicklingError("an answer may not hold an array of bytes")
+
+
+def _with_plain_keys(step: Callable[[Any], None], keys_of: Callable[[Any], Sequence[object]]) -> Callable[[Any], None]:
+    """Judge what a step puts in a dictionary or a set: nested tuples are hashed by a recursion that can end the service."""
+
+    def judged(reader: Any) -> None:
+        for key in keys_of(reader):
+            parts = key if type(key) is tuple else (key,)
+            if len(parts) > MAX_KEY_PARTS or not all(isinstance(part, _ATOMS) for part in parts):
+                raise pickle.UnpicklingError("an answer may not have nested values as keys")
+        step(reader)
+
+    return judged
+
+
 _Unpickler: Any = (
     pickle._Unpickler
 )  # in Python, so that its steps can be judged; the bytes of a picture are one of them
@@ -170,7 +192,16 @@ class _AnswerReader(_Unpickler):  # type: ignore[misc]
 
     steps = 0
     dispatch: ClassVar = {code: _counted(step) for code, step in _Unpickler.dispatch.items()} | {
-        pickle.BUILD[0]: _counted(_load_build)
+        code: _counted(step)
+        for code, step in (
+            (pickle.BUILD[0], _load_build),
+            (pickle.BYTEARRAY8[0], _load_bytearray),
+            (pickle.SETITEM[0], _with_plain_keys(_Unpickler.load_setitem, lambda reader: reader.stack[-2:-1])),
+            (pickle.SETITEMS[0], _with_plain_keys(_Unpickler.load_setitems, lambda reader: reader.stack[::2])),
+            (pickle.DICT[0], _with_plain_keys(_Unpickler.load_dict, lambda reader: reader.stack[::2])),
+            (pickle.ADDITEMS[0], _with_plain_keys(_Unpickler.load_additems, lambda reader: reader.stack)),
+            (pickle.FROZENSET[0], _with_plain_keys(_Unpickler.load_frozenset, lambda reader: reader.stack)),
+        )
     }
 
     def find_class(self, module: str, name: str) -> Any:

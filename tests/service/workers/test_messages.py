@@ -30,6 +30,27 @@ def test_values_and_models_arrive(value):
     assert read_answer(pack(Answer(value=value))) == Answer(value=value)
 
 
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"}"
+        + b")"
+        + b"\x85" * 500_000
+        + b"Ns.",  # a tuple in a tuple in a tuple as a key: its hash would end the process
+        b"}(" + b")" + b"\x85" * 500_000 + b"Nu.",
+        b"(" + b")" + b"\x85" * 500_000 + b"Nd.",
+        b"\x8f(" + b")" + b"\x85" * 500_000 + b"\x90.",
+        b"(" + b")" + b"\x85" * 500_000 + b"\x91.",
+        b"cbuiltins\nfrozenset\n](" + b")" + b"\x85" * 500_000 + b"e\x85R.",
+        b"}" + ANSWER + b")" + b"\x85" * 500_000 + b"\x85R" + b"Ns.",  # as a part of a dataclass
+        b"\x96" + (1 << 40).to_bytes(8, "little") + b".",  # an array of bytes takes its memory at once
+    ],
+)
+def test_no_message_ends_the_service(content):
+    with pytest.raises(UnsafeMessageError, match="cannot be read"):
+        read_answer(b"\x80\x05" + content)
+
+
 def test_errors_arrive():
     error = read_answer(pack(Answer(error=StageError("bad", code="stage_unreadable", path="a")))).error
     assert (type(error), str(error), error.path) == (StageError, "bad", "a")

@@ -4,6 +4,7 @@
 
     check      throw-away workers that open an upload for the first time
     stage      workers that read and edit shots; a shot has one, the only writer of its edits
+    read       workers for those readings of a shot that may take long; they hold up no edit of it
     live       workers that draw live pictures, pick surfaces and meter light
     final      workers that draw frames which are requested over HTTP; they give way to the others
     long       workers that draw those frames which are expected to take long; they give way to all
@@ -28,6 +29,7 @@ from service.workers.sandbox import Limits
 PRELOAD = "service.picture.preload"
 """Module that the template of the workers imports."""
 STAGE_SLOTS = 4
+READ_SLOTS = 2
 CHECK_SLOTS = 2
 CORES_PER_PICTURE = 4
 """Cores that a picture keeps busy, where the processor draws it."""
@@ -43,6 +45,7 @@ class Lanes:
 
     check: Lane[opened.OpenedShot]
     stage: Lane[opened.OpenedShot]
+    read: Lane[opened.OpenedShot]
     live: Lane[state.PictureWorkerState]
     final: Lane[state.PictureWorkerState]
     long: Lane[state.PictureWorkerState]
@@ -82,6 +85,7 @@ class Lanes:
         return cls(
             check=lane("check", stage, settings.check_memory_mb, stage_s, CHECK_SLOTS, niceness=5, is_thrown_away=True),
             stage=lane("stage", stage, settings.stage_memory_mb, stage_s, STAGE_SLOTS, is_single=True),
+            read=lane("read", stage, settings.stage_memory_mb, stage_s, READ_SLOTS, niceness=5),
             live=lane("live", picture, memory_mb, frame_s, pictures, draws=True),
             final=lane("final", picture, memory_mb, frame_s, pictures, draws=True, niceness=10),
             long=lane("long", picture, memory_mb, frame_s, pictures, draws=True, niceness=15),
@@ -100,7 +104,7 @@ class Lanes:
 
     def __iter__(self) -> Iterator[Lane[Any]]:
         """Iterate over the lanes."""
-        return iter((self.check, self.stage, self.live, self.final, self.long, self.exposure))
+        return iter((self.check, self.stage, self.read, self.live, self.final, self.long, self.exposure))
 
     def frame_lane(self, estimate_s: float) -> Lane[state.PictureWorkerState]:
         """Return the lane of a frame that is requested over HTTP.

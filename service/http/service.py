@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Annotated, Concatenate, ParamSpec, TypeVar
 
 from fastapi import Depends, WebSocket
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import HTTPConnection
 
 from service.http.admission import Admission
@@ -136,6 +137,28 @@ class Service:
         """
         place = self.place_of(_record_among(args), may_edit=True)
         return await self.lanes.stage.result(call(function, *args, **kwargs), place, present_client())
+
+    async def call_reader(
+        self,
+        function: Callable[Concatenate[stage.opened.OpenedShot, ShotRecord, str, Arguments], Reply],
+        record: ShotRecord,
+        *args: Arguments.args,
+        **kwargs: Arguments.kwargs,
+    ) -> Reply:
+        """Call a function that may take long and edits nothing, in a worker that keeps no edit of the shot waiting.
+
+        Args:
+            function: one of a module of `service.stage.calls`, which gets the present edits after the shot.
+            record: the shot.
+            *args: its other arguments.
+            **kwargs: its keyword arguments.
+
+        Raises:
+            PullfocusError: the function raised it; and the other errors of `call_stage`.
+        """
+        edits = await run_in_threadpool(record.edit_text)
+        wanted = call(function, record, edits, *args, **kwargs)
+        return await self.lanes.read.result(wanted, self.place_of(record), present_client())
 
     async def call_picture(
         self,

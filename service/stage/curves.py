@@ -16,6 +16,7 @@ from service.storage.store import ShotRecord
 def compute_curve(
     opened: OpenedShot,
     record: ShotRecord,
+    edits: str,
     camera: str | None,
     frames: str | None,
     format: CurveFileFormat,
@@ -23,7 +24,7 @@ def compute_curve(
     max_frames: int,
 ) -> str:
     """Compute a focus curve as the text of a file. Raises `CameraError` or `SettingsError`."""
-    with opened.use(record) as shot:
+    with opened.use(record, edits) as shot:
         times = curve_frames(shot, frames, max_frames)
         if format == "usda":
             return shot.focus.layer(camera, times, baked)

@@ -33,9 +33,9 @@ def describe_shot(opened: OpenedShot, record: ShotRecord) -> Shot:
 
 
 @stage_function
-def inspect_shot(opened: OpenedShot, record: ShotRecord) -> Inspection:
+def inspect_shot(opened: OpenedShot, record: ShotRecord, edits: str) -> Inspection:
     """Read a shot at its first frame and list its contents and what of it is not honoured. Raises `StageError`."""
-    with opened.use(record) as shot:
+    with opened.use(record, edits) as shot:
         return inspection_model(record, shot)
 
 

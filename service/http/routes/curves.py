@@ -66,7 +66,7 @@ async def get_focus_curve(
     """Focus distance, f-number, tilt and depth of field frame by frame, and who is sharp."""
     record = service.store.get(shot)
     max_frames = service.settings.max_curve_frames
-    text = await service.call_stage(curves.compute_curve, record, camera, frames, format, baked, max_frames)
+    text = await service.call_reader(curves.compute_curve, record, camera, frames, format, baked, max_frames)
     headers = {"Content-Disposition": f'inline; filename="{record.id}-{FILE_NAMES[format]}"'}
     return Response(text, media_type=CURVE_TYPES[format], headers=headers)
 

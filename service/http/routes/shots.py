@@ -95,7 +95,7 @@ async def get_shot(service: ServiceDep, response: Response, shot: ShotId) -> Sho
 @router.get("/shots/{shot}/inspect", operation_id="inspectShot", responses=problems(404, 423, 503))
 async def inspect_shot(service: ServiceDep, shot: ShotId) -> Inspection:
     """Inspect a shot: its contents, features that are not honoured, and what the validators find in its cameras."""
-    return await service.call_stage(shots.inspect_shot, service.store.get(shot))
+    return await service.call_reader(shots.inspect_shot, service.store.get(shot))
 
 
 @router.delete(

@@ -70,6 +70,24 @@ def test_a_dear_frame_delays_no_other(service, client, room, another):
     until(lambda: lane.running == 0)
 
 
+def test_a_long_reading_delays_no_edit_of_its_shot(service, client, room):
+    curve, camera = f"/v1/shots/{room}/focus-curve", f"/v1/shots/{room}/camera"
+    before = client.get(curve, params={"frames": "1"}).json()
+    reader = service.worker("read", room)
+    os.kill(reader, signal.SIGSTOP)
+    with ThreadPoolExecutor() as threads:
+        try:
+            waiting = threads.submit(client.get, curve, params={"frames": "1"})
+            until(lambda: service.internal.lanes.read.running == 1)
+            assert client.patch(camera, json={"fStop": 11}).status_code == 200
+            assert client.get(camera).status_code == 200
+            assert not waiting.done()
+        finally:
+            os.kill(reader, signal.SIGCONT)
+        assert waiting.result().json() == before
+    assert client.get(curve, params={"frames": "1"}).json() != before
+
+
 def test_a_worker_killed_while_idle_costs_nobody_an_error(service, client, room):
     assert client.get(f"/v1/shots/{room}").status_code == 200
     assert client.get(f"/v1/shots/{room}/frame", params=CHEAP | {"seed": 6}).status_code == 200

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+from starlette.concurrency import run_in_threadpool
+
 from render.errors import PullfocusError
 from render.model.shutter_intervals import ShutterInterval
 from service.http.clients import present_client
@@ -169,12 +171,12 @@ class LongExposures:
             exposure, call(long_exposure.develop_exposure, exposure.key, exposure.record, exposure.edits, file_format)
         )
 
-    def discard(self, shot_id: str) -> None:
+    async def discard(self, shot_id: str) -> None:
         """Close the shutter of a shot's exposure, if it has one, and end the worker that holds it."""
         exposure = self._by_shot.pop(shot_id, None)
         if exposure is not None:
             exposure.is_open = False
-            self._lane.pool.close_place(shot_id, self._lane.role)
+            await run_in_threadpool(self._lane.pool.close_place, shot_id, self._lane.role)
 
     def close(self) -> None:
         """Cancel all exposures, because the service stops."""

@@ -21,7 +21,7 @@ ANSWER_WITHIN_S = 10.0
 
 
 async def check_ready(service: Service) -> None:
-    """Check that the data folder takes data, that no lane is held up and that workers answer.
+    """Check that the data folder takes data, that no lane is held up, that workers can be started and that they answer.
 
     Raises:
         ServiceError: 503, it is not so.
@@ -53,18 +53,20 @@ def _check_lanes(service: Service) -> None:
 
 
 async def _check_workers(service: Service) -> None:
-    await _check_worker("stage", service.call_stage(opened.warm_up))
-    await _check_worker("picture", service.call_picture(frames.warm_up))
+    # In a thread that is left alone where it takes too long: a template that does not answer is replaced there.
+    await _check_process("template of the workers", asyncio.to_thread(service.pool.template.check, ANSWER_WITHIN_S))
+    await _check_process("stage worker", service.call_stage(opened.warm_up))
+    await _check_process("picture worker", service.call_picture(frames.warm_up))
 
 
-async def _check_worker(name: str, answer: Awaitable[None]) -> None:
+async def _check_process(name: str, answer: Awaitable[None]) -> None:
     try:
         async with asyncio.timeout(ANSWER_WITHIN_S):
             await answer
     except TimeoutError as error:
-        raise _not_ready(f"The {name} worker did not answer within {ANSWER_WITHIN_S:g} s.") from error
+        raise _not_ready(f"The {name} did not answer within {ANSWER_WITHIN_S:g} s.") from error
     except WorkerError as error:
-        raise _not_ready(f"The {name} worker did not answer: {error}") from error
+        raise _not_ready(f"The {name} did not answer: {error}") from error
 
 
 def _not_ready(detail: str) -> ServiceError:

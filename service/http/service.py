@@ -208,9 +208,9 @@ class Service:
         write = (self.settings.cache, *((record.edits_folder,) if may_edit else ()))
         return Place(record.id, (record.files, *self.settings.worker_read), write)
 
-    def close_shot(self, shot_id: str) -> None:
-        """End the workers of a shot that was deleted, restored or refused."""
-        self.pool.close_place(shot_id)
+    async def close_shot(self, shot_id: str) -> None:
+        """End the workers of a shot that was deleted or restored."""
+        await run_in_threadpool(self.pool.close_place, shot_id)
 
 
 def _record_among(arguments: Sequence[object]) -> ShotRecord | None:

@@ -58,14 +58,10 @@ class WorkerPool:
         Raises:
             WorkerDiedError: no process can be started.
         """
-        with self._lock:
-            found = [process for process in self._idle if process.role == role and process.place == place]
-            for process in reversed(found):
-                self._idle.remove(process)
-                if process.is_alive():
-                    self._busy.add(process)
-                    return cast("WorkerProcess[State]", process)
-                self._note(process, process.close("killed"))
+        idle, dead = self._take_idle(role, place)
+        self._end(dead, "killed")
+        if idle is not None:
+            return idle
         gpu = next(self._gpus) if self._gpus is not None and role.draws else None
         started = WorkerProcess(self.template, role, place, gpu)
         with self._lock:
@@ -83,8 +79,7 @@ class WorkerPool:
             if is_of_use:
                 self._idle.append(process)
                 unused += self._surplus()
-            for each in unused:
-                self._note(each, each.close())
+        self._end(unused)
         if process.place.key is not None and process.end in BLAMED:
             self._on_blame(process.place.key, process.end)
 
@@ -96,9 +91,9 @@ class WorkerPool:
 
         with self._lock:
             self._left |= {process for process in self._busy if is_meant(process)}
-            for process in [process for process in self._idle if is_meant(process)]:
-                self._idle.remove(process)
-                self._note(process, process.close())
+            meant = [process for process in self._idle if is_meant(process)]
+            self._idle = [process for process in self._idle if process not in meant]
+        self._end(meant)
 
     def processes(self) -> list[WorkerProcess[Any]]:
         """Return all processes, idle ones first."""
@@ -108,10 +103,24 @@ class WorkerPool:
     def close(self) -> None:
         """End all processes that are idle, and the template, which ends the others."""
         with self._lock:
-            for process in self._idle:
-                process.close("stopping")
-            self._idle.clear()
+            idle, self._idle = self._idle, []
+        for process in idle:
+            process.close("stopping")
         self.template.close()
+
+    def _take_idle(
+        self, role: Role[State], place: Place
+    ) -> tuple[WorkerProcess[State] | None, list[WorkerProcess[Any]]]:
+        """Take the idle process of a role and place that was used last, and those which are found dead on the way."""
+        dead: list[WorkerProcess[Any]] = []
+        with self._lock:
+            for process in [each for each in reversed(self._idle) if each.role == role and each.place == place]:
+                self._idle.remove(process)
+                if process.is_alive():
+                    self._busy.add(process)
+                    return cast("WorkerProcess[State]", process), dead
+                dead.append(process)
+        return None, dead
 
     def _surplus(self) -> list[WorkerProcess[Any]]:
         """Remove the idle processes that are too many, or hold too much, and return them."""
@@ -123,5 +132,9 @@ class WorkerPool:
         surplus, self._idle = self._idle[:count], self._idle[count:]
         return surplus
 
-    def _note(self, process: WorkerProcess[Any], end: End) -> None:
-        self.ends[process.role.name, end] += 1
+    def _end(self, processes: list[WorkerProcess[Any]], why: End = "released") -> None:
+        """End processes. Without the lock, since it takes as long as they and the template take."""
+        for process in processes:
+            end = process.close(why)
+            with self._lock:
+                self.ends[process.role.name, end] += 1

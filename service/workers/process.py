@@ -46,10 +46,6 @@ _TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
-SERVICE_ENDS: tuple[End, ...] = ("timeout", "cancelled", "stopping")
-"""Reasons for which the service itself ends a worker that runs a call."""
-
-
 class NotBegunError(Exception):
     """The worker ended before it began with the call, which can be sent to another one."""
 
@@ -95,18 +91,26 @@ class WorkerProcess(Generic[State]):
         return self._forked.pid
 
     def is_alive(self) -> bool:
-        """Whether the worker, which runs no call, can take one."""
-        try:
-            return self.end is None and not self._pipe.poll()  # an idle worker sends nothing: what comes is its end
+        """Whether the worker, which runs no call, can take one: it has not ended, and no signal has stopped it."""
+        try:  # an idle worker sends nothing: what comes is its end
+            return self.end is None and not self._pipe.poll() and not self._is_stopped()
         except OSError:
             return False
 
+    def _is_stopped(self) -> bool:
+        fields = self._stat()
+        return bool(fields) and fields[0] in ("T", "t")
+
+    def _stat(self) -> list[str]:
+        """Fields of ``/proc/PID/stat`` from the state on; none where the worker has ended."""
+        with suppress(OSError):
+            return Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        return []
+
     def cpu_s(self) -> float:
         """Processor time that the worker has used, s; 0 where it has ended."""
-        with suppress(OSError, ValueError, IndexError):
-            fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
-            return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
-        return 0.0
+        fields = self._stat()
+        return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S if fields else 0.0
 
     def memory_bytes(self) -> int:
         """Memory that the worker holds for itself, without what it shares with its template; 0 where it has ended."""
@@ -181,7 +185,7 @@ class WorkerProcess(Generic[State]):
             raise _explain(self.role, self.close("unsafe")) from error
         except (EOFError, OSError) as error:
             end = self._reap()
-            if not has_begun and end not in SERVICE_ENDS:
+            if not has_begun and self._ending is None:
                 self.end = "killed"  # whatever it was, the call is not to blame for it
                 raise NotBegunError from error
             raise _explain(self.role, end) from error
@@ -195,9 +199,14 @@ class WorkerProcess(Generic[State]):
         return answer.value
 
     def kill(self, why: End) -> None:
-        """End the worker at once. The thread that runs a call there gets the error that belongs to the reason."""
+        """End the worker at once. The thread that runs a call there gets the error that belongs to the reason.
+
+        Work that takes too long because the worker was stopped from outside is not to blame for it: it was ``killed``.
+        """
         with self._lock:
             if not self._is_reaped:
+                if why == "timeout" and self._is_stopped():
+                    why = "killed"
                 self._ending = self._ending or why
                 self._forked.kill()
 

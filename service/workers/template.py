@@ -7,7 +7,8 @@ Run as ``python -m service.workers.template CONTROL PRELOAD``: the descriptor of
 prepares all workers. The service sends JSON:
 
 - ``{"do": "fork"}``, with the descriptors of a pipe and of a `Signals`, is answered by ``{"pid": 7}``;
-- ``{"do": "reap", "pid": 7}`` waits for the end of a worker and is answered by its ``status`` and ``peak_bytes``.
+- ``{"do": "reap", "pid": 7}`` waits for the end of a worker and is answered by its ``status`` and ``peak_bytes``;
+- ``{"do": "try"}`` forks a process that ends at once, and is answered by ``{}``, or by ``error`` where none can be forked.
 
 A worker ends with the template, and the template with the service, however these end.
 """
@@ -31,6 +32,7 @@ _PR_SET_PDEATHSIG = 1
 
 def main(control_fd: int, preload: str) -> None:
     """Fork workers until the service is gone."""
+    _end_with_parent()  # for a template that is stopped by a signal, and so cannot see that its socket was closed
     for sent_to_all in (signal.SIGINT, signal.SIGTERM):  # they end the service, which then closes the socket
         signal.signal(sent_to_all, signal.SIG_IGN)
     import_module(preload)
@@ -48,6 +50,8 @@ def main(control_fd: int, preload: str) -> None:
                 answer = _fork(control, pipe_fd, signals_fd, serve)
                 os.close(pipe_fd)
                 os.close(signals_fd)
+            elif request["do"] == "try":
+                answer = _try_fork()
             else:
                 _, status, usage = os.wait4(request["pid"], 0)
                 answer = {"status": status, "peak_bytes": usage.ru_maxrss * 1024}
@@ -64,7 +68,7 @@ def _fork(control: socket.socket, pipe_fd: int, signals_fd: int, serve: Any) -> 
         return {"pid": pid}
     try:
         control.close()
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        _end_with_parent()
         if os.getppid() == template:
             serve(Connection(pipe_fd), signals_fd)
     except BaseException:
@@ -72,6 +76,22 @@ def _fork(control: socket.socket, pipe_fd: int, signals_fd: int, serve: Any) -> 
         sys.stderr.flush()
         os._exit(70)
     os._exit(0)  # a worker never returns into the template's loop
+
+
+def _try_fork() -> dict[str, object]:
+    try:
+        pid = os.fork()
+    except OSError as error:
+        return {"error": os.strerror(error.errno or 0)}
+    if not pid:
+        os._exit(0)
+    os.waitpid(pid, 0)
+    return {}
+
+
+def _end_with_parent() -> None:
+    """Have the kernel end this process when the thread that started it ends."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 if __name__ == "__main__":

@@ -64,4 +64,4 @@ async def get_long_exposure_picture(service: ServiceDep, shot: ShotId, format: F
 )
 async def delete_long_exposure(service: ServiceDep, shot: ShotId) -> None:
     """Discard a long exposure. It is no error if there is none."""
-    service.long_exposures.discard(service.store.get(shot).id)
+    await service.long_exposures.discard(service.store.get(shot).id)

@@ -75,7 +75,6 @@ async def create_shot(
         record = await run_in_threadpool(service.store.accept, begun, root_path)
     except BaseException as error:
         service.store.discard(begun)
-        service.close_shot(begun.id)
         if isinstance(error, WorkerDiedError) and error.end in BLAMED:
             detail = f"{name} was not accepted: {REASONS[error.end]}."
             raise ServiceError(422, "stage_unreadable", detail, path=name) from error
@@ -108,8 +107,8 @@ async def delete_shot(service: ServiceDep, shot: ShotId, if_match: IfMatch = Non
     """
     record = service.store.get(shot)
     await run_in_threadpool(service.trash.put, record, EditContext(if_match))
-    service.long_exposures.discard(record.id)
-    service.close_shot(record.id)
+    await service.long_exposures.discard(record.id)
+    await service.close_shot(record.id)
 
 
 def _project_of_upload(principal: Principal, named: str | None) -> str:

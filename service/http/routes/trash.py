@@ -47,7 +47,7 @@ async def restore_shot(
     except FileExistsError as error:
         detail = f"There is a shot {shot_id!r} again; delete it before you restore the one in the trash."
         raise ServiceError(409, "shot_exists", detail, path=shot_id) from error
-    service.close_shot(shot_id)  # workers that were started for a request of before see an empty folder
+    await service.close_shot(shot_id)  # workers that were started for a request of before see an empty folder
     response.headers["Location"] = f"/v1/shots/{shot_id}"
     record = service.store.get(shot_id)
     reason = service.quarantine.reason(record)

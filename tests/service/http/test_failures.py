@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import subprocess
 import sys
+
+import pytest
 
 from service.http.settings import Settings
 from service.storage.store import ShotStore
@@ -83,7 +86,8 @@ if __name__ == "__main__":
 """
 
 
-def test_busy_workers_do_not_outlive_a_killed_service(tmp_path):
+@pytest.mark.parametrize("is_stopped", [False, True], ids=["running", "stopped"])
+def test_busy_workers_do_not_outlive_a_killed_service(tmp_path, is_stopped):
     script = tmp_path / "parent.py"
     script.write_text(WITH_A_BUSY_WORKER)
     command = [sys.executable, str(script)]
@@ -91,5 +95,8 @@ def test_busy_workers_do_not_outlive_a_killed_service(tmp_path):
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as parent:
         processes = [int(word) for word in parent.stdout.readline().split()]
         assert all(is_running(process) for process in processes)
+        if is_stopped:
+            for process in processes:
+                os.kill(process, signal.SIGSTOP)
         parent.kill()
     until(lambda: not any(is_running(process) for process in processes))

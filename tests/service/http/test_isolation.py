@@ -14,6 +14,7 @@ import pytest
 
 from service.http.settings import Settings
 from service.workers.places import Place
+from service.workers.process import WorkerProcess
 from tests.service.conftest import ROOM, is_running, running, send, until
 
 DEAR = {"time": 1, "width": 1280, "height": 720, "rays": 3000}
@@ -70,10 +71,11 @@ def test_a_dear_frame_delays_no_other(service, client, room, another):
     until(lambda: lane.running == 0)
 
 
-def test_a_long_reading_delays_no_edit_of_its_shot(service, client, room):
+def test_a_long_reading_delays_no_edit_of_its_shot(service, client, room, monkeypatch):
     curve, camera = f"/v1/shots/{room}/focus-curve", f"/v1/shots/{room}/camera"
     before = client.get(curve, params={"frames": "1"}).json()
     reader = service.worker("read", room)
+    monkeypatch.setattr(WorkerProcess, "is_alive", lambda worker: True)  # a stopped one would be replaced
     os.kill(reader, signal.SIGSTOP)
     with ThreadPoolExecutor() as threads:
         try:

@@ -12,7 +12,10 @@ from contextlib import contextmanager
 import pytest
 
 from service.http import readiness
+from service.workers import forking
 from service.workers.lane import Lane
+from service.workers.process import WorkerProcess
+from tests.service.conftest import until
 
 
 def refused(client) -> str:
@@ -74,9 +77,23 @@ def frozen(service, role):
             os.kill(worker, signal.SIGCONT)
 
 
-@pytest.mark.parametrize(("role", "name"), [("stage", "stage"), ("live", "picture")])
+@pytest.mark.parametrize(("role", "name"), [("stage", "stage worker"), ("live", "picture worker")])
 def test_workers_that_do_not_answer_are_not_ready(service, client, monkeypatch, role, name):
     assert client.get("/readyz").status_code == 200
     with monkeypatch.context() as patch, frozen(service, role):
         patch.setattr(readiness, "ANSWER_WITHIN_S", 0.3)
-        assert refused(client) == f"The {name} worker did not answer within 0.3 s."
+        patch.setattr(WorkerProcess, "is_alive", lambda worker: True)  # a stopped one would be replaced
+        assert refused(client) == f"The {name} did not answer within 0.3 s."
+
+
+def test_a_template_that_does_not_fork_is_not_ready(service, client, monkeypatch):
+    assert client.get("/readyz").status_code == 200
+    with monkeypatch.context() as patch:
+        patch.setattr(readiness, "ANSWER_WITHIN_S", 0.3)
+        patch.setattr(forking, "ANSWER_S", 2.0)
+        os.kill(service.internal.pool.template.pid, signal.SIGSTOP)
+        assert refused(client) == "The template of the workers did not answer within 0.3 s."
+        client.timeout = 5  # nor does anything else wait for it that needs no worker
+        assert client.get("/metrics").status_code == client.get("/v1/shots").status_code == 200
+        client.timeout = 120
+        until(lambda: client.get("/readyz").status_code == 200)  # it was replaced

@@ -5,13 +5,16 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
+import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from render.errors import SettingsError, StageError
 from service.http.errors import answer_to
+from service.workers import forking
 from service.workers.calls import call
 from service.workers.errors import QueueFullError, StoppingError, WorkerDiedError, WorkerError
 from service.workers.jobs import Client
@@ -321,3 +324,48 @@ def test_a_dead_template_is_replaced():
         until(lambda: pool.template.pid is None)
         assert lane.submit(call(echo, "again"), SCENE).result(WAIT_S) == ("again", 1)
         assert lane.submit(call(echo, "fresh")).result(WAIT_S) == ("fresh", 1)
+
+
+def test_a_template_that_does_not_answer_is_replaced(monkeypatch):
+    monkeypatch.setattr(forking, "ANSWER_S", 0.5)
+    with tally_pool() as pool, tally_lane(pool) as lane:
+        lane.submit(call(echo), SCENE).result(WAIT_S)
+        stopped = pool.template.pid
+        os.kill(stopped, signal.SIGSTOP)
+        assert lane.submit(call(echo, "other"), Place("other")).result(WAIT_S) == ("other", 1)
+        os.kill(pool.template.pid, signal.SIGSTOP)
+        pool.close_place("other")  # a worker is ended though nobody can tell how it did
+        pool.template.check(WAIT_S)
+        assert pool.template.pid != stopped
+        assert not is_running(stopped)
+
+
+def test_a_template_lives_longer_than_the_thread_that_asked():
+    with tally_pool() as pool:
+        asking = threading.Thread(target=pool.template.check, args=(WAIT_S,))
+        asking.start()
+        asking.join()
+        began = pool.template.pid
+        pool.template.check(WAIT_S)
+        assert pool.template.pid == began
+
+
+def test_nobody_is_blamed_where_a_worker_was_stopped():
+    blamed: list[str] = []
+    with tally_pool(on_blame=lambda key, why: blamed.append(key)) as pool, tally_lane(pool, timeout_s=1.0) as lane:
+        worker_id = lane.submit(call(process_id), SCENE).result(WAIT_S)
+        lost = lane.submit(call(echo, pause_s=WAIT_S), SCENE)
+        until(lost.running)
+        time.sleep(0.3)
+        os.kill(worker_id, signal.SIGSTOP)
+        assert status_and_code(lost) == (503, "worker_died")
+    assert blamed == []
+
+
+def test_a_worker_that_is_stopped_while_idle_costs_nothing(shared_lane):
+    worker_id = shared_lane.submit(call(process_id), SCENE).result(WAIT_S)
+    wait_until_idle(shared_lane)
+    os.kill(worker_id, signal.SIGSTOP)
+    until(lambda: Path(f"/proc/{worker_id}/stat").read_text().rpartition(")")[2].split()[0] == "T")
+    assert shared_lane.submit(call(process_id), SCENE).result(WAIT_S) != worker_id
+    assert not is_running(worker_id)

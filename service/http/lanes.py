@@ -13,6 +13,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -31,8 +32,8 @@ PRELOAD = "service.picture.preload"
 STAGE_SLOTS = 4
 READ_SLOTS = 2
 CHECK_SLOTS = 2
-CORES_PER_PICTURE = 4
-"""Cores that a picture keeps busy, where the processor draws it."""
+CORES_PER_PICTURE, CORES_PER_PREVIEW = 4, 1.4
+"""Cores that a picture and a preview keep busy, where the processor draws them."""
 LONG_S = 10.0
 """Expected processor time from which on a frame takes long, s."""
 DESCRIPTORS = 512
@@ -81,12 +82,16 @@ class Lanes:
 
         stage, picture = opened.OpenedShot, state.PictureWorkerState
         memory_mb, stage_s, frame_s = settings.picture_memory_mb, settings.stage_timeout_s, settings.frame_timeout_s
-        pictures = settings.pictures_at_a_time or settings.gpus or max(1, (os.cpu_count() or 1) // CORES_PER_PICTURE)
+        cores = os.cpu_count() or 1
+        pictures, previews = (
+            settings.pictures_at_a_time or settings.gpus or math.ceil(cores / share)
+            for share in (CORES_PER_PICTURE, CORES_PER_PREVIEW)
+        )
         return cls(
             check=lane("check", stage, settings.check_memory_mb, stage_s, CHECK_SLOTS, niceness=5, is_thrown_away=True),
             stage=lane("stage", stage, settings.stage_memory_mb, stage_s, STAGE_SLOTS, is_single=True),
             read=lane("read", stage, settings.stage_memory_mb, stage_s, READ_SLOTS, niceness=5),
-            live=lane("live", picture, memory_mb, frame_s, pictures, draws=True),
+            live=lane("live", picture, memory_mb, frame_s, previews, draws=True),
             final=lane("final", picture, memory_mb, frame_s, pictures, draws=True, niceness=10),
             long=lane("long", picture, memory_mb, frame_s, pictures, draws=True, niceness=15),
             exposure=lane(

@@ -60,7 +60,8 @@ class Settings:
         stage_memory_mb: memory of a process that reads and edits a shot, MiB.
         picture_memory_mb: memory of a process that draws pictures of a shot, MiB.
         kept_memory_mb: memory of all shots that are kept open between requests, MiB.
-        pictures_at_a_time: pictures that are drawn at a time; 0 takes one for each GPU, or for every four cores.
+        pictures_at_a_time: pictures that are drawn at a time; 0 takes one for each GPU, or for every four cores (of live
+            previews, for every core and a half).
         gpus: GPUs that shots are spread over; 0 leaves the choice to the driver.
         worker_read: files and folders beside a shot's own that worker processes may read, such as libraries of assets.
         max_blames: times that a shot may end a worker process before it is quarantined.

@@ -15,6 +15,8 @@ from service.workers.process import WorkerProcess
 
 State = TypeVar("State")
 
+LIKE_S = 6.0
+"""Time for which a job keeps those of its shot waiting that would take as long as it in another process."""
 FIRST_GRACE_S = 0.25
 """Time that a stream keeps others waiting after its first interruption; it doubles with each further one."""
 
@@ -121,6 +123,7 @@ class Job(Generic[State]):
             interrupted.
         queued_s: monotonic time at which it was queued.
         begun_s: monotonic time at which it last began to run.
+        begun_cpu_s: processor time that its process had used before, s.
         process: runs it, or None.
         is_overdue: whether it runs for so long that it no longer keeps others waiting.
         unwanted_s: monotonic time at which the client of a running call went away, or None.
@@ -135,6 +138,24 @@ class Job(Generic[State]):
     estimate_s: float = 0.0
     queued_s: float = field(default_factory=time.monotonic)
     begun_s: float = 0.0
+    begun_cpu_s: float = 0.0
     process: WorkerProcess[State] | None = None
     is_overdue: bool = False
     unwanted_s: float | None = None
+
+    def cpu_s(self) -> float:
+        """Return the processor time that it has used since it last began, s."""
+        return 0.0 if self.process is None else max(0.0, self.process.cpu_s() - self.begun_cpu_s)
+
+    def holds_up_its_shot(self, now_s: float) -> bool:
+        """Whether other jobs of its shot wait for it: until it is overdue.
+
+        Where another process would take as long, because it had to open the shot or because previews of one shot are alike, they
+        wait for longer.
+
+        Args:
+            now_s: monotonic time.
+        """
+        is_starting = self.process is not None and not self.process.has_served
+        are_alike = is_starting or isinstance(self.work, StreamWork)
+        return not self.is_overdue or (are_alike and now_s - self.begun_s < LIKE_S)

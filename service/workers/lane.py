@@ -10,8 +10,10 @@ A lane runs a few jobs at a time, each in a worker process that serves its shot 
 - *Streams.* A stream is a long call that yields items on the way. It ends early for a newer call of its group, once it has
   yielded an item (else a moving pointer would never see a picture), and it is put back in the lane for other jobs that wait. Each
   time this happens it may run longer before the next time, so that it reaches its end however many other jobs there are.
-- *Patience.* A job that runs for longer than `PATIENCE_S` while others wait becomes overdue: it runs on, and does not count among
-  those that run at a time. The processor is then shared by the kernel.
+- *Patience.* A job that takes more than `PATIENCE_S` of the processor while others wait becomes overdue: it runs on, and does not
+  count among those that run at a time. The processor is then shared by the kernel.
+- *Crowds.* The jobs of a shot run in one process, one after the other. Where many of them wait, and beside a job that is overdue,
+  another process of the shot takes them, unless the shot has one writer only.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from collections.abc import Callable, Hashable
 from concurrent.futures import Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from service.workers.calls import Call, StreamCall
 from service.workers.errors import QueueFullError, StoppingError, SupersededError, WorkerDiedError
@@ -36,6 +38,7 @@ from service.workers.places import NOWHERE, Place
 from service.workers.pool import WorkerPool
 from service.workers.process import NotBegunError, WorkerProcess
 from service.workers.roles import Role
+from service.workers.streaming import CROWD
 from service.workers.turns import Turns
 
 log = logging.getLogger("pullfocus.service")
@@ -44,7 +47,9 @@ Reply = TypeVar("Reply")
 Item = TypeVar("Item")
 
 PATIENCE_S = 1.0
-"""Time after which a job no longer keeps others waiting."""
+"""Processor time after which a job no longer keeps others waiting."""
+MAX_PATIENCE_S = 1.5
+"""Time after which it does not, however little of the processor it got."""
 MAX_OVERDUE = 4
 """Jobs of a lane that may be overdue at a time."""
 MAX_OVERDUE_EACH = 2
@@ -329,19 +334,29 @@ class Lane(Generic[State]):
         """
         running = Counter(job.client.principal for job in self._running)
         most = self._slots + MAX_OVERDUE_EACH
-        free = (job for job in self._queue if self._is_free(job.place) and running[job.client.principal] < most)
+        free_places = self._free_places()
+        free = (job for job in self._queue if job.place in free_places and running[job.client.principal] < most)
 
         def turn(job: Job[State]) -> tuple[float, float, int]:
             return self._shares.used_s(job.client.principal), self._turns.used_s(job.client.viewer), job.position
 
         return min(free, key=turn, default=None)
 
-    def _is_free(self, place: Place) -> bool:
-        """Whether a job of a place may begin: a shot has one process, or others beside those that are overdue."""
-        if place.key is None:
-            return True
-        same = [job for job in self._running if job.place.key == place.key]
-        return not same if self.role.is_single else all(job.is_overdue for job in same)
+    def _free_places(self) -> set[Place]:
+        """Return the places whose waiting jobs may begin.
+
+        A shot has one process, or others beside those that are overdue, or where so many of its jobs wait that they are a crowd.
+        """
+        waiting = Counter(job.place for job in self._queue)
+        now_s = time.monotonic()
+        running = Counter(job.place.key for job in self._running if self.role.is_single or job.holds_up_its_shot(now_s))
+        return {
+            place
+            for place, count in waiting.items()
+            if place.key is None
+            or not running[place.key]
+            or (not self.role.is_single and count > CROWD * running[place.key])
+        }
 
     def _run(self, job: Job[State]) -> None:
         """Run a job in a thread of the lane."""
@@ -364,9 +379,8 @@ class Lane(Generic[State]):
             process = self.pool.take(self.role, job.place)
             try:
                 self._attach(job, process)
-                began_cpu_s = process.cpu_s()
                 is_complete = job.work.run(process, self._timeout_s * (os.cpu_count() or 1), job.serial)
-                return is_complete, max(0.0, process.cpu_s() - began_cpu_s)
+                return is_complete, job.cpu_s()
             except NotBegunError:
                 continue
             finally:
@@ -376,7 +390,7 @@ class Lane(Generic[State]):
     def _attach(self, job: Job[State], process: WorkerProcess[State]) -> None:
         """Note which process runs a job, which may have been cancelled meanwhile."""
         with self._changed:
-            job.process = process
+            job.process, job.begun_cpu_s = process, process.cpu_s()
             if self._is_closed:
                 process.kill("stopping")
             if isinstance(job.work, StreamWork) and job.unwanted_s is not None:
@@ -434,7 +448,12 @@ class Lane(Generic[State]):
             return
         overdue = Counter(job.is_overdue for job in self._running)[True]
         for job in list(self._running):
-            if not job.is_overdue and overdue < MAX_OVERDUE and now_s - job.begun_s > PATIENCE_S + job.work.grace_s:
+            if not job.is_overdue and overdue < MAX_OVERDUE and _takes_long(job, now_s):
                 job.is_overdue = True
                 overdue += 1
-                self._dispatch()
+        self._dispatch()
+
+
+def _takes_long(job: Job[Any], now_s: float) -> bool:
+    grace_s = job.work.grace_s
+    return job.cpu_s() > PATIENCE_S + grace_s or now_s - job.begun_s > MAX_PATIENCE_S + grace_s

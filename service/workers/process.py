@@ -64,6 +64,7 @@ class WorkerProcess(Generic[State]):
         place: the shot that it serves.
         signals: interrupt a running stream; any thread may set them.
         end: why it ended, or None.
+        has_served: whether it has answered a call: its state is made.
 
     Raises:
         WorkerDiedError: it cannot be started.
@@ -73,6 +74,7 @@ class WorkerProcess(Generic[State]):
         self.role = role
         self.place = place
         self.end: End | None = None
+        self.has_served = False
         self._template = template
         self._ending: End | None = None
         self._is_reaped = False
@@ -177,6 +179,8 @@ class WorkerProcess(Generic[State]):
                 if isinstance(answer, Begun):
                     has_begun = True
                     continue
+                if answer.is_last:
+                    self.has_served = True
                 yield answer
                 if answer.is_last:
                     return

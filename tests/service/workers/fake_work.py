@@ -29,6 +29,14 @@ def echo(state: Tally, word: str = "", pause_s: float = 0.0) -> tuple[str, int]:
 
 
 @register
+def spin(state: Tally, seconds: float) -> None:
+    """Keep the processor busy."""
+    until_s = time.monotonic() + seconds
+    while time.monotonic() < until_s:
+        pass
+
+
+@register
 def refuse(state: Tally) -> None:
     raise StageError("set.usda is no USD stage", code="stage_unreadable", path="set.usda")
 

@@ -17,10 +17,11 @@ from service.http.errors import answer_to
 from service.workers import forking
 from service.workers.calls import call
 from service.workers.errors import QueueFullError, StoppingError, WorkerDiedError, WorkerError
-from service.workers.jobs import Client
-from service.workers.lane import Lane
+from service.workers.jobs import LIKE_S, Client
+from service.workers.lane import MAX_PATIENCE_S, Lane
 from service.workers.places import Place
 from service.workers.pool import WorkerPool
+from service.workers.streaming import CROWD
 from tests.service.conftest import is_running, until
 from tests.service.workers.fake_work import (
     Tally,
@@ -34,6 +35,7 @@ from tests.service.workers.fake_work import (
     process_id,
     refuse,
     run_out_of_memory,
+    spin,
     unpicklable,
     unregistered,
 )
@@ -212,10 +214,40 @@ def test_work_that_takes_long_blocks_nobody(pool):
 
 def test_others_get_a_second_process_beside_long_work(pool):
     with tally_lane(pool) as lane:
+        lane.submit(call(echo), SCENE).result(WAIT_S)
         absurd = lane.submit(call(echo, pause_s=WAIT_S), SCENE)
         until(absurd.running)
-        assert lane.submit(call(echo, "modest"), SCENE).result(WAIT_S) == ("modest", 1)
+        assert lane.submit(call(echo, "modest"), SCENE).result(LIKE_S - 1) == ("modest", 1)
         assert not absurd.done()
+
+
+def test_a_crowd_of_one_shot_gets_a_second_process(pool):
+    with tally_lane(pool, slots=2, max_waiting=99) as lane:
+        first = lane.submit(call(echo, pause_s=1.0), SCENE)
+        until(first.running)
+        few = [lane.submit(call(process_id), SCENE) for _ in range(CROWD)]
+        time.sleep(0.1)
+        assert not any(future.running() or future.done() for future in few)
+        lane.submit(call(process_id), SCENE)
+        assert few[0].result(WAIT_S)
+        assert not first.done()
+
+
+def test_jobs_wait_for_the_start_of_the_process_of_their_shot(pool):
+    with tally_lane(pool, max_waiting=99) as lane:
+        first = lane.submit(call(echo, "first", pause_s=MAX_PATIENCE_S + 1), Place("new"))
+        until(first.running)
+        assert lane.submit(call(echo, "second"), Place("new")).result(WAIT_S) == ("second", 2)
+
+
+def test_a_job_that_takes_much_of_the_processor_is_overdue(pool, monkeypatch):
+    monkeypatch.setattr("service.workers.lane.MAX_PATIENCE_S", 2 * WAIT_S)
+    with tally_lane(pool, max_waiting=99) as lane:
+        lane.submit(call(spin, 0.0), SCENE).result(WAIT_S)
+        greedy = lane.submit(call(spin, WAIT_S), SCENE)
+        until(greedy.running)
+        assert lane.submit(call(echo, "modest"), SCENE).result(WAIT_S) == ("modest", 1)
+        assert not greedy.done()
 
 
 def test_the_only_writer_of_a_shot_stays_the_only_one(pool):

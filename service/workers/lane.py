@@ -2,8 +2,7 @@
 
 A lane runs a few jobs at a time, each in a worker process that serves its shot (`service.workers.pool`).
 
-- *Turns.* Of the jobs that wait, that of the principal who has used the least time is next, and of several viewers with one key,
-  that of the viewer who has (`service.workers.turns`).
+- *Turns.* Which of the jobs that wait is next, see `service.workers.job_order`.
 - *Groups.* A page that scrubs through time asks for more pictures than can be rendered. Calls carry a *group* (one client viewing
   one shot); a newer call of a group takes the place of those that still wait, which fail with `SupersededError`. One that is
   running is finished: its picture is cached and likely to be requested again.
@@ -12,8 +11,6 @@ A lane runs a few jobs at a time, each in a worker process that serves its shot 
   time this happens it may run longer before the next time, so that it reaches its end however many other jobs there are.
 - *Patience.* A job that takes more than `PATIENCE_S` of the processor while others wait becomes overdue: it runs on, and does not
   count among those that run at a time. The processor is then shared by the kernel.
-- *Crowds.* The jobs of a shot run in one process, one after the other. Where many of them wait, and beside a job that is overdue,
-  another process of the shot takes them, unless the shot has one writer only.
 """
 
 from __future__ import annotations
@@ -33,13 +30,12 @@ from typing import Any, Generic, TypeVar
 
 from service.workers.calls import Call, StreamCall
 from service.workers.errors import QueueFullError, StoppingError, SupersededError, WorkerDiedError
+from service.workers.job_order import JobOrder
 from service.workers.jobs import NOBODY, CallWork, Client, Job, StreamWork
 from service.workers.places import NOWHERE, Place
 from service.workers.pool import WorkerPool
 from service.workers.process import NotBegunError, WorkerProcess
 from service.workers.roles import Role
-from service.workers.streaming import CROWD
-from service.workers.turns import Turns
 
 log = logging.getLogger("pullfocus.service")
 State = TypeVar("State")
@@ -52,8 +48,6 @@ MAX_PATIENCE_S = 1.5
 """Time after which it does not, however little of the processor it got."""
 MAX_OVERDUE = 4
 """Jobs of a lane that may be overdue at a time."""
-MAX_OVERDUE_EACH = 2
-"""Jobs of one principal that may run beside those that a lane runs at a time."""
 UNWANTED_S = 1.0
 """Time that a call may go on after its client has gone, before its process is ended."""
 TICK_S = 0.1
@@ -119,8 +113,7 @@ class Lane(Generic[State]):
         self._on_finished = on_finished
         self._queue: list[Job[State]] = []
         self._running: list[Job[State]] = []
-        self._turns = Turns()  # of viewers
-        self._shares = Turns()  # of principals, who come first
+        self._order = JobOrder(slots, is_single=role.is_single)
         self._serials = itertools.count(1)
         self._changed = threading.Condition()
         self._is_stopping = False
@@ -311,7 +304,7 @@ class Lane(Generic[State]):
     def _dispatch(self) -> None:
         """Begin jobs while there is room."""
         while sum(not job.is_overdue for job in self._running) < self._slots:
-            job = self._next()
+            job = self._order.next(self._queue, self._running)
             if job is None:
                 break
             self._queue.remove(job)
@@ -320,43 +313,11 @@ class Lane(Generic[State]):
                     job.work.fail(SupersededError())
                 continue
             job.begun_s = time.monotonic()
-            self._turns.begin(job.client.viewer)
-            self._shares.begin(job.client.principal)
+            self._order.begin(job)
             self._running.append(job)
             self._threads.submit(self._run, job)
             self._changed.notify_all()
         self._publish()
-
-    def _next(self) -> Job[State] | None:
-        """Choose the next job: the first one of the viewer who has used the least time, of the principal who has.
-
-        Jobs whose shot is busy are passed over, and those of a principal who has so many running that nobody else could begin.
-        """
-        running = Counter(job.client.principal for job in self._running)
-        most = self._slots + MAX_OVERDUE_EACH
-        free_places = self._free_places()
-        free = (job for job in self._queue if job.place in free_places and running[job.client.principal] < most)
-
-        def turn(job: Job[State]) -> tuple[float, float, int]:
-            return self._shares.used_s(job.client.principal), self._turns.used_s(job.client.viewer), job.position
-
-        return min(free, key=turn, default=None)
-
-    def _free_places(self) -> set[Place]:
-        """Return the places whose waiting jobs may begin.
-
-        A shot has one process, or others beside those that are overdue, or where so many of its jobs wait that they are a crowd.
-        """
-        waiting = Counter(job.place for job in self._queue)
-        now_s = time.monotonic()
-        running = Counter(job.place.key for job in self._running if self.role.is_single or job.holds_up_its_shot(now_s))
-        return {
-            place
-            for place, count in waiting.items()
-            if place.key is None
-            or not running[place.key]
-            or (not self.role.is_single and count > CROWD * running[place.key])
-        }
 
     def _run(self, job: Job[State]) -> None:
         """Run a job in a thread of the lane."""
@@ -405,13 +366,10 @@ class Lane(Generic[State]):
             self._on_finished(finished)
         with self._changed:
             self._running.remove(job)
-            self._turns.charge(job.client.viewer, finished.ran_s)
-            self._shares.charge(job.client.principal, finished.ran_s)
+            self._order.charge(job, finished.ran_s)
             if not is_complete:
                 self._requeue(job)
-            present = [other.client for other in (*self._running, *self._queue)]
-            self._turns.forget_others({client.viewer for client in present})
-            self._shares.forget_others({client.principal for client in present})
+            self._order.forget_absent((*self._running, *self._queue))
             self._dispatch()
 
     def _requeue(self, job: Job[State]) -> None:

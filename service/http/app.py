@@ -12,6 +12,7 @@ from starlette.concurrency import run_in_threadpool
 
 from render.errors import PullfocusError
 from service.http.auditing import AuditMiddleware
+from service.http.cache_upkeep import end_full_workers, fill_caches
 from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
@@ -45,8 +46,6 @@ from service.http.security_headers import SecurityHeadersMiddleware
 from service.http.service import Service
 from service.http.settings import Settings
 from service.http.stopping import StoppingMiddleware
-from service.picture.calls import frames as picture_frames
-from service.workers.calls import call
 from service.workers.errors import WorkerError
 
 log = logging.getLogger("pullfocus.service")
@@ -72,15 +71,14 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service = Service.start(settings)
         app.state.service = service
-        emptying = asyncio.create_task(_empty_trash(service))
+        upkeep = [asyncio.create_task(work(service)) for work in (_empty_trash, fill_caches, end_full_workers)]
         try:
-            # Not awaited: it makes the first picture quicker.
-            service.lanes.live.submit(call(picture_frames.warm_up), service.place_of(None))
             if settings.demo:
                 await _ensure_demo(service)
             yield
         finally:
-            emptying.cancel()
+            for task in upkeep:
+                task.cancel()
             service.long_exposures.close()
             await run_in_threadpool(service.close)
 

@@ -20,11 +20,13 @@ def hide_folder(folder: Path) -> None:
 def without_places(text: str) -> str:
     """A message with the files of hidden folders named by what comes after the folder."""
     for folder in sorted(_hidden, key=len, reverse=True):
-        text = re.sub(rf"{re.escape(folder)}/(?:shots/[^/\s]+/(?:files/|edits/)?)?", "", text)
+        text = re.sub(rf"{re.escape(folder)}/(?:{_IN_HIDDEN})?", "", text)
         text = text.replace(folder, "the service's folder")
     return _TEMPORARY.sub("", text)
 
 
+_IN_HIDDEN = r"shots/[^/\s]+/(?:files/|edits/)?|run-[0-9a-f]+/\d+/(?:(?:pullfocus-|tmp)[^/\s'\"]*/?)?"
+"""Part of a path between a hidden folder and the names that a reader knows."""
 _TEMPORARY = re.compile(rf"{re.escape(tempfile.gettempdir())}/(?:pullfocus-|tmp)[^/\s'\"]*/?")
 hide_folder(Path(__file__).parents[2])  # the program
 hide_folder(Path(sys.prefix))

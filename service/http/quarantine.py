@@ -19,6 +19,7 @@ REASONS = {
     "crash": "it is damaged in a way that ends the process which reads it",
     "cpu": "it takes more processor time than a worker may have",
     "timeout": "it takes longer than a worker may",
+    "disk": "it fills more of the disk than a worker may",
     "unsafe": "its worker sent what no worker sends",
 }
 

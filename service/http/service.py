@@ -29,6 +29,7 @@ from service.picture import calls as picture
 from service.stage import calls as stage
 from service.storage.store import ShotRecord, ShotStore, not_found
 from service.storage.trash import Trash
+from service.workers.caches import Caches
 from service.workers.calls import call
 from service.workers.forking import Template
 from service.workers.lane import Finished
@@ -52,6 +53,7 @@ class Service:
         trash: the shots that were deleted.
         quarantine: shots that have ended too many workers.
         pool: the worker processes.
+        caches: their cache folders.
         lanes: the work that waits for them.
         admission: judges what pictures cost.
         frame_cache: encoded pictures, by their entity tag.
@@ -66,6 +68,7 @@ class Service:
     trash: Trash
     quarantine: Quarantine
     pool: WorkerPool
+    caches: Caches
     lanes: Lanes
     admission: Admission
     frame_cache: FrameCache
@@ -85,13 +88,14 @@ class Service:
         trash = Trash(settings.data, settings.trash_days)
         quarantine = Quarantine(store, settings.max_blames)
         hide_folder(settings.cache)
-        settings.cache.mkdir(mode=0o700, parents=True, exist_ok=True)
-        environment = worker_environment(os.environ, cache=settings.cache, scratch=settings.cache)
+        environment = worker_environment(os.environ)
+        caches = Caches(settings.cache, environment, settings.worker_disk_mb * MEBIBYTE)
         log.info(support().describe())
         pool = WorkerPool(
             Template(PRELOAD, environment),
             max_bytes=settings.kept_memory_mb * MEBIBYTE,
             gpus=settings.gpus,
+            caches=caches,
             on_blame=quarantine.blame,
         )
         metrics = Metrics(pool)
@@ -104,7 +108,7 @@ class Service:
         lanes = Lanes.start(settings, pool, note_finished)
         metrics.watch(lanes)
         frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
-        return cls(settings, store, trash, quarantine, pool, lanes, admission, frame_cache, metrics)
+        return cls(settings, store, trash, quarantine, pool, caches, lanes, admission, frame_cache, metrics)
 
     @cached_property
     def long_exposures(self) -> LongExposures:
@@ -115,6 +119,7 @@ class Service:
         """End the workers and release the data folder."""
         self.lanes.close()
         self.pool.close()
+        self.caches.close()
         self.store.close()
 
     async def call_stage(
@@ -177,14 +182,13 @@ class Service:
             PullfocusError: the upload cannot be shown.
             WorkerError: the process ended or took too long.
         """
-        place = Place(begun.id, (begun.files, *self.settings.worker_read), (self.settings.cache,))
+        place = Place(begun.id, (begun.files, *self.settings.worker_read))
         return await self.lanes.check.result(call(stage.shots.describe_shot, begun), place, present_client())
 
     async def write_demo(self, begun: ShotRecord) -> str:
         """Author the demo shot in the folder of a new shot, and return its root layer. Raises `OutputError`, `WorkerError`."""
-        return await self.lanes.check.result(
-            call(stage.shots.write_demo, begun.files), Place(begun.id, (), (begun.files, self.settings.cache))
-        )
+        place = Place(begun.id, (), (begun.files,))
+        return await self.lanes.check.result(call(stage.shots.write_demo, begun.files), place)
 
     def place_of(self, record: ShotRecord | None, *, may_edit: bool = False) -> Place:
         """Return what a worker that serves a shot may see.
@@ -198,14 +202,14 @@ class Service:
             NotFoundError: the shot was deleted meanwhile.
         """
         if record is None:
-            return Place(read=self.settings.worker_read, write=(self.settings.cache,))
+            return Place(read=self.settings.worker_read)
         self.quarantine.check(record)
         if may_edit:
             try:
                 record.edits_folder.mkdir(exist_ok=True)  # a sandbox lets a worker write to folders that exist
             except FileNotFoundError as error:
                 raise not_found(record.id) from error
-        write = (self.settings.cache, *((record.edits_folder,) if may_edit else ()))
+        write = (record.edits_folder,) if may_edit else ()
         return Place(record.id, (record.files, *self.settings.worker_read), write)
 
     async def close_shot(self, shot_id: str) -> None:

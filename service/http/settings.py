@@ -59,13 +59,14 @@ class Settings:
         check_memory_mb: memory of a process that opens an upload for the first time, MiB.
         stage_memory_mb: memory of a process that reads and edits a shot, MiB.
         picture_memory_mb: memory of a process that draws pictures of a shot, MiB.
+        worker_disk_mb: space on the disk for the compiled shaders, tables and temporary files of one worker process, MiB.
         kept_memory_mb: memory of all shots that are kept open between requests, MiB.
         pictures_at_a_time: pictures that are drawn at a time; 0 takes one for each GPU, or for every four cores (of live
             previews, for every core and a half).
         gpus: GPUs that shots are spread over; 0 leaves the choice to the driver.
         worker_read: files and folders beside a shot's own that worker processes may read, such as libraries of assets.
         max_blames: times that a shot may end a worker process before it is quarantined.
-        cache: folder in which workers keep compiled shaders and tables; created when missing.
+        cache: folder of the workers' compiled shaders, tables and temporary files; created when missing.
         frame_cache_mb: size of the cache of encoded pictures, MiB.
         min_free_mb: free space on the disk of the data folder, MiB; with less, the service is not ready.
         max_lane_age_s: time that a request may wait in a lane, s; while one has waited longer, the service is not ready.
@@ -98,6 +99,7 @@ class Settings:
     check_memory_mb: int = 3072
     stage_memory_mb: int = 6144
     picture_memory_mb: int = 8192
+    worker_disk_mb: int = 2048
     kept_memory_mb: int = 4096
     pictures_at_a_time: int = 0
     gpus: int = 0

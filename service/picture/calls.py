@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 from service.workers.calls import RemoteModule
 
 if TYPE_CHECKING:
-    from service.picture import frames, live, long_exposure, metering, state
+    from service.picture import frames, live, long_exposure, metering, state, warming
 else:
     frames = RemoteModule("service.picture.frames")
     live = RemoteModule("service.picture.live")
     long_exposure = RemoteModule("service.picture.long_exposure")
     metering = RemoteModule("service.picture.metering")
     state = RemoteModule("service.picture.state")
+    warming = RemoteModule("service.picture.warming")
 
-__all__ = ["frames", "live", "long_exposure", "metering", "state"]
+__all__ = ["frames", "live", "long_exposure", "metering", "state", "warming"]

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-End = Literal["memory", "crash", "cpu", "timeout", "unsafe", "killed", "cancelled", "stopping", "released"]
+End = Literal["memory", "crash", "cpu", "timeout", "disk", "unsafe", "killed", "cancelled", "stopping", "released"]
 """Why a worker process ended: ``released`` where it was of no more use. `BLAMED` are those that the shot is to blame for."""
-BLAMED: tuple[End, ...] = ("memory", "crash", "cpu", "timeout", "unsafe")
+BLAMED: tuple[End, ...] = ("memory", "crash", "cpu", "timeout", "disk", "unsafe")
 
 
 class WorkerError(Exception):
@@ -69,7 +69,7 @@ class WorkerDiedError(WorkerError):
 
 
 class UnfitError(WorkerDiedError):
-    """The request ended the worker process: it crashed it, or took more memory or time than a worker has."""
+    """The request ended the worker process: it crashed it, or took more memory, time or disk than a worker has."""
 
     code = "unfit"
 

@@ -73,6 +73,7 @@ class Template:
         self._process: subprocess.Popen[bytes] | None = None
         self._control: socket.socket | None = None
         self._starts = 0
+        self._is_closed = False
 
     @property
     def pid(self) -> int | None:
@@ -119,8 +120,9 @@ class Template:
         return None
 
     def close(self) -> None:
-        """End the process, and with it all its workers."""
+        """End the process, and with it all its workers. No more can be started."""
         with self._lock:
+            self._is_closed = True
             self._end()
 
     @contextmanager
@@ -134,6 +136,8 @@ class Template:
 
     def _ask_living(self, request: Mapping[str, object], descriptors: list[int] | None = None) -> dict[str, Any]:
         """Ask the template; one that died since it was last asked, or does not answer, is replaced."""
+        if self._is_closed:
+            raise WorkerDiedError("No worker process can be started: the service is stopping.", "stopping")
         for _ in range(2):
             self._ensure()
             try:

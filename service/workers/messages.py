@@ -13,6 +13,7 @@ from dataclasses import dataclass, is_dataclass
 from enum import Enum
 from importlib import import_module
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
 from pydantic import BaseModel
@@ -57,11 +58,15 @@ class Assignment(Generic[State]):
         role: its kind.
         place: the shot that it serves.
         gpu: number of the GPU that it draws on, or None for the one that the driver prefers.
+        cache: folder of its own that it may write, for compiled shaders, tables and temporary files; None for none.
+        base: folder that the cache begins as a copy of; None for an empty one.
     """
 
     role: Role[State]
     place: Place
     gpu: int | None = None
+    cache: Path | None = None
+    base: Path | None = None
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
-from service.workers.errors import BLAMED, End
+from service.workers.caches import Caches
+from service.workers.errors import BLAMED, End, WorkerDiedError
 from service.workers.forking import Template
 from service.workers.places import Place
 from service.workers.process import WorkerProcess
@@ -28,6 +29,7 @@ class WorkerPool:
         max_bytes: memory that all processes may hold while they are idle.
         max_idle: processes that may be idle.
         gpus: GPUs that the workers which draw are spread over; 0 leaves the choice to the driver.
+        caches: has their cache folders; None for workers without.
         on_blame: called with a place's key and the reason when a shot has ended its worker, in any thread.
     """
 
@@ -38,6 +40,7 @@ class WorkerPool:
         max_bytes: int,
         max_idle: int = 16,
         gpus: int = 0,
+        caches: Caches | None = None,
         on_blame: Callable[[str, End], None] = lambda key, end: None,
     ) -> None:
         self.template = template
@@ -46,6 +49,7 @@ class WorkerPool:
         self._max_bytes = max_bytes
         self._max_idle = max_idle
         self._on_blame = on_blame
+        self._caches = caches
         self._gpus = itertools.cycle(range(gpus)) if gpus else None
         self._lock = threading.Lock()
         self._idle: list[WorkerProcess[Any]] = []  # that which was used last comes last
@@ -63,7 +67,7 @@ class WorkerPool:
         if idle is not None:
             return idle
         gpu = next(self._gpus) if self._gpus is not None and role.draws else None
-        started = WorkerProcess(self.template, role, place, gpu)
+        started = self._start(role, place, gpu)
         with self._lock:
             self.starts[role.name] += 1
             self._busy.add(started)
@@ -100,6 +104,13 @@ class WorkerPool:
         with self._lock:
             return [*self._idle, *self._busy]
 
+    def end_full(self) -> None:
+        """End the processes whose caches hold more than they may."""
+        if self._caches is not None:
+            for process in self.processes():
+                if process.cache is not None and self._caches.is_full(process.cache):
+                    process.kill("disk")
+
     def close(self) -> None:
         """End all processes that are idle, and the template, which ends the others."""
         with self._lock:
@@ -122,6 +133,17 @@ class WorkerPool:
                 dead.append(process)
         return None, dead
 
+    def _start(self, role: Role[State], place: Place, gpu: int | None) -> WorkerProcess[State]:
+        if self._caches is None:
+            return WorkerProcess(self.template, role, place, gpu)
+        cache, base = self._caches.create(), self._caches.base if role.draws else None
+        try:
+            return WorkerProcess(self.template, role, place, gpu, cache=cache, base=base)
+        except WorkerDiedError:
+            if cache is not None:
+                self._caches.discard(cache)
+            raise
+
     def _surplus(self) -> list[WorkerProcess[Any]]:
         """Remove the idle processes that are too many, or hold too much, and return them."""
         self._idle.sort(key=lambda process: process.role.keeps_state)  # which is lost only where nothing else is left
@@ -138,3 +160,5 @@ class WorkerPool:
             end = process.close(why)
             with self._lock:
                 self.ends[process.role.name, end] += 1
+            if self._caches is not None and process.cache is not None:
+                self._caches.discard(process.cache)

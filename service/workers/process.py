@@ -58,10 +58,13 @@ class WorkerProcess(Generic[State]):
         role: its kind.
         place: the shot that it serves.
         gpu: number of the GPU that it draws on, or None for the one that the driver prefers.
+        cache: folder of its own that it may write; None for none.
+        base: folder that the cache begins as a copy of; None for an empty one.
 
     Attributes:
         role: its kind.
         place: the shot that it serves.
+        cache: its cache folder, which remains when it has ended.
         signals: interrupt a running stream; any thread may set them.
         end: why it ended, or None.
         has_served: whether it has answered a call: its state is made.
@@ -70,9 +73,19 @@ class WorkerProcess(Generic[State]):
         WorkerDiedError: it cannot be started.
     """
 
-    def __init__(self, template: Template, role: Role[State], place: Place, gpu: int | None = None) -> None:
+    def __init__(
+        self,
+        template: Template,
+        role: Role[State],
+        place: Place,
+        gpu: int | None = None,
+        *,
+        cache: Path | None = None,
+        base: Path | None = None,
+    ) -> None:
         self.role = role
         self.place = place
+        self.cache = cache
         self.end: End | None = None
         self.has_served = False
         self._template = template
@@ -85,7 +98,7 @@ class WorkerProcess(Generic[State]):
         except OSError as error:
             raise WorkerDiedError(f"No worker process can be started: {error.strerror}.", "killed") from error
         with suppress(OSError):  # it has ended already: the first call finds out
-            self._pipe.send_bytes(pack(Assignment(role, place, gpu)))
+            self._pipe.send_bytes(pack(Assignment(role, place, gpu, cache, base)))
 
     @property
     def pid(self) -> int:
@@ -265,6 +278,8 @@ def _explain(role: Role[Any], end: End) -> WorkerError:
             )
         case "timeout" | "cpu":
             return UnfitError(f"This takes longer than a {role.name} worker may work on a request.", end)
+        case "disk":
+            return UnfitError(f"This fills more of the disk than a {role.name} worker has for temporary files.", end)
         case "crash" | "unsafe":
             return UnfitError(f"The {role.name} worker crashed on this request.", end)
         case "stopping":

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from render.errors import PullfocusError, SettingsError
 from service.workers.calls import StreamCall, resolve
 from service.workers.messages import Answer, Assignment, Begun, Order, pack, receive_trusted, sendable_error
+from service.workers.own_cache import begin_cache
 from service.workers.sandbox import Sandbox, allow_cpu, enter
 from service.workers.streaming import Signals, StaleCheck
 
@@ -40,14 +41,18 @@ def serve(pipe: Connection, signals_fd: int) -> None:
 def _begin(assignment: Assignment[State]) -> State:
     """Give up what the worker may not do, and create its state."""
     gc.freeze()  # what was imported is not garbage: it stays shared with the template
-    role, place = assignment.role, assignment.place
+    role, place, cache, base = assignment.role, assignment.place, assignment.cache, assignment.base
     with suppress(OSError):  # Linux only: when memory runs out, the kernel ends a worker rather than the service
         Path("/proc/self/oom_score_adj").write_text("500")
     os.nice(role.niceness)
     if assignment.gpu is not None:
         os.environ["PULLFOCUS_GPU"] = str(assignment.gpu)
     make_state = resolve(role.state)
-    enter(Sandbox(read=place.read, write=place.write, limits=role.limits, graphics=role.draws))
+    read = place.read if base is None else (*place.read, base)
+    write = place.write if cache is None else (*place.write, cache)
+    enter(Sandbox(read=read, write=write, limits=role.limits, graphics=role.draws))
+    if cache is not None:
+        begin_cache(cache, base)
     state: State = make_state()
     return state
 

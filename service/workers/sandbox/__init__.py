@@ -7,8 +7,18 @@ network, no other process, none of the service's environment (`worker_environmen
 
 from __future__ import annotations
 
-from service.workers.sandbox.environment import worker_environment
+from service.workers.sandbox.environment import cache_environment, worker_environment
 from service.workers.sandbox.limits import Limits, allow_cpu
 from service.workers.sandbox.policy import Sandbox, SandboxError, Support, enter, support
 
-__all__ = ["Limits", "Sandbox", "SandboxError", "Support", "allow_cpu", "enter", "support", "worker_environment"]
+__all__ = [
+    "Limits",
+    "Sandbox",
+    "SandboxError",
+    "Support",
+    "allow_cpu",
+    "cache_environment",
+    "enter",
+    "support",
+    "worker_environment",
+]

@@ -44,23 +44,31 @@ _ALLOWED_BEGINNING = "LC_"
 NO_HOME = "/nonexistent"
 
 
-def worker_environment(environ: Mapping[str, str], *, cache: Path, scratch: Path) -> dict[str, str]:
-    """Return the whole environment of a worker process.
+def worker_environment(environ: Mapping[str, str]) -> dict[str, str]:
+    """Return the environment of a worker process, which `cache_environment` completes.
 
     Args:
         environ: the service's own; what is not on the list is left out.
-        cache: folder for compiled shaders and arrays kept between runs, which the worker may write.
-        scratch: folder for temporary files, which the worker may write.
     """
     kept = {name: value for name, value in environ.items() if name in _ALLOWED or name.startswith(_ALLOWED_BEGINNING)}
     if environ.get("PULLFOCUS_CACHE") == "off":
         kept["PULLFOCUS_CACHE"] = "off"
     return kept | {
         "HOME": NO_HOME,
-        "TMPDIR": str(scratch),
+        "OPENBLAS_NUM_THREADS": "1",  # no thread is to exist before the worker enters its sandbox
+        "PYTHONDONTWRITEBYTECODE": "1",  # the program's folders are read-only
+    }
+
+
+def cache_environment(cache: Path) -> dict[str, str]:
+    """Return what names the folder for compiled shaders, for arrays kept between runs and for temporary files.
+
+    Args:
+        cache: the folder, which the worker may write.
+    """
+    return {
+        "TMPDIR": str(cache),
         "MPLCONFIGDIR": str(cache),
         "XDG_CACHE_HOME": str(cache),
         "__GL_SHADER_DISK_CACHE_PATH": str(cache),  # of NVIDIA's driver
-        "OPENBLAS_NUM_THREADS": "1",  # no thread is to exist before the worker enters its sandbox
-        "PYTHONDONTWRITEBYTECODE": "1",  # the program's folders are read-only
     }

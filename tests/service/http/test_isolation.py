@@ -138,4 +138,4 @@ def test_an_upload_that_needs_too_much_memory_is_refused(tmp_path):
 
 
 def test_a_place_without_a_shot_sees_none(service):
-    assert service.internal.place_of(None) == Place(write=(service.settings.cache,))
+    assert service.internal.place_of(None) == Place()

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from pathlib import Path
 
 from render.errors import StageError
 from service.workers.calls import register
@@ -97,6 +100,60 @@ def lie(state: Tally) -> object:
 @register
 def process_id(state: Tally) -> int:
     return os.getpid()
+
+
+@register
+def temporary_folder(state: Tally) -> str:
+    return tempfile.gettempdir()
+
+
+@register
+def read(state: Tally, path: str) -> bytes | None:
+    """Read a file; None where this process may not."""
+    with suppress(PermissionError):
+        return Path(path).read_bytes()
+    return None
+
+
+@register
+def write(state: Tally, path: str, content: bytes = b"poison", pause_s: float = 0.0) -> bool:
+    """Write a file. Returns whether this process may."""
+    with suppress(PermissionError):
+        Path(path).write_bytes(content)
+        time.sleep(pause_s)
+        return True
+    return False
+
+
+@register
+def try_to_change(state: Tally, folder: str) -> list[str]:
+    """Try to list, add to, rename, remove and link a folder and its file. Returns what went through."""
+    file, own = Path(folder) / "kept", Path(tempfile.gettempdir())
+    tries: dict[str, Callable[[], object]] = {
+        "list": lambda: os.listdir(folder),
+        "read": lambda: file.read_bytes(),
+        "write": lambda: file.write_bytes(b"poison"),
+        "truncate": lambda: os.truncate(file, 0),
+        "add": lambda: (Path(folder) / "more").write_bytes(b"poison"),
+        "make": lambda: (Path(folder) / "folder").mkdir(),
+        "link": lambda: os.link(file, own / "linked"),
+        "symlink": lambda: (own / "symlinked").symlink_to(file),
+        "move out": lambda: file.rename(own / "moved"),
+        "move in": lambda: (own / "mine").rename(file),
+        "remove": lambda: file.unlink(),
+        "mode": lambda: file.chmod(0o777),
+    }
+    (own / "mine").write_bytes(b"poison")
+    done = []
+    for name, attempt in tries.items():
+        with suppress(PermissionError):
+            try:
+                attempt()
+                done.append(name)
+            except OSError as error:  # as which the kernel refuses a move from folder to folder
+                if error.errno != errno.EXDEV:
+                    raise
+    return done
 
 
 def unregistered(state: Tally) -> None:

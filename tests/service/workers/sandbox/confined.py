@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import dedent
 
-from service.workers.sandbox import Support, support, worker_environment
+from service.workers.sandbox import Support, cache_environment, support, worker_environment
 
 REPOSITORY = Path(__file__).parents[4]
 OFFERED = support()
@@ -89,7 +89,7 @@ class Confined:
         ).replace("PosixPath(", "Path(")
         return subprocess.run(
             [sys.executable, "-c", program],
-            env={**worker_environment(os.environ, cache=self.cache, scratch=self.cache), "PYTHONPATH": str(REPOSITORY)},
+            env={**worker_environment(os.environ), **cache_environment(self.cache), "PYTHONPATH": str(REPOSITORY)},
             cwd="/",
             capture_output=True,
             text=True,

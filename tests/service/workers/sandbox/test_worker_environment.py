@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from service.workers.sandbox import worker_environment
+from service.workers.sandbox import cache_environment, worker_environment
 from tests.service.workers.sandbox.confined import Confined
 
 
 def _environment(**environ: str) -> dict[str, str]:
-    return worker_environment(environ, cache=Path("/data/cache"), scratch=Path("/data/scratch"))
+    return worker_environment(environ) | cache_environment(Path("/data/cache"))
 
 
 def test_no_secret_reaches_a_worker() -> None:
@@ -46,14 +46,14 @@ def test_caches_and_temporary_files_go_where_a_worker_writes() -> None:
     kept = _environment(MESA_SHADER_CACHE_DIR="/s", XDG_CACHE_HOME="/s", TMPDIR="/s", PULLFOCUS_CACHE="/s")
 
     assert kept["XDG_CACHE_HOME"] == "/data/cache"
-    assert kept["TMPDIR"] == "/data/scratch"
+    assert kept["TMPDIR"] == "/data/cache"
     assert kept.keys().isdisjoint({"MESA_SHADER_CACHE_DIR", "PULLFOCUS_CACHE"})
     assert _environment(PULLFOCUS_CACHE="off")["PULLFOCUS_CACHE"] == "off"
 
 
 def test_a_process_has_that_environment_alone(tmp_path: Path) -> None:
     sandbox = Confined(tmp_path)
-    expected = {**worker_environment(os.environ, cache=sandbox.cache, scratch=sandbox.cache), "PYTHONPATH": ""}
+    expected = {**worker_environment(os.environ), **cache_environment(sandbox.cache), "PYTHONPATH": ""}
 
     (names,) = sandbox.output("print(*sorted(os.environ))")
 

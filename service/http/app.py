@@ -16,10 +16,10 @@ from service.http.cache_upkeep import end_full_workers, fill_caches
 from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
+from service.http.hidden_folders import hide_folder
 from service.http.identity import Identity, IdentityMiddleware
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
-from service.http.places import hide_folder
 from service.http.reference import install_reference
 from service.http.request_context import RequestContextMiddleware
 from service.http.routes import (

@@ -30,7 +30,7 @@ from render.errors import (
 )
 from render.model.edit_history import EndOfHistoryError
 from service.edit_context import ChangedMeanwhileError
-from service.http.places import without_places
+from service.http.hidden_folders import without_folders
 from service.workers.errors import (
     QueueFullError,
     StoppingError,
@@ -102,8 +102,8 @@ def problem(
     headers: Mapping[str, str] | None = None,
 ) -> JSONResponse:
     """Return an answer with the body of an error, which names no folder of this machine."""
-    shown = without_places(path) if path else path
-    body = {"code": code, "detail": without_places(detail), "path": shown, "errors": errors or []}
+    shown = without_folders(path) if path else path
+    body = {"code": code, "detail": without_folders(detail), "path": shown, "errors": errors or []}
     return JSONResponse(body, status, dict(headers or {}))
 
 

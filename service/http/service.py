@@ -17,10 +17,10 @@ from starlette.requests import HTTPConnection
 from service.http.admission import Admission
 from service.http.clients import present_client
 from service.http.frame_cache import FrameCache
+from service.http.hidden_folders import hide_folder
 from service.http.lanes import PRELOAD, Lanes
 from service.http.long_exposures import LongExposures
 from service.http.metrics import Metrics
-from service.http.places import hide_folder
 from service.http.quarantine import Quarantine
 from service.http.settings import MEBIBYTE, Settings
 from service.http.stopping import Stopping

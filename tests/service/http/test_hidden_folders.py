@@ -7,10 +7,10 @@ import sys
 import tempfile
 from pathlib import Path
 
-import service.http.places
+import service.http.hidden_folders
 from render.errors import OutputError
 from service.http.errors import answer_to
-from service.http.places import hide_folder, without_places
+from service.http.hidden_folders import hide_folder, without_folders
 
 
 def test_a_full_disk_does_not_tell_where_the_data_is(tmp_path: Path) -> None:
@@ -25,14 +25,14 @@ def test_a_full_disk_does_not_tell_where_the_data_is(tmp_path: Path) -> None:
 
 
 def test_no_folder_of_the_program_is_named() -> None:
-    program = Path(service.http.places.__file__).parents[2]
+    program = Path(service.http.hidden_folders.__file__).parents[2]
 
     for place in (program / "render" / "x.py", Path(sys.prefix) / "lib" / "y.py"):
-        assert without_places(f"'{place}' failed") == f"'{'/'.join(place.parts[-2:])}' failed"
-    assert without_places(f"cannot read {tempfile.gettempdir()}/pullfocus-ab12/image.png") == "cannot read image.png"
+        assert without_folders(f"'{place}' failed") == f"'{'/'.join(place.parts[-2:])}' failed"
+    assert without_folders(f"cannot read {tempfile.gettempdir()}/pullfocus-ab12/image.png") == "cannot read image.png"
 
 
 def test_paths_of_prims_stay() -> None:
     text = "the transform of /srv/Chair and of /World/shots/a is not finite"
 
-    assert without_places(text) == text
+    assert without_folders(text) == text

@@ -17,7 +17,7 @@ def hide_folder(folder: Path) -> None:
             _hidden.append(path)
 
 
-def without_places(text: str) -> str:
+def without_folders(text: str) -> str:
     """A message with the files of hidden folders named by what comes after the folder."""
     for folder in sorted(_hidden, key=len, reverse=True):
         text = re.sub(rf"{re.escape(folder)}/(?:{_IN_HIDDEN})?", "", text)

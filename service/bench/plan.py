@@ -26,6 +26,7 @@ class LoadPlan:
         width: of the viewers' pictures, pixels.
         rate: requests of each viewer a second.
         drag: what they drag; with `mixed` every other one drags the time.
+        first: whether the service starts for the first time on its machine, with no shader compiled.
     """
 
     viewers: int = VIEWERS
@@ -34,6 +35,7 @@ class LoadPlan:
     width: int = WIDTH
     rate: float = RATE
     drag: Drag = "focus"
+    first: bool = False
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,6 +53,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--width", metavar="PX", type=int, default=WIDTH, help="of the viewers' pictures")
     parser.add_argument("--rate", metavar="N", type=float, default=RATE, help="requests of each viewer a second")
     parser.add_argument("--drag", choices=get_args(Drag), default="focus", help="what the viewers drag")
+    parser.add_argument(
+        "--first", action="store_true", help="measure the first start on a machine, with no shader compiled in advance"
+    )
 
 
 def plan_from_arguments(arguments: argparse.Namespace) -> LoadPlan:
@@ -70,7 +75,13 @@ def plan_from_arguments(arguments: argparse.Namespace) -> LoadPlan:
         if not 0 < value <= 3600:
             raise SettingsError(f"{name} must be more than 0 and at most 3600, got {value:g}")
     return LoadPlan(
-        arguments.viewers, arguments.seconds, arguments.phase, arguments.width, arguments.rate, arguments.drag
+        arguments.viewers,
+        arguments.seconds,
+        arguments.phase,
+        arguments.width,
+        arguments.rate,
+        arguments.drag,
+        arguments.first,
     )
 
 

@@ -29,7 +29,8 @@ def _viewers(found: ServiceBench) -> Iterator[str]:
         f"{found.running.viewers} live viewers drag ({found.drag}) for {found.seconds:g} s; pictures {found.width} px wide, "
         f"{found.rate:g} requests a second each"
     )
-    yield "  a service that has just started, its shaders not compiled:"
+    compiled = ", its shaders not compiled" if found.first else ""
+    yield f"  a service that has just started{compiled}:"
     yield from _pictures(found.at_start)
     yield "  the same service right afterwards:"
     yield from _pictures(found.running)

@@ -119,7 +119,8 @@ class ServiceBench:
         width: of their pictures, pixels.
         rate: requests of each viewer a second.
         drag: what they dragged.
-        at_start: what they got of a service that has just started and has no shader compiled yet.
+        first: whether the service started for the first time on its machine, with no shader compiled.
+        at_start: what they got of a service that has just started.
         running: what they got right afterwards.
         beside: viewers of the second part.
         rays_refused: rays of a 1920 px picture that was answered 422; None where none was.
@@ -134,6 +135,7 @@ class ServiceBench:
     width: int
     rate: float
     drag: str
+    first: bool
     at_start: ViewersFound
     running: ViewersFound
     beside: int

@@ -65,7 +65,10 @@ def measure(plan: LoadPlan) -> ServiceBench:
         GraphicsError: there is no device to draw on.
     """
     machine = _machine()
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name, running_service(Path(name)) as port:
+    with (
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name,
+        running_service(Path(name), first=plan.first) as port,
+    ):
         at_start, running = (_found(asyncio.run(drag_for(port, "demo", plan, plan.viewers))) for _ in range(2))
         other_shot = _upload(port, write_soak_shot(Path(name)))
         refused, admitted, delays = _delays(port, plan, other_shot)
@@ -76,6 +79,7 @@ def measure(plan: LoadPlan) -> ServiceBench:
         plan.width,
         plan.rate,
         plan.drag,
+        plan.first,
         at_start,
         running,
         BESIDE,

@@ -8,21 +8,24 @@ import os
 import threading
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import PullfocusError
 from service.http.service import Service
-from service.picture.calls import warming
-from service.workers.calls import call
+from service.picture.calls import state, warming
+from service.workers.calls import Call, call
 from service.workers.errors import WorkerError
+from service.workers.folders import remove_tree
 from service.workers.places import NOWHERE
 from service.workers.process import NotBegunError, WorkerProcess
 
+Reply = TypeVar("Reply")
 log = logging.getLogger("pullfocus.service")
 
 FILL_S = 300.0
-"""Time that the drawing of the demo shot may take."""
+"""Time that one drawing of the demo shot may take."""
 RETRY_S = 600.0
 """Time until it is tried again."""
 PASSES = 2
@@ -58,17 +61,23 @@ async def end_full_workers(service: Service) -> None:
 
 
 def _fill(service: Service, folder: Path) -> None:
+    """Have a cache folder filled by workers that see nothing else."""
+    shot = folder / "shot"
+    shot.mkdir(mode=0o700)
+    root = shot / _run(service, folder, call(warming.write_shot, shot))
     for _ in range(PASSES):
-        _draw_demo(service, folder)
+        _run(service, folder, call(warming.draw, root))
+    remove_tree(shot)
 
 
-def _draw_demo(service: Service, folder: Path) -> None:
+def _run(service: Service, folder: Path, work: Call[state.PictureWorkerState, Reply]) -> Reply:
+    """Run a call in a worker of its own, which ends with it."""
     role = replace(service.lanes.live.role, name="warming", niceness=NICENESS)
     process = WorkerProcess(service.pool.template, role, NOWHERE, cache=folder)
     limit = threading.Timer(FILL_S, process.kill, ["timeout"])
     limit.start()
     try:
-        process.call(call(warming.draw_demo), FILL_S * (os.cpu_count() or 1))
+        return process.call(work, FILL_S * (os.cpu_count() or 1))
     finally:
         limit.cancel()
         process.close()

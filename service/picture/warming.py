@@ -1,9 +1,8 @@
-"""Function of the picture process that draws the demo shot, so that the driver keeps the shaders that all shots need."""
+"""Functions of the picture process that draw the demo shot, so that the driver keeps the shaders that all shots need."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from pxr import UsdUtils
 
@@ -18,12 +17,18 @@ SETTINGS = FrameSettings(width=320, height=180, rays=16)
 
 
 @picture_function
-def draw_demo(state: PictureWorkerState) -> None:
-    """Draw the demo shot as a file and as live pictures. Raises `GraphicsError`: nothing can be drawn on this machine."""
+def write_shot(state: PictureWorkerState, folder: Path) -> str:
+    """Write the demo shot to a folder. Returns the name of its root layer. Raises `OutputError`."""
     silenced = UsdUtils.CoalescingDiagnosticDelegate()  # USD warns that a sandbox lets it set no permissions
-    with TemporaryDirectory() as folder:
-        shot = Shot.open(write_demo(Path(folder)), confined_to=Path(folder))
-        silenced.TakeUncoalescedDiagnostics()
-        make_picture(state.renderer, shot, None, 1.0, SETTINGS)
-        for _ in state.progressive(shot).pictures(PreviewRequest(None, 1.0, SETTINGS)):
-            pass
+    root = write_demo(folder)
+    silenced.TakeUncoalescedDiagnostics()
+    return root.name
+
+
+@picture_function
+def draw(state: PictureWorkerState, root: Path) -> None:
+    """Draw a shot as live pictures and as a file. Raises `GraphicsError`: nothing can be drawn on this machine."""
+    shot = Shot.open(root, confined_to=root.parent)
+    for _ in state.progressive(shot).pictures(PreviewRequest(None, 1.0, SETTINGS)):
+        pass
+    make_picture(state.renderer, shot, None, 1.0, SETTINGS)

@@ -47,10 +47,14 @@ class Caches:
             have no caches.
         environment: of the workers.
         most_bytes: space that the cache of one process may take on the disk.
+
+    Attributes:
+        is_filling: whether this service fills the base.
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str], most_bytes: int) -> None:
         key = content_key(code_key([""]), _stamp(_LIBRARIES), sorted(environment.items()))
+        self.is_filling = False
         self._most_bytes = most_bytes
         self._base = folder / f"{_BASE}{key[:16]}"
         self._numbers = itertools.count(1)
@@ -101,6 +105,7 @@ class Caches:
             return
         part = self._run / "base"
         part.mkdir(mode=0o700)
+        self.is_filling = True
         try:
             fill(part)
             try:
@@ -109,6 +114,7 @@ class Caches:
                 if self.base is None:  # else another service was quicker
                     raise
         finally:
+            self.is_filling = False
             remove_tree(part)
 
     def close(self) -> None:

@@ -6,6 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Literal
 
 from fastapi import APIRouter, Response
+from pydantic import Field
 
 from service.http.access import ADMINISTERS
 from service.http.readiness import check_ready
@@ -17,11 +18,21 @@ router = APIRouter(tags=["system"])
 
 
 class Health(Model):
-    """Answer of a service that is alive or ready."""
+    """Answer of a service that is alive."""
 
     model_config = shown_as({"status": "ok"})
 
     status: Literal["ok"] = "ok"
+
+
+class Readiness(Health):
+    """Answer of a service that is ready."""
+
+    model_config = shown_as({"status": "ok", "warming": False})
+
+    warming: bool = Field(
+        description="Whether shaders are compiled in advance: the first picture of a shot takes longer."
+    )
 
 
 class Version(Model):
@@ -40,10 +51,10 @@ async def livez() -> Health:
 
 
 @router.get("/readyz", operation_id="readyz", responses=problems(503))
-async def readyz(service: ServiceDep) -> Health:
+async def readyz(service: ServiceDep) -> Readiness:
     """Answer while workers answer, the data folder can be written and no request has waited for long."""
     await check_ready(service)
-    return Health()
+    return Readiness(warming=service.caches.is_filling)
 
 
 @router.get(

@@ -36,20 +36,23 @@ def upload(service: Running) -> str:
 def test_a_new_shot_begins_with_the_shaders_of_all_shots(tmp_path):
     with running(Settings(data=tmp_path / "data", demo=False, cache=tmp_path / "cache")) as service:
         alone = compiled_for(service, upload(service))
+        assert service.client.get("/readyz").json() == {"status": "ok", "warming": True}
         until(lambda: service.internal.caches.base is not None)
         assert compiled_for(service, upload(service)) < alone / 2
         base = service.internal.caches.base
+        assert not (base / "shot").exists()
+        assert service.client.get("/readyz").json() == {"status": "ok", "warming": False}
     assert list((tmp_path / "cache").iterdir()) == [base]
 
 
 def test_a_service_without_compiled_shaders_works(tmp_path, monkeypatch, caplog):
     tries: list[Path] = []
 
-    def die(service: object, folder: Path) -> None:
+    def die(service: object, folder: Path, work: object) -> None:
         tries.append(folder)
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(cache_upkeep, "_draw_demo", die)
+    monkeypatch.setattr(cache_upkeep, "_run", die)
     monkeypatch.setattr(cache_upkeep, "RETRY_S", 0.1)
     caplog.set_level(logging.WARNING, "pullfocus.service")
     with running(Settings(data=tmp_path / "data", demo=False, cache=tmp_path / "cache")) as service:

@@ -4619,7 +4619,7 @@ export interface components {
         };
         /**
          * Health
-         * @description Answer of a service that is alive or ready.
+         * @description Answer of a service that is alive.
          * @example {
          *       "status": "ok"
          *     }
@@ -6629,6 +6629,27 @@ export interface components {
             readonly to: string;
         };
         /**
+         * Readiness
+         * @description Answer of a service that is ready.
+         * @example {
+         *       "status": "ok",
+         *       "warming": false
+         *     }
+         */
+        readonly Readiness: {
+            /**
+             * Status
+             * @default ok
+             * @constant
+             */
+            readonly status?: "ok";
+            /**
+             * Warming
+             * @description Whether shaders are compiled in advance: the first picture of a shot takes longer.
+             */
+            readonly warming: boolean;
+        };
+        /**
          * Readout
          * @description Readout of the lens at one time: the numbers that a focus puller reads off.
          * @example {
@@ -7479,7 +7500,7 @@ export interface operations {
                     readonly [name: string]: unknown;
                 };
                 content: {
-                    readonly "application/json": components["schemas"]["Health"];
+                    readonly "application/json": components["schemas"]["Readiness"];
                 };
             };
             /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import errno
 import os
 import stat
@@ -58,6 +59,26 @@ def sync_folder(folder: str | os.PathLike[str]) -> None:
             os.close(descriptor)
     except OSError as error:
         raise OutputError(f"the disk fails at the folder {folder}: {error.strerror}", path=str(folder)) from error
+
+
+def sync_file_system(folder: str | os.PathLike[str]) -> None:
+    """Wait until the disk has all that was written to it: many files that were written one after the other, in one call.
+
+    Args:
+        folder: a folder on the disk.
+
+    Raises:
+        OutputError: the disk fails, or is full.
+    """
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            if ctypes.CDLL(None, use_errno=True).syncfs(descriptor):
+                raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+        finally:
+            os.close(descriptor)
+    except OSError as error:
+        raise _explained(error, Path(folder)) from error
 
 
 def read_regular_file(path: str | os.PathLike[str], most_bytes: int) -> bytes | None:

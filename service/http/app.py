@@ -141,10 +141,13 @@ async def _ensure_demo(service: Service) -> None:
     """Write the demo shot where there is none. A service without it is still a service."""
     if any(record.id == DEMO_ID for record in service.store.list()):
         return
-    begun = service.store.begin("Demo shot", DEMO_ID)
     try:
-        root = await service.write_demo(begun)
-        await run_in_threadpool(service.store.accept, begun, root)
-    except (PullfocusError, WorkerError) as error:
-        log.error("the demo shot could not be written: %s", error)
-        service.store.discard(begun)
+        begun = service.store.begin("Demo shot", DEMO_ID)
+        try:
+            root = await service.write_demo(begun)
+            await run_in_threadpool(service.store.accept, begun, root)
+        except BaseException:
+            service.store.discard(begun)
+            raise
+    except (OSError, PullfocusError, WorkerError) as error:
+        log.error("the demo shot could not be written, the service runs without it: %s", error)

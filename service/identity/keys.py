@@ -26,6 +26,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from render.errors import NotFoundError, OutputError, SettingsError
+from render.files import sync_folder
 from service.identity.principal import ALL_PROJECTS, PROJECT_PATTERN, SCOPES, Principal
 
 log = logging.getLogger("pullfocus.service")
@@ -182,11 +183,15 @@ class Keys:
         part = self._file.with_suffix(".part")
         part.unlink(missing_ok=True)
         descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            json.dump({"keys": [asdict(key) for key in keys.values()]}, file, indent=2)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(part, self._file)
+        try:
+            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+                json.dump({"keys": [asdict(key) for key in keys.values()]}, file, indent=2)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(part, self._file)
+        finally:
+            part.unlink(missing_ok=True)
+        sync_folder(self._file.parent)
 
 
 def _hash(secret: str) -> str:

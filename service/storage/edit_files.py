@@ -107,7 +107,8 @@ def clear_unfinished(folder: Path) -> None:
     """
     for place in (folder, folder / HISTORY):
         for part in () if place.is_symlink() else place.glob("*.part"):
-            part.unlink(missing_ok=True)
+            with suppress(IsADirectoryError):  # no writer of files has left it
+                part.unlink(missing_ok=True)
 
 
 def _write_edits(folder: Path, text: str) -> None:

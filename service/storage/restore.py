@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import fcntl
+import glob
 import hashlib
 import json
 import os
-import shutil
 import tarfile
 import tempfile
 import zlib
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
 from render.errors import InputError, OutputError
+from render.files import sync_file_system, sync_folder
+from render.removal import remove_tree
 from service.storage.migration import layout_of
 
 MANIFEST = "manifest.json"
@@ -43,20 +47,47 @@ def restore(archive: Path, data: Path) -> int:
         if data.exists() and any(data.iterdir()):
             raise OutputError(f"{data} is not empty: a backup is restored into a new folder", path=str(data))
         data.parent.mkdir(parents=True, exist_ok=True)
+        _remove_interrupted(data)
         beside = Path(tempfile.mkdtemp(prefix=f".{data.name}.", suffix=".part", dir=data.parent))
+        lock = _locked(beside)
     except OSError as error:
         raise OutputError(f"{data} cannot be written: {error.strerror}", path=str(data)) from error
     try:
         count = _read_backup(archive, lambda member, content: _write(beside, member, content))
         layout_of(beside)
-        os.sync()
+        sync_file_system(beside)
         beside.rename(data)
+        sync_folder(data.parent)
     except OSError as error:
         detail = f"{data} cannot be restored: {error.strerror or error}"
         raise OutputError(detail, path=str(data)) from error
     finally:
-        shutil.rmtree(beside, ignore_errors=True)
+        with suppress(OSError):
+            remove_tree(beside)
+        os.close(lock)
     return count
+
+
+def _remove_interrupted(data: Path) -> None:
+    """Remove what restorations of a folder that were killed have left beside it; one that is in progress has locked its own."""
+    for left in data.parent.glob(f".{glob.escape(data.name)}.*.part"):
+        with suppress(OSError):
+            lock = _locked(left)
+            try:
+                remove_tree(left)
+            finally:
+                os.close(lock)
+
+
+def _locked(folder: Path) -> int:
+    """Lock a folder; the lock ends with the process. Returns its descriptor. Raises `BlockingIOError`: it is locked."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor
 
 
 def verify(archive: Path) -> int:

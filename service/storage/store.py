@@ -19,13 +19,13 @@ import logging
 import os
 import re
 import secrets
-import shutil
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 from render.errors import NotFoundError, OutputError, StageError
-from render.files import read_regular_file, sync_folder, write_atomic
+from render.files import read_regular_file, sync_file_system, sync_folder, write_atomic
+from render.removal import remove_tree
 from service.identity.principal import DEFAULT_PROJECT
 from service.storage.edit_files import EDITS, clear_unfinished
 from service.storage.migration import migrate
@@ -35,6 +35,7 @@ log = logging.getLogger("pullfocus.service")
 MAX_EDIT_BYTES = 64 << 20
 """Size of the edits of a shot."""
 RECORD = "shot.json"
+TRASH = "trash"
 ID_PATTERN = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 
 
@@ -117,6 +118,7 @@ class ShotStore:
         self._shots = data / "shots"
         try:
             self._shots.mkdir(parents=True, exist_ok=True)
+            (data / TRASH).mkdir(exist_ok=True)
             self._lock = (data / "lock").open("w")
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
@@ -142,12 +144,11 @@ class ShotStore:
         """Remove the folders of uploads that were interrupted."""
         for folder in self._shots.iterdir():
             if folder.is_dir() and not (folder / RECORD).is_file():
-                shutil.rmtree(folder)
+                remove_tree(folder)
 
     def _clear_unfinished(self) -> None:
         """Remove what killed writers have left of files; uploaded files are not touched."""
-        trashed = self._data / "trash"
-        for folder in (self._data, *self._shots.iterdir(), *(trashed.iterdir() if trashed.is_dir() else ())):
+        for folder in (self._data, *self._shots.iterdir(), *(self._data / TRASH).iterdir()):
             clear_unfinished(folder)
             clear_unfinished(folder / "edits")
 
@@ -174,16 +175,29 @@ class ShotStore:
             name: title for people.
             shot_id: its id; derived from the name when left out.
             project: whose shot it is.
+
+        Raises:
+            OSError: the disk is full, or takes no folders; nothing is left.
         """
         stem = re.sub(r"[^a-z0-9]+", "-", Path(name).stem.lower()).strip("-")[:40] or "shot"
         shot_id = shot_id or f"{stem}-{secrets.token_hex(4)}"
         record = ShotRecord(shot_id, name, self._shots / shot_id, "", datetime.now(UTC), 0, 0, project)
-        record.files.mkdir(parents=True)
-        record.edits_folder.mkdir()
+        try:
+            record.files.mkdir(parents=True)
+            record.edits_folder.mkdir()
+        except FileExistsError:
+            raise
+        except OSError:
+            self.discard(record)
+            raise
         return record
 
     def accept(self, begun: ShotRecord, root: str) -> ShotRecord:
-        """Write the record of a new shot, which lists it."""
+        """Write the record of a new shot, which lists it, once the disk has its files.
+
+        Raises:
+            OutputError: the disk is full, or fails.
+        """
         sizes = [path.stat().st_size for path in begun.files.rglob("*") if path.is_file()]
         fields = {
             "name": begun.name,
@@ -193,14 +207,18 @@ class ShotStore:
             "fileCount": len(sizes),
             "project": begun.project,
         }
+        sync_file_system(begun.files)
         write_atomic(begun.folder / RECORD, json.dumps(fields, indent=2).encode())
         for folder in (begun.folder, self._shots):
             sync_folder(folder)
         return self.get(begun.id)
 
     def discard(self, begun: ShotRecord) -> None:
-        """Remove a new shot that was refused."""
-        shutil.rmtree(begun.folder, ignore_errors=True)
+        """Remove a new shot that was refused; what cannot be removed is when the store is opened next."""
+        try:
+            remove_tree(begun.folder)
+        except OSError as error:
+            log.error("the upload %s cannot be removed as a whole: %s", begun.id, error)
 
 
 def read_record(folder: Path, shot_id: str) -> ShotRecord | None:

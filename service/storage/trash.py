@@ -6,27 +6,37 @@
 
 A shot comes here and goes back by one rename of its folder, so it is always in one place as a whole. An entry without a record
 (``shot.json``) is being removed.
+
+A shot is not removed too early because the clock of the machine was set: its deletion is stamped with the later, and its time is
+over by the earlier, of the wall clock and the one that has run on since the start. Nothing is due for the first hour after a
+start, in which a machine that begins with a wrong clock may have it set.
 """
 
 from __future__ import annotations
 
 import errno
+import logging
 import os
 import re
-import shutil
 import threading
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from render.errors import NotFoundError
+from render.files import sync_folder
 from render.model.edit_history import revision_of
+from render.removal import remove_tree
 from service.edit_context import EditContext, edits_tag
-from service.storage.store import RECORD, ShotRecord, read_record
+from service.storage.clocks import Clocks
+from service.storage.store import RECORD, TRASH, ShotRecord, read_record
+
+log = logging.getLogger("pullfocus.service")
 
 ENTRY_PATTERN = re.compile(r"([a-z0-9][a-z0-9-]{0,63})\.([0-9]{20})")
 STAMP = "%Y%m%d%H%M%S%f"
+SETTLING_S = 3600.0
+"""Time after a start in which nothing is due, s."""
 
 
 @dataclass(frozen=True)
@@ -50,21 +60,17 @@ class Trash:
     """The trash of one data folder. Any thread may use it.
 
     Args:
-        data: the data folder.
+        data: the data folder, opened by a `service.storage.store.ShotStore`.
         days: for which a shot is kept; 0 removes it at once.
-        now: the time.
-
-    Raises:
-        OSError: its folder cannot be created.
+        clocks: tell the time.
     """
 
-    def __init__(self, data: Path, days: int, now: Callable[[], datetime] = lambda: datetime.now(UTC)) -> None:
+    def __init__(self, data: Path, days: int, clocks: Clocks | None = None) -> None:
         self._shots = data / "shots"
-        self._folder = data / "trash"
+        self._folder = data / TRASH
         self._days = days
-        self._now = now
+        self._clocks = clocks or Clocks()
         self._lock = threading.Lock()
-        self._folder.mkdir(exist_ok=True)
 
     def entries(self) -> list[TrashedShot]:
         """Return the shots in the trash, the one that was deleted last first."""
@@ -95,7 +101,8 @@ class Trash:
             NotFoundError: the shot was deleted meanwhile.
         """
         _check(record, condition)
-        moved = replace(record, folder=self._folder / f"{record.id}.{self._now().astimezone(UTC).strftime(STAMP)}")
+        stamp = self._clocks.later().astimezone(UTC).strftime(STAMP)
+        moved = replace(record, folder=self._folder / f"{record.id}.{stamp}")
         with self._lock:
             try:
                 os.rename(record.folder, moved.folder)
@@ -108,6 +115,7 @@ class Trash:
             except BaseException:
                 os.rename(moved.folder, record.folder)
                 raise
+            self._sync()
         if self._days == 0:
             self._remove(moved.folder)
 
@@ -126,6 +134,11 @@ class Trash:
                 if error.errno in (errno.EEXIST, errno.ENOTEMPTY):
                     raise FileExistsError(error.errno, error.strerror) from error
                 raise
+            self._sync()
+
+    def _sync(self) -> None:
+        for folder in (self._folder, self._shots):
+            sync_folder(folder)
 
     def remove(self, entry: TrashedShot) -> None:
         """Remove a shot from the trash for good.
@@ -143,13 +156,18 @@ class Trash:
         return len(due)
 
     def _is_due(self, folder: Path) -> bool:
-        age_days = (self._now() - _deleted_at(folder.name)) / timedelta(days=1)
-        return age_days >= self._days or not (folder / RECORD).is_file()
+        if not (folder / RECORD).is_file():
+            return True
+        age_days = (self._clocks.earlier() - _deleted_at(folder.name)) / timedelta(days=1)
+        return age_days >= self._days and self._clocks.running_s >= SETTLING_S
 
     def _remove(self, folder: Path) -> None:
         with self._lock:  # an entry without a record is not restored
             (folder / RECORD).unlink(missing_ok=True)
-        shutil.rmtree(folder, ignore_errors=True)
+        try:
+            remove_tree(folder)
+        except OSError as error:  # it is tried again when the trash is emptied next
+            log.error("%s cannot be removed from the trash as a whole: %s", folder.name, error)
 
     def _folders(self) -> list[Path]:
         return [path for path in self._folder.iterdir() if ENTRY_PATTERN.fullmatch(path.name)]

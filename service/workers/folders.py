@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 import os
-import secrets
 from contextlib import suppress
 from pathlib import Path
 
+from render import removal
+
 FILES = 20_000
 """Files and folders after which a folder counts as full, however small they are."""
-_MAX_STEPS = 1_000_000
 
 
 def is_fuller(folder: Path, most_bytes: int) -> bool:
@@ -37,24 +37,6 @@ def is_fuller(folder: Path, most_bytes: int) -> bool:
 
 
 def remove_tree(folder: Path) -> None:
-    """Remove a folder as far as possible: however deep it is, and without following links. No process may write there."""
+    """Remove a folder as far as possible."""
     with suppress(OSError):
-        for _ in range(_MAX_STEPS):  # what lies deeper comes up by one in each step, so that no path is too long
-            nested = [entry.path for entry in list(os.scandir(folder)) if not _unlinked(entry)]
-            if not nested:
-                break
-            for path in nested:
-                os.chmod(path, 0o700)
-                for entry in list(os.scandir(path)):
-                    if not _unlinked(entry):
-                        os.rename(entry.path, folder / secrets.token_hex(16))
-                os.rmdir(path)
-        folder.rmdir()
-
-
-def _unlinked(entry: os.DirEntry[str]) -> bool:
-    """Remove what is no folder. Returns whether it was none."""
-    if entry.is_dir(follow_symlinks=False):
-        return False
-    os.unlink(entry.path)
-    return True
+        removal.remove_tree(folder)

@@ -47,6 +47,16 @@ def test_an_edit_that_cannot_be_saved_changes_nothing(service, client, room):
     assert client.post(f"{shot}/edits", json=second).status_code == 200
 
 
+def test_a_service_without_room_for_the_demo_runs(tmp_path, monkeypatch, caplog):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(ShotStore, "begin", full)
+    with running(Settings(data=tmp_path)) as service:
+        assert service.client.get("/v1/shots").json() == {"shots": []}
+    assert "the service runs without it: [Errno 28] No space left on device" in caplog.text
+
+
 def test_a_fault_of_the_program_has_the_shape_and_tells_no_secrets(client, monkeypatch):
     def faulty(_):
         raise RuntimeError("the secret is 42")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import gzip
 import io
 import json
@@ -208,3 +209,14 @@ def test_a_backup_of_a_newer_layout_is_refused(data, archive, tmp_path):
     (data / "layout.json").write_text('{"layout": 99}')
     with pytest.raises(OutputError, match="newer"):
         back_up(data, tmp_path / "b.tar.gz")
+
+
+def test_what_a_killed_restoration_left_is_removed(archive, tmp_path):
+    left, working = tmp_path / ".again.abc.part", tmp_path / ".again.def.part"
+    for folder in (left, working, tmp_path / ".again.part"):
+        (folder / "shots").mkdir(parents=True)
+    lock = os.open(working, os.O_RDONLY)
+    fcntl.flock(lock, fcntl.LOCK_EX)
+    restore(archive, tmp_path / "again")
+    os.close(lock)
+    assert sorted(path.name for path in tmp_path.glob(".again*")) == [".again.def.part", ".again.part"]

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
+from pathlib import Path
+
 import pytest
 
 from render.errors import NotFoundError, OutputError
 from render.model.edit_history import revision_of
+from service.storage import store as storage
 from service.storage.edit_files import HISTORY
 from service.storage.store import ShotStore
 
@@ -83,6 +88,42 @@ def test_what_killed_writers_leave_is_removed(tmp_path):
     ShotStore(tmp_path / "data").close()
     assert not any(file.exists() for file in left)
     assert all(file.exists() for file in kept)
+
+
+def test_a_folder_named_like_an_unfinished_file_stays(tmp_path):
+    store = ShotStore(tmp_path)
+    odd = accepted(store).edits_folder / "odd.part"
+    odd.mkdir()
+    store.close()
+    ShotStore(tmp_path).close()
+    assert odd.is_dir()
+
+
+def test_a_shot_that_finds_no_room_leaves_nothing(store, tmp_path, monkeypatch):
+    mkdir = Path.mkdir
+
+    def full(folder, *arguments, **options):
+        if folder.name == "edits":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        mkdir(folder, *arguments, **options)
+
+    monkeypatch.setattr(Path, "mkdir", full)
+    with pytest.raises(OSError, match="No space left"):
+        store.begin("night.usda")
+    assert list((tmp_path / "shots").iterdir()) == []
+
+
+def test_a_shot_is_listed_once_the_disk_has_its_files(store, monkeypatch):
+    begun = store.begin("night.usda")
+
+    def failing(folder):
+        assert folder == begun.files
+        raise OutputError("the disk fails")
+
+    monkeypatch.setattr(storage, "sync_file_system", failing)
+    with pytest.raises(OutputError):
+        store.accept(begun, "shot.usda")
+    assert store.list() == []
 
 
 def test_a_record_that_was_spoilt_spoils_no_other(store, caplog):

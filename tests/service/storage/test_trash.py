@@ -10,22 +10,29 @@ import pytest
 from render.errors import NotFoundError
 from render.model.edit_history import revision_of
 from service.edit_context import ANY_CONTEXT, ChangedMeanwhileError, EditContext, edits_tag
+from service.storage.clocks import Clocks
 from service.storage.store import ShotStore
 from service.storage.trash import Trash
 
 
-class Clock:
-    def __init__(self):
-        self.now = datetime(2026, 11, 21, 8, tzinfo=UTC)
+class Time:
+    """Time that passes, and a wall clock that is set to another time."""
 
-    def __call__(self):
-        self.now += timedelta(milliseconds=1)
-        return self.now
+    def __init__(self):
+        self.passed = timedelta()
+        self.is_off_by = timedelta()
+
+    def wall(self):
+        self.passed += timedelta(milliseconds=1)
+        return datetime(2026, 11, 21, 8, tzinfo=UTC) + self.passed + self.is_off_by
+
+    def clocks(self):
+        return Clocks(self.wall, lambda: self.passed.total_seconds())
 
 
 @pytest.fixture
-def clock():
-    return Clock()
+def time():
+    return Time()
 
 
 @pytest.fixture
@@ -36,8 +43,8 @@ def store(tmp_path):
 
 
 @pytest.fixture
-def trash(store, tmp_path, clock):
-    return Trash(tmp_path, 30, clock)
+def trash(store, tmp_path, time):
+    return Trash(tmp_path, 30, time.clocks())
 
 
 @pytest.fixture
@@ -114,19 +121,54 @@ def test_a_shot_is_deleted_once(trash, shot):
         trash.put(shot, ANY_CONTEXT)
 
 
-def test_the_trash_is_emptied_when_its_time_is_over(store, trash, shot, clock, tmp_path):
+def test_the_trash_is_emptied_when_its_time_is_over(store, trash, shot, time, tmp_path):
     trash.put(shot, ANY_CONTEXT)
-    clock.now += timedelta(days=29)
+    time.passed += timedelta(days=29)
     trash.put(accepted(store, "later"), ANY_CONTEXT)
     assert trash.empty() == 0
-    clock.now += timedelta(days=2)
+    time.passed += timedelta(days=2)
     assert trash.empty() == 1
     assert [entry.record.id for entry in trash.entries()] == ["later"]
     assert len(list((tmp_path / "trash").iterdir())) == 1
 
 
-def test_no_days_keep_nothing(store, shot, clock, tmp_path):
-    Trash(tmp_path, 0, clock).put(shot, ANY_CONTEXT)
+@pytest.mark.parametrize("is_before", [False, True], ids=["after", "before"])
+def test_a_clock_that_is_set_removes_nothing_early(trash, shot, time, is_before):
+    if is_before:
+        time.is_off_by = -timedelta(days=365)
+    trash.put(shot, ANY_CONTEXT)
+    time.is_off_by += timedelta(days=365)
+    time.passed += timedelta(days=29)
+    assert trash.empty() == 0
+    time.is_off_by = timedelta()
+    time.passed += timedelta(days=1)
+    assert trash.empty() == 1
+
+
+def test_nothing_is_removed_soon_after_a_start(trash, shot, time, tmp_path):
+    trash.put(shot, ANY_CONTEXT)
+    time.passed += timedelta(days=31)
+    started = Trash(tmp_path, 30, time.clocks())
+    assert started.empty() == 0
+    time.passed += timedelta(hours=1)
+    assert started.empty() == 1
+
+
+def test_a_tree_of_any_depth_is_removed(trash, shot, tmp_path):
+    place = os.open(shot.edits_folder, os.O_RDONLY)
+    for _ in range(2000):
+        os.mkdir("a" * 200, dir_fd=place)
+        inner = os.open("a" * 200, os.O_RDONLY, dir_fd=place)
+        os.close(place)
+        place = inner
+    os.close(place)
+    trash.put(shot, ANY_CONTEXT)
+    trash.remove(trash.entries()[0])
+    assert list((tmp_path / "trash").iterdir()) == []
+
+
+def test_no_days_keep_nothing(store, shot, time, tmp_path):
+    Trash(tmp_path, 0, time.clocks()).put(shot, ANY_CONTEXT)
     assert store.list() == []
     assert list((tmp_path / "trash").iterdir()) == []
 
@@ -151,8 +193,8 @@ def test_a_removed_shot_is_gone(trash, shot, tmp_path):
         trash.remove(entry)
 
 
-def test_a_trash_may_be_kept_for_ever(tmp_path, shot, clock):
-    trash = Trash(tmp_path, 10**12, clock)
+def test_a_trash_may_be_kept_for_ever(tmp_path, shot, time):
+    trash = Trash(tmp_path, 10**12, time.clocks())
     trash.put(shot, ANY_CONTEXT)
     assert trash.entries()[0].removed_at.year == 9999
     assert trash.empty() == 0

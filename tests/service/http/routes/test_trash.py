@@ -7,6 +7,7 @@ import time
 import pytest
 
 from service.http.settings import Settings
+from service.storage import trash
 from tests.service.conftest import running, send, until
 
 
@@ -70,7 +71,8 @@ def test_the_demo_shot_comes_back_beside_its_trash(tmp_path):
         assert (refused.status_code, refused.json()["code"]) == (409, "shot_exists")
 
 
-def test_the_trash_is_emptied_at_start(tmp_path, room_file):
+def test_a_service_empties_its_trash(tmp_path, room_file, monkeypatch):
+    monkeypatch.setattr(trash, "SETTLING_S", 0)
     settings = Settings(data=tmp_path, demo=False)
     with running(settings) as service:
         for name in ("old.usda", "new.usda"):

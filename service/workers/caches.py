@@ -35,8 +35,8 @@ log = logging.getLogger("pullfocus.service")
 _BASE, _RUN, _LOCK = "base-", "run-", "lock"
 _LIBRARIES = Path("/etc/ld.so.cache")
 """Written anew when a library, such as a driver, is installed."""
-KEPT_BASE_S = 14 * 86400.0
-"""Time after which a base that no worker has begun with is removed."""
+KEPT_BASES, KEPT_BASE_S = 8, 14 * 86400.0
+"""Bases that are kept, those that workers began with last, and time for which they are kept at most."""
 
 
 class Caches:
@@ -146,9 +146,10 @@ def _sweep(folder: Path, own: Path, base: Path) -> None:
             with suppress(OSError), (run / _LOCK).open("w") as lock:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # fails where the service lives
                 remove_tree(run)
-    for old in folder.glob(f"{_BASE}*"):
-        with suppress(OSError):
-            if old != base and old.stat().st_mtime < time.time() - KEPT_BASE_S:
+    with suppress(FileNotFoundError):  # another service removes them
+        used_s = {old: old.stat().st_mtime for old in folder.glob(f"{_BASE}*") if old != base}
+        for place, old in enumerate(sorted(used_s, key=lambda old: -used_s[old]), start=1):
+            if place >= KEPT_BASES or used_s[old] < time.time() - KEPT_BASE_S:
                 remove_tree(old)
 
 

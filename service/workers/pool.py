@@ -106,10 +106,16 @@ class WorkerPool:
 
     def end_full(self) -> None:
         """End the processes whose caches hold more than they may."""
-        if self._caches is not None:
-            for process in self.processes():
-                if process.cache is not None and self._caches.is_full(process.cache):
-                    process.kill("disk")
+        caches = self._caches
+        if caches is None:
+            return
+        full = [each for each in self.processes() if each.cache is not None and caches.is_full(each.cache)]
+        with self._lock:
+            idle = [process for process in full if process in self._idle]
+            self._idle = [process for process in self._idle if process not in idle]
+        self._end(idle, "disk")
+        for process in full:
+            process.kill("disk")
 
     def close(self) -> None:
         """End all processes that are idle, and the template, which ends the others."""

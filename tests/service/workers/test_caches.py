@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from service.workers import caches, folders, own_cache
-from service.workers.caches import KEPT_BASE_S, Caches
+from service.workers.caches import KEPT_BASE_S, KEPT_BASES, Caches
 from service.workers.calls import call
 from service.workers.errors import UnfitError
 from service.workers.folders import is_fuller, remove_tree
@@ -20,7 +20,7 @@ from service.workers.places import Place
 from service.workers.roles import role
 from tests.service.conftest import until
 from tests.service.workers.fake_work import Tally, read, temporary_folder, try_to_change, write
-from tests.service.workers.kit import LIMITS, WAIT_S, tally_lane, tally_pool
+from tests.service.workers.kit import LIMITS, WAIT_S, tally_lane, tally_pool, wait_until_idle
 
 ROOM, HALL = Place("room"), Place("hall")
 MOST_BYTES = 1 << 20
@@ -97,6 +97,17 @@ def test_a_worker_that_fills_the_disk_is_ended(shared):
     assert blamed == [("room", "disk")]
 
 
+def test_an_idle_worker_that_has_filled_the_disk_is_ended(shared):
+    with tally_pool(caches=shared) as pool, tally_lane(pool) as lane:
+        own = Path(lane.submit(call(temporary_folder), ROOM).result(WAIT_S))
+        for part in range(2):
+            lane.submit(call(write, f"{own}/{part}", bytes(MOST_BYTES)), ROOM).result(WAIT_S)
+        wait_until_idle(lane)
+        pool.end_full()
+        until(lambda: not own.exists())
+        assert pool.processes() == []
+
+
 def test_a_base_survives_its_service(tmp_path):
     for content in ("first", "second"):
         with closing(caches_in(tmp_path)) as made:
@@ -138,7 +149,7 @@ def test_a_start_removes_what_ended_services_left(tmp_path, shared):
     dead = folder / "run-0123456789abcdef"
     (dead / "base").mkdir(parents=True)
     (dead / "base" / "half").write_text("half")
-    ages_s = {"old": 2 * KEPT_BASE_S, "recent": 60.0}
+    ages_s = {"old": 2 * KEPT_BASE_S} | {f"recent{age_s}": age_s for age_s in range(60, 60 + KEPT_BASES)}
     for name, age_s in ages_s.items():
         (folder / f"base-{name}").mkdir()
         os.utime(folder / f"base-{name}", (time.time() - age_s,) * 2)
@@ -146,9 +157,10 @@ def test_a_start_removes_what_ended_services_left(tmp_path, shared):
     living = shared.create()
 
     with closing(caches_in(folder)):
-        until(lambda: not dead.exists() and not (folder / "base-old").exists())
+        unused = folder / f"base-recent{59 + KEPT_BASES}"
+        until(lambda: not dead.exists() and not (folder / "base-old").exists() and not unused.exists())
         assert living.exists()
-        assert (folder / "base-recent").exists()
+        assert len(list(folder.glob("base-recent*"))) == KEPT_BASES - 1
         assert (folder / "of somebody else").exists()
 
 

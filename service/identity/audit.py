@@ -10,6 +10,7 @@ A full file becomes ``audit.jsonl.1``, and so on up to `KEPT_FILES`.
 
 from __future__ import annotations
 
+import errno
 import json
 import logging
 import os
@@ -44,7 +45,10 @@ class AuditLog:
             try:
                 size = os.fstat(descriptor).st_size
                 is_cut = size > 0 and os.pread(descriptor, 1, size - 1) != b"\n"  # by a crash or a full disk
-                os.write(descriptor, ("\n" * is_cut + line).encode())
+                content = ("\n" * is_cut + line).encode()
+                if os.write(descriptor, content) < len(content):  # the disk has room for a part of it
+                    os.ftruncate(descriptor, size)
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             finally:
                 os.close(descriptor)
         except OSError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import stat
 
 from service.identity import rate, sessions
@@ -18,6 +19,18 @@ class Clock:
 
     def __call__(self) -> float:
         return self.now_s
+
+
+def test_a_line_that_the_disk_takes_in_part_is_left_out(tmp_path, monkeypatch, caplog):
+    log, write = AuditLog(tmp_path / "audit.jsonl"), os.write
+    log.write({"what": "first"})
+    with monkeypatch.context() as full:
+        full.setattr(os, "write", lambda descriptor, content: write(descriptor, content[:5]))
+        log.write({"what": "second"})
+    log.write({"what": "third"})
+    lines = (tmp_path / "audit.jsonl").read_text().splitlines()
+    assert [json.loads(line)["what"] for line in lines] == ["first", "third"]
+    assert "second" in caplog.text
 
 
 def test_a_bucket_empties_and_fills():

@@ -107,7 +107,18 @@ class _PoolCollector(Collector):
         )
         for name, total in self._memory_bytes().items():
             memory.add_metric([name], total)
-        return starts, ends, memory
+        peak = GaugeMetricFamily(
+            "pullfocus_worker_peak_memory_bytes",
+            "Most memory that one worker process has held, ended ones included.",
+            labels=["worker"],
+        )
+        limit = GaugeMetricFamily(
+            "pullfocus_worker_memory_limit_bytes", "Memory that one worker process may take.", labels=["worker"]
+        )
+        for role, held in self._pool.peaks().items():
+            peak.add_metric([role.name], held)
+            limit.add_metric([role.name], role.limits.memory_bytes)
+        return starts, ends, memory, peak, limit
 
     def _memory_bytes(self) -> Counts[str]:
         total: Counts[str] = Counts()

@@ -46,6 +46,7 @@ class WorkerPool:
         self.template = template
         self.starts: Counter[str] = Counter()
         self.ends: Counter[tuple[str, End]] = Counter()
+        self._peaks: dict[Role[Any], int] = {}
         self._max_bytes = max_bytes
         self._max_idle = max_idle
         self._on_blame = on_blame
@@ -70,6 +71,7 @@ class WorkerPool:
         started = self._start(role, place, gpu)
         with self._lock:
             self.starts[role.name] += 1
+            self._peaks.setdefault(role, 0)
             self._busy.add(started)
         return started
 
@@ -103,6 +105,14 @@ class WorkerPool:
         """Return all processes, idle ones first."""
         with self._lock:
             return [*self._idle, *self._busy]
+
+    def peaks(self) -> dict[Role[Any], int]:
+        """Return the most memory that a process of each role has held so far, bytes."""
+        with self._lock:
+            peaks, living = self._peaks.copy(), [*self._idle, *self._busy]
+        for process in living:
+            peaks[process.role] = max(peaks[process.role], process.peak_bytes())
+        return peaks
 
     def end_full(self) -> None:
         """End the processes whose caches hold more than they may."""
@@ -166,5 +176,6 @@ class WorkerPool:
             end = process.close(why)
             with self._lock:
                 self.ends[process.role.name, end] += 1
+                self._peaks[process.role] = max(self._peaks.get(process.role, 0), process.peak_bytes())
             if self._caches is not None and process.cache is not None:
                 self._caches.discard(process.cache)

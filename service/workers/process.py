@@ -91,6 +91,7 @@ class WorkerProcess(Generic[State]):
         self._template = template
         self._ending: End | None = None
         self._is_reaped = False
+        self._peak_bytes = 0
         self._lock = threading.Lock()
         self._oom_kills = _count_oom_kills()
         try:
@@ -133,6 +134,14 @@ class WorkerProcess(Generic[State]):
             _, resident, shared, *_ = Path(f"/proc/{self.pid}/statm").read_text().split()
             return (int(resident) - int(shared)) * _PAGE_BYTES
         return 0
+
+    def peak_bytes(self) -> int:
+        """Most memory that the worker has held, with what it shares with its template; once it has ended, until its end."""
+        with suppress(OSError):
+            for line in Path(f"/proc/{self.pid}/status").read_text().splitlines() if self.end is None else ():
+                if line.startswith("VmHWM:"):
+                    return int(line.split()[1]) * 1024
+        return self._peak_bytes
 
     def call(self, call: Call[State, Reply], cpu_s: float) -> Reply:
         """Run a call in the worker.
@@ -239,8 +248,9 @@ class WorkerProcess(Generic[State]):
                 self._forked.kill()  # it may have closed its pipe and go on
                 self._is_reaped = True  # its number may be another process's from here on
                 self._pipe.close()
-                end = _judge(self._template.reap(self._forked), self.role, _count_oom_kills() - self._oom_kills)
-                self.end = self._ending or end
+                found = self._template.reap(self._forked)
+                self._peak_bytes = found.peak_bytes if found is not None else 0
+                self.end = self._ending or _judge(found, self.role, _count_oom_kills() - self._oom_kills)
             return self.end
 
 

@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from tests.hostile.corpus import corpus
-from tests.hostile.runner import Verdict, run_cases
+from tests.hostile.runner import Verdict, peak_memory, run_cases
 from tests.hostile.world import hostile_world
 
 
@@ -29,10 +29,12 @@ def main() -> int:
         ):
             verdicts.append(verdict)
             print(json.dumps(dataclasses.asdict(verdict)) if options.json else _row(verdict), flush=True)
+        peaks = peak_memory(world.client)
     bad = [verdict for verdict in verdicts if not verdict.is_good]
-    slowest, peak = max(v.seconds for v in verdicts), max(v.peak_mib for v in verdicts)
+    slowest = max(v.seconds for v in verdicts)
+    memory = ", ".join(f"{worker} {peak:,} of {limit:,}" for worker, (peak, limit) in sorted(peaks.items()))
     print(
-        f"{len(verdicts)} files, {len(bad)} bad, slowest {slowest:.1f} s, largest worker {peak:,} MiB", file=sys.stderr
+        f"{len(verdicts)} files, {len(bad)} bad, slowest {slowest:.1f} s; peak memory, MiB: {memory}", file=sys.stderr
     )
     return bool(bad)
 

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import httpx
+from prometheus_client.parser import text_string_to_metric_families
 
 from tests.hostile.corpus import Canaries, Case
 
 MAX_ANSWER_S = 60.0
 FRAME = "/frame?time=1&width=64&rays=8&layers=2"
-READS = ("", "/inspect", FRAME, f"{FRAME}&format=exr", "/camera/grades?time=1")
+READS = (
+    "",
+    "/inspect",
+    "/cameras",
+    "/readout?time=1",
+    "/focus-curve",
+    FRAME,
+    f"{FRAME}&format=exr",
+    "/camera/grades?time=1",
+)
 
 
 @dataclass(frozen=True)
@@ -26,7 +34,8 @@ class Verdict:
         statuses: of the upload and, where it was taken, of the reads and of the deletion.
         seconds: time of all.
         leaks: canaries that were seen in an answer.
-        peak_mib: largest memory of a worker so far.
+        peak_mib: largest memory of a worker so far, of those that have ended too.
+        is_within_memory: whether each worker has kept to its limit so far.
     """
 
     case: str
@@ -34,11 +43,12 @@ class Verdict:
     seconds: float
     leaks: tuple[str, ...]
     peak_mib: int
+    is_within_memory: bool
 
     @property
     def is_good(self) -> bool:
-        """Whether no answer was a fault of the service, and nothing came from outside of the upload."""
-        return not self.leaks and all(status < 500 for status in self.statuses)
+        """Whether no answer was a fault of the service, nothing came from outside of the upload, and memory sufficed."""
+        return not self.leaks and self.is_within_memory and all(status < 500 for status in self.statuses)
 
 
 def run_cases(
@@ -65,27 +75,16 @@ def run_cases(
         texts = [answer.text for answer in answers if "json" in answer.headers.get("content-type", "")]
         seen += [place for place in places if place not in sent_by_us and any(place in text for text in texts)]
         statuses = tuple(answer.status_code for answer in answers)
-        yield Verdict(case.name, statuses, time.monotonic() - begun_s, tuple(seen), peak_mib())
+        seconds, peaks = time.monotonic() - begun_s, peak_memory(client).values()
+        is_within = all(peak < limit for peak, limit in peaks)
+        yield Verdict(case.name, statuses, seconds, tuple(seen), max(peak for peak, _ in peaks), is_within)
 
 
-def peak_mib() -> int:
-    """Largest memory that a process below this one has had, of those that live."""
-    parents, peaks = {}, {}
-    for folder in Path("/proc").iterdir():
-        if folder.name.isdecimal():
-            try:
-                lines = (folder / "status").read_text().splitlines()
-            except OSError:  # it has ended
-                continue
-            values = dict(line.split(":", 1) for line in lines if ":" in line)
-            parents[int(folder.name)] = int(values["PPid"])
-            peaks[int(folder.name)] = int(values.get("VmHWM", "0 kB").split()[0]) // 1024
-    return max((peaks[pid] for pid in parents if _is_below(pid, parents)), default=0)
-
-
-def _is_below(pid: int, parents: dict[int, int]) -> bool:
-    while pid in parents:
-        pid = parents[pid]
-        if pid == os.getpid():
-            return True
-    return False
+def peak_memory(client: httpx.Client) -> dict[str, tuple[int, int]]:
+    """For each kind of worker, the most memory that one has held so far and that it may take, MiB."""
+    found: dict[str, list[int]] = {}
+    for family in text_string_to_metric_families(client.get("/metrics").text):
+        if family.name in ("pullfocus_worker_peak_memory_bytes", "pullfocus_worker_memory_limit_bytes"):
+            for sample in family.samples:
+                found.setdefault(sample.labels["worker"], []).append(int(sample.value) >> 20)
+    return {worker: (peak, limit) for worker, (peak, limit) in found.items()}

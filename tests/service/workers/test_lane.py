@@ -338,6 +338,17 @@ def test_shots_stay_open_while_memory_allows():
         assert {process.place.key for process in pool.processes()} == {"b", "c"}
 
 
+def test_the_most_memory_is_known_of_ended_workers_too():
+    with tally_pool() as pool, tally_lane(pool) as lane:
+        lane.submit(call(hold_memory, 200 << 20), Place("a")).result(WAIT_S)
+        while_alive = pool.peaks()
+        pool.close_place("a")
+        lane.submit(call(echo), Place("b")).result(WAIT_S)
+        afterwards = pool.peaks()
+    for peaks in (while_alive, afterwards):
+        assert 200 << 20 < peaks[lane.role] < 600 << 20
+
+
 def test_workers_that_draw_are_spread_over_the_gpus():
     with tally_pool(gpus=2) as pool, tally_lane(pool, options={"draws": True}) as lane:
         seen = [lane.submit(call(chosen_gpu), Place(str(n))).result(WAIT_S) for n in range(3)]

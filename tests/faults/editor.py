@@ -6,11 +6,12 @@ import random
 import threading
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import Any
 
 import httpx
 
 from tests.faults.expected_history import ExpectedHistory, Step
-from tests.service.conftest import ROOM, send
+from tests.service.conftest import ROOM
 
 ANSWER_S = 120.0
 """Time after which a request counts as lost for good: more than any fault of a run lasts."""
@@ -148,10 +149,11 @@ class Visitor:
 
     def step(self) -> None:
         """Upload a shot, look at it and delete the one before."""
-        sent = self._try("POST", "")
+        sent = self._try("POST", "", "upload", files={"file": ("room.usda", ROOM.encode())})
         if sent is not None and sent.status_code == 201:
             shot = sent.json()["id"]
             self._try("GET", f"/{shot}/frame?time=1&width=8&seed={self._log.counts['frame']}", "frame")
+            self._try("POST", f"/{shot}/pick", "pick", json={"time": 1, "width": 160, "height": 90, "x": 60, "y": 45})
             self._delete_others(shot)
             self._kept.add(shot)
 
@@ -177,12 +179,9 @@ class Visitor:
             answer = self._try("DELETE", f"/{old}", "delete")
             (self._deleted if answer is not None and answer.status_code == 204 else self._unknown).add(old)
 
-    def _try(self, method: str, path: str, name: str = "upload") -> httpx.Response | None:
+    def _try(self, method: str, path: str, name: str, **content: Any) -> httpx.Response | None:
         try:
-            if method == "POST":
-                answer = send(self._client, "room.usda", ROOM.encode())
-            else:
-                answer = self._client.request(method, f"/v1/shots{path}")
+            answer = self._client.request(method, f"/v1/shots{path}", **content)
         except httpx.TransportError:
             return None
         if answer.status_code < 300:

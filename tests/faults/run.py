@@ -109,13 +109,15 @@ class Run:
     def _failures(self) -> list[str]:
         """Ask for what needs a worker of each kind. Returns what failed."""
         failures = []
-        for path in ("", "/frame?time=1&width=8"):
+        pixel = {"time": 1, "width": 160, "height": 90, "x": 60, "y": 45}
+        for method, path, body in (("GET", "", None), ("GET", "/frame?time=1&width=8", None), ("POST", "/pick", pixel)):
             try:
-                answer = httpx.get(f"{self._service.address}/v1/shots/{self._shot}{path}", timeout=HEAL_S)
+                url = f"{self._service.address}/v1/shots/{self._shot}{path}"
+                answer = httpx.request(method, url, json=body, timeout=HEAL_S)
                 if answer.status_code != 200:
-                    failures.append(f"GET shot{path}: {answer.status_code} {answer.text[:200]}")
+                    failures.append(f"{method} shot{path}: {answer.status_code} {answer.text[:200]}")
             except httpx.TransportError as error:
-                failures.append(f"GET shot{path}: {error!r}")
+                failures.append(f"{method} shot{path}: {error!r}")
         return failures
 
 

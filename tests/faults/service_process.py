@@ -18,6 +18,8 @@ import httpx
 START_S = 60.0
 ORPHAN_S = 2.0
 READ_NICENESS, FINAL_NICENESS = 5, 10
+DRIVERS = "libgallium", "_dri.so", "nvidia-eglcore"
+"""Parts of the names of libraries that a worker maps when it draws."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,7 @@ class ServiceProcess:
         raise AssertionError(f"the service does not answer within {START_S:g} s: {self.log_tail()}")
 
     def kill(self) -> None:
-        """End it by a signal that it cannot see, and note which of its processes go on."""
+        """End it by a signal that it cannot see, and note which of its processes go on; they are ended too."""
         assert self._process is not None
         children = descendants(self._process.pid)
         self._process.send_signal(signal.SIGKILL)
@@ -99,7 +101,10 @@ class ServiceProcess:
         until = time.monotonic() + ORPHAN_S
         while any(child.is_there() for child in children) and time.monotonic() < until:
             time.sleep(0.02)
-        self.orphans += [child.pid for child in children if child.is_there()]
+        for child in children:
+            if child.is_there():
+                self.orphans.append(child.pid)
+                os.kill(child.pid, signal.SIGKILL)
 
     def template(self) -> int | None:
         """Process id of the template of the workers."""
@@ -160,7 +165,8 @@ def _kind(pid: int) -> str:
     if niceness == FINAL_NICENESS:
         return "final"
     with suppress(OSError):
-        return "live" if "libgallium" in Path(f"/proc/{pid}/maps").read_text() else "stage"
+        mapped = Path(f"/proc/{pid}/maps").read_text()
+        return "live" if any(driver in mapped for driver in DRIVERS) else "stage"
     return ""
 
 

@@ -230,8 +230,17 @@ class FrameRenderer:
         Raises:
             SettingsError: the engine cannot show the camera's lens.
         """
-        engine_class(settings).check_camera(camera)
+        drawn = self.drawn_camera(camera, settings)
         self.device.peeler.load(self._scenes.scene(scene, camera), shadow_region(camera), is_preview=is_preview)
+        return drawn
+
+    def drawn_camera(self, camera: Camera, settings: FrameSettings) -> Camera:
+        """Return the camera as the engine that settings name draws it: with a closed iris where the engine is sharp.
+
+        Raises:
+            SettingsError: the engine cannot show the camera's lens.
+        """
+        engine_class(settings).check_camera(camera)
         return _close_iris(camera, settings)
 
     def has_loaded(self, scene: Scene, camera: Camera) -> bool:

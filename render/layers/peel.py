@@ -365,6 +365,12 @@ class Peeler:
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
         return targets
 
+    def hand_over(self, cache_slot: str) -> Layers:
+        """Give the layers of a cache slot away, which stay valid until the caller releases their targets."""
+        _, layers = self._kept.pop(cache_slot)
+        del self._targets[cache_slot]
+        return replace(layers, targets=layers.targets.without_slots())
+
     def clear_cache(self) -> None:
         """Discard cached layers, so that the next peeling draws: for time measurements."""
         self._kept = {}

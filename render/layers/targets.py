@@ -8,7 +8,7 @@ over a pixel is packed in the same way.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import moderngl
 import numpy as np
@@ -249,7 +249,7 @@ class LayerTargets:
     @property
     def bytes(self) -> int:
         """Memory on the device, bytes."""
-        return 4 * self.width * self.height + sum(map(texture_bytes, self._textures))
+        return 4 * self.width * self.height * bool(self.depth) + sum(map(texture_bytes, self._textures))
 
     @property
     def _textures(self) -> list[moderngl.Texture | moderngl.TextureArray]:
@@ -257,10 +257,21 @@ class LayerTargets:
         lit = () if self.reflectors is None else self.reflectors.textures
         return [*arrays, self.background, *self.packed_w, *self.packed_slopes, *lit]
 
+    def without_slots(self) -> LayerTargets:
+        """Release what only drawing needs. Returns the textures that were drawn, which no layer can be drawn into any more."""
+        if self.reflectors is not None:
+            for texture in self.reflectors.textures:
+                texture.release()
+        self._delete_slots()
+        return replace(self, reflectors=None, slots=(), depth=0)
+
     def release(self) -> None:
         """Release the memory."""
         for texture in self._textures:
             texture.release()
+        self._delete_slots()
+
+    def _delete_slots(self) -> None:
         _delete_framebuffers(
             *{slot.depth_framebuffer for slot in self.slots}, *(slot.framebuffer for slot in self.slots)
         )

@@ -11,6 +11,7 @@ scene-linear in the working space. Images have row 0 at the top; texture coordin
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -249,6 +250,7 @@ class Scene:
         stage_from_world: ``(4, 4)`` float64, to the stage's own units and up axis.
         camera_light: a light at the camera is added where there is no other.
         material_paths: the paths that material ids index.
+        version: two scenes of equal versions show the same; None where nothing is known.
     """
 
     batches: tuple[Batch, ...] = ()
@@ -259,6 +261,7 @@ class Scene:
     stage_from_world: DoubleArray = field(default_factory=lambda: np.eye(4))
     camera_light: bool = True
     material_paths: tuple[str, ...] = ()
+    version: Hashable = None
 
     def seen_by(self, camera_path: str) -> Scene:
         """The scene as a camera sees it, without what only other cameras see; the same object where there is none of that."""

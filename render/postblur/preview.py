@@ -17,10 +17,12 @@ from render.layers.peel import PREVIEW, SKETCH, Layers, Peeler
 from render.layers.umbra import umbra_reach
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
+from render.model.scene import Scene
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.flag_blur import FlagBlur
 from render.postblur.single_image import SingleImageBlur, largest_radius_px
+from render.postblur.sketches import Sketches, SketchKey
 from render.trace.lens import LensTracer, Stage
 from render.trace.picture_focus import picture_focus
 from render.trace.rays import RayPattern
@@ -42,6 +44,7 @@ class Previewer:
         self._tracer = LensTracer(graphics.ctx, programs, graphics.cancellation)
         self._blur, self._flag = blur, FlagBlur(graphics.ctx, programs, graphics.cancellation)
         self._nearest: tuple[Layers, float] | None = None
+        self._sketches = Sketches()
 
     def peel(
         self,
@@ -51,7 +54,6 @@ class Previewer:
         *,
         unlit: bool,
         sketch: Sketch,
-        sketch_layers: int = LAYERS,
     ) -> tuple[Layers, PinholeView]:
         """Peel the loaded scene, or take the layers that are kept of it.
 
@@ -62,19 +64,58 @@ class Previewer:
             unlit: take base colour for radiance.
             sketch: when to peel coarsely: ``new`` does so for a view seen for the first time. A view that is kept has
                 changed in something that needs no new layers, and is worth the whole size.
-            sketch_layers: layers of a coarse peel.
 
         Returns:
             The layers, and the view they show: the argument, or the same in fewer pixels.
         """
-        width, height = (max(1, round(SKETCH_SHARE * side)) for side in (view.width, view.height))
-        small, wide = _widen(view.resize(width, height)), _widen(view)
+        sketched = _sketched(view)
+        small, wide = _widen(sketched), _widen(view)
         is_new = not peeler.has_layers(wide, unlit=unlit, cache_slot=PREVIEW) and not peeler.has_layers(
             small, unlit=unlit, cache_slot=SKETCH
         )
         if sketch == "always" or (sketch == "new" and is_new):
-            return self._peel(peeler, camera, small, sketch_layers, unlit, SKETCH), view.resize(width, height)
+            return self._peel(peeler, camera, small, LAYERS, unlit, SKETCH), sketched
         return self._peel(peeler, camera, wide, LAYERS, unlit, PREVIEW), view
+
+    def find_sketch(
+        self, scene: Scene, camera: Camera, view: PinholeView, *, unlit: bool
+    ) -> tuple[Layers, PinholeView] | None:
+        """Return the layers of a hurried sketch that is kept, whether or not its scene is loaded, and the view they show.
+
+        Args:
+            scene: what they show.
+            camera: its focus and stop do not matter.
+            view: the largest preview.
+            unlit: base colour was taken for radiance.
+        """
+        if scene.version is None:
+            return None
+        sketched = _sketched(view)
+        kept = self._sketches.find(_sketch_key(scene, camera, sketched, unlit), _widen(sketched))
+        return None if kept is None else (kept, sketched)
+
+    def peel_sketch(
+        self, peeler: Peeler, scene: Scene, camera: Camera, view: PinholeView, *, unlit: bool
+    ) -> tuple[Layers, PinholeView]:
+        """Peel a hurried sketch of the loaded scene, of one layer, and keep it for `find_sketch`; unless layers of it are kept.
+
+        Args:
+            peeler: with the scene loaded.
+            scene: the scene.
+            camera: its focus and stop do not matter.
+            view: the largest preview.
+            unlit: take base colour for radiance.
+
+        Returns:
+            The layers, and the view they show.
+        """
+        if peeler.has_layers(_widen(view), unlit=unlit, cache_slot=PREVIEW):
+            return self.peel(peeler, camera, view, unlit=unlit, sketch="never")
+        sketched = _sketched(view)
+        self._peel(peeler, camera, _widen(sketched), 1, unlit, SKETCH)
+        layers = peeler.hand_over(SKETCH)
+        self._sketches.keep(_sketch_key(scene, camera, sketched, unlit), layers)
+        return layers, sketched
 
     def _peel(
         self, peeler: Peeler, camera: Camera, wide: PinholeView, layers: int, unlit: bool, cache_slot: str
@@ -150,8 +191,18 @@ class Previewer:
     def release(self) -> None:
         """Give the memory back."""
         self._nearest = None
+        self._sketches.release()
         self._flag.release()
         self._tracer.release()
+
+
+def _sketched(view: PinholeView) -> PinholeView:
+    """Return a view in the fewer pixels of a sketch."""
+    return view.resize(*(max(1, round(SKETCH_SHARE * side)) for side in (view.width, view.height)))
+
+
+def _sketch_key(scene: Scene, camera: Camera, sketched: PinholeView, unlit: bool) -> SketchKey:
+    return SketchKey(scene.version, camera.path, sketched.size, unlit)
 
 
 def _widen(view: PinholeView) -> PinholeView:

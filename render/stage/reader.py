@@ -79,6 +79,7 @@ class StageReader:
         self._key: tuple[Usd.TimeCode, str] | None = None
         self._levels = LevelChoice()
         self._changes = 0
+        self._identity = object()
         self._listener = Tf.Notice.Register(Usd.Notice.ObjectsChanged, self._on_change, stage)
 
     @property
@@ -152,6 +153,7 @@ class StageReader:
             stage_from_world=np.asarray(np.linalg.inv(context.world), np.float64),
             camera_light=self._options.camera_light,
             material_paths=tuple(self._material_ids),
+            version=(self._identity, self._changes, time, camera_path if plan.inventory.level_roots else ""),
         )
 
     def _drop_excess(self, batches: list[Batch]) -> list[Batch]:

@@ -17,7 +17,7 @@ from render.model.scene import Scene
 from render.optics.view import PinholeView
 from render.pictures.progressive.clock import Clock
 from render.pictures.progressive.planner import PreviewPlan, PreviewPlanner
-from render.postblur.preview import LAYERS, Sketch
+from render.postblur.preview import Sketch
 from render.trace.lens import Stage as TraceStage
 from render.trace.rays import make_ray_pattern
 
@@ -67,21 +67,25 @@ class LiveFrames:
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         largest = view.resize(*self._planner.largest_size(view.width, view.height))
         with renderer.on_device():
-            camera = renderer.load(scene, camera, settings, is_preview=True)
-            is_blurred = engine_class(settings).preview == "blur" and camera.f_stop > 0
+            drawn = renderer.drawn_camera(camera, settings)
+            is_blurred = engine_class(settings).preview == "blur" and drawn.f_stop > 0
             sketch: Sketch = "never" if rays is not None else "new"
             if is_blurred and not self._planner.can_blur(*largest.size, budget_ms):
                 sketch = "always"
             unlit = settings.shading == "unlit"
             previewer, peeler = renderer.device.previewer, renderer.device.peeler
-            sketch_layers = 1 if is_hurried else LAYERS
-            peeled, largest = previewer.peel(
-                peeler, camera, largest, unlit=unlit, sketch=sketch, sketch_layers=sketch_layers
-            )
+            kept = previewer.find_sketch(scene, camera, largest, unlit=unlit) if is_hurried else None
+            if kept is None:
+                renderer.load(scene, camera, settings, is_preview=True)
+                if is_hurried:
+                    kept = previewer.peel_sketch(peeler, scene, drawn, largest, unlit=unlit)
+                else:
+                    kept = previewer.peel(peeler, drawn, largest, unlit=unlit, sketch=sketch)
+            peeled, largest = kept
             renderer.graphics.ctx.finish()
             clock.note("peel")
             if is_blurred:
-                picture = previewer.blur(peeler, peeled, camera, largest)
+                picture = previewer.blur(peeler, peeled, drawn, largest)
                 self._planner.learn_blur(*largest.size, clock.note("blur"))
                 return picture, 0
             spent_ms = clock.total_ms
@@ -96,7 +100,7 @@ class LiveFrames:
                     fixed_ms = clock.note("blur")
 
             picture = self._trace(
-                peeled, camera, view.resize(plan.width, plan.height), settings, plan, wavelengths, note_fixed
+                peeled, drawn, view.resize(plan.width, plan.height), settings, plan, wavelengths, note_fixed
             )
         took_ms = clock.note("blur")
         if rays is None:

@@ -19,6 +19,7 @@ from render.gl.cancellation import CancellationPoint, Cancelled
 from render.lab.reference.metrics import psnr_db
 from render.layers.peel import Layers, Peeler, PeelKey
 from render.layers.renderer import LayerRenderer
+from render.model.arrays import FloatArray
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
 from render.pictures.progressive import PreviewRequest, ProgressivePicture
@@ -179,6 +180,26 @@ def test_a_hurried_preview_of_a_new_view_has_one_layer(
         request = PreviewRequest("/cam", time, SETTINGS, is_moving=True, is_hurried=is_hurried)
         assert [shown.stage for shown in progressive.pictures(request)] == ["preview"]
     assert layers == [2, 1]
+
+
+def test_hurried_previews_keep_the_layers_of_many_views(
+    progressive: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def preview(time: float) -> FloatArray:
+        request = PreviewRequest("/cam", time, SETTINGS, budget_ms=1000.0, is_moving=True, is_hurried=True)
+        return next(progressive.pictures(request)).graded
+
+    drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
+    shot.camera.set("/cam", focus_distance_m=2.0, f_stop=1.0)
+    first = [preview(time) for time in (1.0, 3.0, 2.0)]
+    assert drawn.since() > 0
+    assert psnr_db(preview(1.0), first[0]) > 50.0
+    shot.camera.set("/cam", focus_distance_m=5.0)
+    assert psnr_db(preview(3.0), first[1]) < 45.0
+    assert drawn.since() == 0
+    UsdGeom.Mesh(shot.stage.GetPrimAtPath("/card")).GetDisplayColorAttr().Set([(0, 0, 1)])
+    preview(1.0)
+    assert drawn.since() > 0
 
 
 def test_a_drag_gets_previews_alone(progressive: ProgressiveRenderer) -> None:

@@ -15,7 +15,7 @@ MAX_BYTES = 256 << 20
 
 @dataclass(frozen=True)
 class SketchKey:
-    """What a sketch shows, but for the view's place and angle.
+    """Scene and size of a sketch: all that it shows, but for the view's place and angle.
 
     Attributes:
         scene: version of the scene (`render.model.scene.Scene.version`).

@@ -15,8 +15,8 @@ from service.workers.process import WorkerProcess
 
 State = TypeVar("State")
 
-LIKE_S = 6.0
-"""Time for which a job keeps those of its shot waiting that would take as long as it in another process."""
+LIKE_CPU_S, LIKE_S = 6.0, 20.0
+"""Processor time, and time, for which a job keeps those of its shot waiting that would take as long as it in another process."""
 FIRST_GRACE_S = 0.25
 """Time that a stream keeps others waiting after its first interruption; it doubles with each further one."""
 
@@ -125,6 +125,7 @@ class Job(Generic[State]):
         begun_s: monotonic time at which it last began to run.
         begun_cpu_s: processor time that its process had used before, s.
         process: runs it, or None.
+        starts_process: whether its process has answered nothing before.
         is_overdue: whether it runs for so long that it no longer keeps others waiting.
         unwanted_s: monotonic time at which the client of a running call went away, or None.
     """
@@ -140,6 +141,7 @@ class Job(Generic[State]):
     begun_s: float = 0.0
     begun_cpu_s: float = 0.0
     process: WorkerProcess[State] | None = None
+    starts_process: bool = False
     is_overdue: bool = False
     unwanted_s: float | None = None
 
@@ -156,6 +158,5 @@ class Job(Generic[State]):
         Args:
             now_s: monotonic time.
         """
-        is_starting = self.process is not None and not self.process.has_served
-        are_alike = is_starting or isinstance(self.work, StreamWork)
-        return not self.is_overdue or (are_alike and now_s - self.begun_s < LIKE_S)
+        are_alike = self.starts_process or isinstance(self.work, StreamWork)
+        return not self.is_overdue or (are_alike and now_s - self.begun_s < LIKE_S and self.cpu_s() < LIKE_CPU_S)

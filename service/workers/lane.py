@@ -48,6 +48,8 @@ MAX_PATIENCE_S = 1.5
 """Time after which it does not, however little of the processor it got."""
 MAX_OVERDUE = 4
 """Jobs of a lane that may be overdue at a time."""
+MAX_START_S = 1.0
+"""Most time that a job is charged with whose process had to be started and to open its shot."""
 UNWANTED_S = 1.0
 """Time that a call may go on after its client has gone, before its process is ended."""
 TICK_S = 0.1
@@ -352,6 +354,7 @@ class Lane(Generic[State]):
         """Note which process runs a job, which may have been cancelled meanwhile."""
         with self._changed:
             job.process, job.begun_cpu_s = process, process.cpu_s()
+            job.starts_process = not process.has_served
             if self._is_closed:
                 process.kill("stopping")
             if isinstance(job.work, StreamWork) and job.unwanted_s is not None:
@@ -366,7 +369,8 @@ class Lane(Generic[State]):
             self._on_finished(finished)
         with self._changed:
             self._running.remove(job)
-            self._order.charge(job, finished.ran_s)
+            is_shared = job.starts_process and not self.role.is_thrown_away  # those who come later use the process, too
+            self._order.charge(job, min(ran_s, MAX_START_S) if is_shared else ran_s)
             if not is_complete:
                 self._requeue(job)
             self._order.forget_absent((*self._running, *self._queue))

@@ -18,7 +18,7 @@ from service.workers import forking
 from service.workers.calls import call
 from service.workers.errors import QueueFullError, StoppingError, WorkerDiedError, WorkerError
 from service.workers.jobs import LIKE_S, Client
-from service.workers.lane import MAX_PATIENCE_S, Lane
+from service.workers.lane import MAX_PATIENCE_S, MAX_START_S, Lane
 from service.workers.places import Place
 from service.workers.pool import WorkerPool
 from service.workers.streaming import CROWD
@@ -187,6 +187,21 @@ def test_cheap_work_has_more_turns_than_dear_work(pool):
         wait_until_idle(lane)
     first_of_dear = order.index("dear")
     assert order[first_of_dear + 1 :].index("dear") >= 3  # cheap ones come between
+
+
+def test_a_viewer_does_not_pay_for_the_start_of_a_process(pool):
+    ended = []
+    with tally_lane(pool, max_waiting=99) as lane:
+        first = lane.submit(call(echo, pause_s=MAX_START_S + 1.0), Place("started"), Client("first", "first"))
+        until(first.running)
+        lane.submit(call(echo, pause_s=MAX_START_S + 0.3), Place("started"), Client("second", "second")).result(WAIT_S)
+        running = lane.submit(call(echo, pause_s=0.3), Place("started"), Client("third", "third"))
+        until(running.running)
+        for name in ("second", "first"):
+            asked = lane.submit(call(echo), Place("started"), Client(name, name))
+            asked.add_done_callback(lambda _, name=name: ended.append(name))
+        wait_until_idle(lane)
+    assert ended == ["first", "second"]
 
 
 def test_a_newer_request_keeps_the_place_of_its_predecessor(pool):

@@ -8,6 +8,8 @@ import signal
 from contextlib import suppress
 from pathlib import Path
 
+import pytest
+
 from service.http import cache_upkeep
 from service.http.settings import Settings
 from tests.service.conftest import ROOM, Running, running, send, until
@@ -31,6 +33,12 @@ def entries_of(folder: Path) -> set[Path]:
 
 def upload(service: Running) -> str:
     return send(service.client, "room.usda", ROOM.encode()).json()["id"]
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    """Let the shaders be compiled as if no user worked meanwhile, however busy the machine of the tests is."""
+    monkeypatch.setattr(cache_upkeep, "NICENESS", 0)
 
 
 def test_a_new_shot_begins_with_the_shaders_of_all_shots(tmp_path):

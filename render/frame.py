@@ -45,6 +45,7 @@ from render.model.scene import Scene
 from render.model.surface_points import SurfacePoints
 from render.optics.distortion import undistort_position
 from render.optics.view import PinholeView
+from render.steps import step
 
 __all__ = ["Frame", "FrameRenderer", "FrameSettings", "Pick"]
 
@@ -231,7 +232,8 @@ class FrameRenderer:
             SettingsError: the engine cannot show the camera's lens.
         """
         drawn = self.drawn_camera(camera, settings)
-        self.device.peeler.load(self._scenes.scene(scene, camera), shadow_region(camera), is_preview=is_preview)
+        with step("load scene"):
+            self.device.peeler.load(self._scenes.scene(scene, camera), shadow_region(camera), is_preview=is_preview)
         return drawn
 
     def drawn_camera(self, camera: Camera, settings: FrameSettings) -> Camera:

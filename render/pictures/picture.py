@@ -29,6 +29,7 @@ from render.shot.film.finish import Finish
 from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
 from render.stage import Finding
+from render.steps import step
 from usd_schemas.units import metres_per_unit
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
@@ -85,9 +86,12 @@ def make_picture(
         CameraError: the prim is no camera, has impossible values, or a shutter that closes before it opens.
         GraphicsError: OpenGL reports an error.
     """
-    camera, finish = prepare_camera(renderer, shot, camera_path, time, settings, grade, stock=stock, choice=choice)
-    frame = expose_frame(renderer, shot, camera_path, camera, time, settings, on_progress)
-    return develop_picture(shot, frame, camera, time, settings, finish, live)
+    with step("prepare camera"):
+        camera, finish = prepare_camera(renderer, shot, camera_path, time, settings, grade, stock=stock, choice=choice)
+    with step("expose frame"):
+        frame = expose_frame(renderer, shot, camera_path, camera, time, settings, on_progress)
+    with step("develop and grade"):
+        return develop_picture(shot, frame, camera, time, settings, finish, live)
 
 
 def prepare_camera(

@@ -26,6 +26,7 @@ from render.model.limits import MAX_LAYERS, MAX_PICTURE_SIDE_PX
 from render.model.mattes import MatteSum
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
+from render.steps import step
 from render.trace.aovs import Measurements, Measurer, chief_hits
 from render.trace.bundles import BundleMaker, merge_wavelengths
 from render.trace.highlights.carrier import HighlightCarrier
@@ -215,7 +216,8 @@ class LensTracer:
         noted = None if mattes is None else (mattes, peeler.number_surfaces(mattes))
 
         def peel(part: PinholeView) -> Layers:
-            return peeler.peel_by(plan.key_of(part))
+            with step("peel layers"):
+                return peeler.peel_by(plan.key_of(part))
 
         if plan.tiles is not None:
             work = TileWork(

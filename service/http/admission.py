@@ -6,6 +6,7 @@ learned from its pictures.
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import OrderedDict
 
@@ -13,7 +14,7 @@ from render.engines import all_engines
 from service.http.errors import ServiceError
 from service.models.frames import PictureQuery
 from service.models.long_exposure import LongExposureBegin
-from service.workers.lane import Finished
+from service.workers.jobs import Finished
 
 RAY_S = 1e-7
 """Processor time of one ray."""
@@ -49,8 +50,8 @@ def estimate_s(picture: PictureSettings) -> float:
     draws = float(picture.motion if picture.motion_by == "moments" else 1)
     if engine.draws_each_ray:
         draws = max(draws, rays)
-    one_draw_s = SCENE_S + LAYER_PIXEL_S * pixels * picture.layers * (picture.supersample or SUPERSAMPLE) ** 2
-    return draws * one_draw_s + (RAY_S * pixels * rays if engine.has_rays else 0.0)
+    layer_pixels = pixels * picture.layers * (picture.supersample or SUPERSAMPLE) ** 2
+    return draws * (SCENE_S + LAYER_PIXEL_S * layer_pixels) + (RAY_S * pixels * rays if engine.has_rays else 0.0)
 
 
 class Admission:
@@ -75,7 +76,10 @@ class Admission:
         Raises:
             ServiceError: 422, the picture is expected to take longer than the limit.
         """
-        ordinary_s = estimate_s(picture)
+        try:
+            ordinary_s = estimate_s(picture)
+        except OverflowError:
+            ordinary_s = math.inf
         with self._lock:
             expected_s = ordinary_s * self._factors.get(shot_id, 1.0)
         if expected_s > self._limit_s:

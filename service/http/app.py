@@ -46,6 +46,7 @@ from service.http.security_headers import SecurityHeadersMiddleware
 from service.http.service import Service
 from service.http.settings import Settings
 from service.http.stopping import StoppingMiddleware
+from service.http.tracing import install_tracing
 from service.workers.errors import WorkerError
 
 log = logging.getLogger("pullfocus.service")
@@ -81,6 +82,7 @@ def create_app(settings: Settings) -> FastAPI:
                 task.cancel()
             service.long_exposures.close()
             await run_in_threadpool(service.close)
+            await run_in_threadpool(end_tracing)
 
     hide_folder(settings.data)
     app = FastAPI(
@@ -102,6 +104,7 @@ def create_app(settings: Settings) -> FastAPI:
     install_error_handlers(app)
     app.add_middleware(SecurityHeadersMiddleware)
     app.add_middleware(RequestContextMiddleware)
+    end_tracing = install_tracing(app, settings)
     lens = (cameras, photography, metering, lenses, libraries)
     for routes in (
         shots,

@@ -22,7 +22,8 @@ from typing import Any
 from service.http.settings import MEBIBYTE, Settings
 from service.picture.calls import state
 from service.stage.calls import opened
-from service.workers.lane import Finished, Lane
+from service.workers.jobs import Finished
+from service.workers.lane import Lane
 from service.workers.pool import WorkerPool
 from service.workers.roles import role
 from service.workers.sandbox import Limits

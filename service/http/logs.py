@@ -8,13 +8,13 @@ import sys
 from datetime import UTC, datetime
 from typing import Literal
 
-from service.http.request_context import request_id
+from service.http.request_context import request_id, trace_id
 
 LogFormat = Literal["text", "json"]
 
 
 class JsonFormatter(logging.Formatter):
-    """Formats a record as ``{time, level, logger, message}``, with ``request_id``, ``fault`` and the fields of an answer."""
+    """Formats a record as ``{time, level, logger, message}``, with ``request_id``, ``trace_id``, ``fault``, and fields."""
 
     def format(self, record: logging.LogRecord) -> str:
         """Return one line."""
@@ -26,6 +26,8 @@ class JsonFormatter(logging.Formatter):
         }
         if request_id.get():
             line["request_id"] = request_id.get()
+        if trace_id.get():
+            line["trace_id"] = trace_id.get()
         if record.exc_info:
             line["fault"] = self.formatException(record.exc_info)
         fields = {key: value for key, value in getattr(record, "fields", {}).items() if value is not None}

@@ -12,7 +12,7 @@ from prometheus_client.registry import Collector
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.lanes import Lanes
-from service.workers.lane import Finished
+from service.workers.jobs import Finished
 from service.workers.pool import WorkerPool
 
 BUCKETS_S = (0.005, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 60)

@@ -19,6 +19,8 @@ _MAX_PATH = 200
 
 request_id: ContextVar[str] = ContextVar("request_id", default="")
 """Id of the request that the present task answers; empty outside requests."""
+trace_id: ContextVar[str] = ContextVar("trace_id", default="")
+"""Id of the trace of that request, in hexadecimal digits; empty where nothing is traced."""
 
 
 class RequestContextMiddleware:

@@ -32,7 +32,7 @@ from service.storage.trash import Trash
 from service.workers.caches import Caches
 from service.workers.calls import call
 from service.workers.forking import Template
-from service.workers.lane import Finished
+from service.workers.jobs import Finished
 from service.workers.places import Place
 from service.workers.pool import WorkerPool
 from service.workers.sandbox import support, worker_environment

@@ -35,6 +35,8 @@ class Settings:
         port: port to listen on; 0 takes a free one.
         trusted_proxies: addresses of proxies whose `X-Forwarded-For` and `X-Forwarded-Proto` headers are believed.
         log_format: `text` for people or `json` for programs. The default is text on a terminal, and JSON elsewhere.
+        otlp_endpoint: address of an OpenTelemetry collector that traces of requests are sent to over HTTP, such as
+            `http://localhost:4318`; it needs `pullfocus[tracing]`. The default is that of `OTEL_EXPORTER_OTLP_ENDPOINT`, if any.
         data: folder of shots and their edits; created when missing.
         demo: whether the demo shot is written there at start.
         static: folder of the built page.
@@ -77,6 +79,7 @@ class Settings:
     port: int = 8000
     trusted_proxies: tuple[str, ...] = ()
     log_format: LogFormat | None = None
+    otlp_endpoint: str = ""
     data: Path = field(default_factory=default_data_folder)
     demo: bool = True
     static: Path = Path(__file__).parents[1] / "static"

@@ -93,6 +93,11 @@ FileContent = Annotated[
     WithJsonSchema({"type": "string", "format": "byte", "contentEncoding": "base64"}),
 ]
 Vector3 = tuple[float, float, float]
+Pair = Annotated[
+    tuple[float, float],
+    WithJsonSchema({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}),
+]
+"""Two numbers of one kind, documented without `prefixItems`, which drafts of JSON Schema before 2020-12 call `items`."""
 
 # Bounds of what is written to USD, so that no number overflows in later computations.
 TimeCode = Annotated[float, Field(ge=-1e9, le=1e9)]

@@ -7,7 +7,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
-from service.models.base import Distance, Finding, Model, PointName, PrimPath, TimeCode, shown_as
+from service.models.base import Distance, Finding, Model, Pair, PointName, PrimPath, TimeCode, shown_as
 from service.models.lenses import LensModel
 from service.models.settings import edit_field
 from service.models.shots import CameraChoice
@@ -207,7 +207,7 @@ class PlaceReadout(Model):
     camera: str | None = Field(description="Prim path; null for the camera that frames a shot which has none.")
     time: float = Field(description="USD time code.")
     point: str | None = Field(description="Name of the requested focus point, if any.")
-    screen: tuple[float, float] = Field(description="Point of the picture, 0 to 1 from its top left corner.")
+    screen: Pair = Field(description="Point of the picture, 0 to 1 from its top left corner.")
     depth_m: Distance = Field(description="Depth of the surface there, along the view axis; null is infinity.")
     focus_distance_m: Distance = Field(description="Depth of the focal surface at that point; null is infinity.")
     near_m: Distance = Field(description="Nearest depth that is sharp at that point; null is infinity.")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 from pydantic.config import JsonDict
 
 from service.models.base import Distance, Model, shown_as
@@ -106,6 +106,36 @@ class FocusCurve(Model):
     frames_per_second: float
     time_codes_per_second: float
     samples: list[CurveSample]
+
+
+class Timeline(BaseModel):
+    """The focus curve as OpenTimelineIO: a clip with markers where something is sharp, and with the curve as metadata."""
+
+    model_config = ConfigDict(extra="allow")
+
+    name: str
+    tracks: dict[str, Any]
+
+
+class TrackingProtocol(Model):
+    """Protocol of a tracking sample."""
+
+    name: Literal["OpenTrackIO"]
+    version: list[int]
+
+
+class TrackingSample(BaseModel):
+    """The lens at one frame, as a sample of OpenTrackIO."""
+
+    model_config = ConfigDict(extra="allow")
+
+    protocol: TrackingProtocol
+    lens: dict[str, Any]
+    timing: dict[str, Any]
+
+
+CurveFile = FocusCurve | Timeline | list[TrackingSample]
+"""Focus curve in the formats of JSON: `json`, `otio` and `opentrackio`."""
 
 
 class CurveFinding(Model):

@@ -7,7 +7,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
-from service.models.base import Distance, Model, PointName, PrimPath, TimeCode, shown_as
+from service.models.base import Distance, Model, Pair, PointName, PrimPath, TimeCode, shown_as
 
 EQUIVALENT_EXAMPLE: JsonDict = {"fStop": 2.8, "exposureTimeS": 0.02083, "shutterAngleDeg": 180.0}
 READOUT_EXAMPLE: JsonDict = {
@@ -131,7 +131,7 @@ class MeterReading(Model):
     camera: str
     time: float
     mode: MeterMode
-    place: tuple[float, float] | None = Field(
+    place: Pair | None = Field(
         description="Position of the spot, from the picture's top left corner; null for the other modes, and outside the picture."
     )
     luminance_nits: float = Field(description="Mean luminance of the metered area; 0 for black.")

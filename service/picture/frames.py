@@ -11,6 +11,7 @@ from render.output import encode
 from render.pictures.picture import make_picture
 from render.pictures.picture_height import picture_height
 from render.shot import Shot
+from render.steps import step
 from service.models.focus import Anchor, Pick
 from service.models.picture_size import check_pixels
 from service.models.shots import PickRequest
@@ -52,7 +53,8 @@ def render_frame(state: PictureWorkerState, request: FrameRequest, file_format: 
             choice=grade_choice(request),
             live=state.live_finisher if live else None,
         )
-        return encode(file_format, picture.frame, picture.graded, picture.metadata)
+        with step("encode"):
+            return encode(file_format, picture.frame, picture.graded, picture.metadata)
 
 
 def frame_settings(request: FrameRequest, shot: Shot) -> FrameSettings:

@@ -14,6 +14,7 @@ from render.model.edit_history import EditHistory, revision_of
 from render.shot import Shot
 from render.shot.edits.edit_layer import EditsSnapshot
 from render.stage.faults import faults_of_stage
+from render.steps import step
 from service.edit_context import ANY_CONTEXT, EditContext
 from service.storage.edit_files import clear_unfinished, load_history, save_edits
 from service.storage.store import ShotRecord
@@ -102,7 +103,8 @@ class OpenedShot:
             if not record.root_path.is_file():
                 raise NotFoundError(f"There is no shot {record.id!r} any more.", code="shot_not_found", path=record.id)
             edits = record.edits if load_edits and record.edits.is_file() else None
-            shot = Shot.open(record.root_path, confined_to=record.files, edits=edits)
+            with step("open shot"):
+                shot = Shot.open(record.root_path, confined_to=record.files, edits=edits)
             kept = _load_history(record) if load_edits else None  # a picture worker may not read it
             if kept is not None:
                 shot.edits.resume(kept)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
+from render.steps import Step
 from service.workers.calls import Call, StreamCall
 from service.workers.errors import SupersededError
 from service.workers.places import Place
@@ -36,6 +38,43 @@ class Client:
 
 NOBODY = Client()
 """The service itself."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A job that was run.
+
+    Attributes:
+        lane: name of the lane.
+        client: who it was done for.
+        place: the shot that it was about.
+        waited_s: time in the queue, s.
+        ran_s: time in the worker, s.
+        cpu_s: processor time of the worker, s.
+        estimate_s: processor time that it was expected to take, s; 0 where nobody has estimated it.
+        error: what ended it, or None.
+        ended_ns: time at which it ended, ns since 1970.
+        worker: process id of its worker; 0 where there was none.
+        steps: times of the call and its parts in the worker, where an observer asked for them.
+    """
+
+    lane: str
+    client: Client
+    place: Place
+    waited_s: float
+    ran_s: float
+    cpu_s: float
+    estimate_s: float
+    error: Exception | None
+    ended_ns: int = 0
+    worker: int = 0
+    steps: tuple[Step, ...] = ()
+
+
+Observer = Callable[[Finished], None]
+
+observer: ContextVar[Observer | None] = ContextVar("observer", default=None)
+"""Told of the jobs that the present task has begun, when they have ended. It must not raise. None for nobody."""
 
 
 @dataclass(eq=False)
@@ -128,6 +167,9 @@ class Job(Generic[State]):
         starts_process: whether its process has answered nothing before.
         is_overdue: whether it runs for so long that it no longer keeps others waiting.
         unwanted_s: monotonic time at which the client of a running call went away, or None.
+        observer: told when it has run.
+        worker: process id of the last worker that ran it; 0 for none.
+        steps: times that it told.
     """
 
     work: CallWork[State] | StreamWork[State]
@@ -144,6 +186,9 @@ class Job(Generic[State]):
     starts_process: bool = False
     is_overdue: bool = False
     unwanted_s: float | None = None
+    observer: Observer | None = field(default_factory=observer.get)
+    worker: int = 0
+    steps: tuple[Step, ...] = ()
 
     def cpu_s(self) -> float:
         """Return the processor time that it has used since it last began, s."""

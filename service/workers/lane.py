@@ -25,13 +25,12 @@ from collections import Counter
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from service.workers.calls import Call, StreamCall
 from service.workers.errors import QueueFullError, StoppingError, SupersededError, WorkerDiedError
 from service.workers.job_order import JobOrder
-from service.workers.jobs import NOBODY, CallWork, Client, Job, StreamWork
+from service.workers.jobs import NOBODY, CallWork, Client, Finished, Job, StreamWork
 from service.workers.places import NOWHERE, Place
 from service.workers.pool import WorkerPool
 from service.workers.process import NotBegunError, WorkerProcess
@@ -55,31 +54,6 @@ UNWANTED_S = 1.0
 TICK_S = 0.1
 ATTEMPTS = 3
 """Processes that a call is sent to, where each has ended before it began."""
-
-
-@dataclass(frozen=True)
-class Finished:
-    """A job that was run.
-
-    Attributes:
-        lane: name of the lane.
-        client: who it was done for.
-        place: the shot that it was about.
-        waited_s: time in the queue, s.
-        ran_s: time in the worker, s.
-        cpu_s: processor time of the worker, s.
-        estimate_s: processor time that it was expected to take, s; 0 where nobody has estimated it.
-        error: what ended it, or None.
-    """
-
-    lane: str
-    client: Client
-    place: Place
-    waited_s: float
-    ran_s: float
-    cpu_s: float
-    estimate_s: float
-    error: Exception | None
 
 
 class Lane(Generic[State]):
@@ -347,14 +321,16 @@ class Lane(Generic[State]):
             except NotBegunError:
                 continue
             finally:
+                job.steps = process.steps
                 self.pool.give_back(process)
         raise WorkerDiedError(f"The {self.role.name} worker ended before it began with this request.", "killed")
 
     def _attach(self, job: Job[State], process: WorkerProcess[State]) -> None:
         """Note which process runs a job, which may have been cancelled meanwhile."""
         with self._changed:
-            job.process, job.begun_cpu_s = process, process.cpu_s()
+            job.process, job.begun_cpu_s, job.worker = process, process.cpu_s(), process.pid
             job.starts_process = not process.has_served
+            process.records_steps = job.observer is not None
             if self._is_closed:
                 process.kill("stopping")
             if isinstance(job.work, StreamWork) and job.unwanted_s is not None:
@@ -364,9 +340,23 @@ class Lane(Generic[State]):
     def _finish(self, job: Job[State], *, is_complete: bool, cpu_s: float, error: Exception | None) -> None:
         now_s = time.monotonic()
         waited_s, ran_s = job.begun_s - job.queued_s, now_s - job.begun_s
-        finished = Finished(self.role.name, job.client, job.place, waited_s, ran_s, cpu_s, job.estimate_s, error)
-        with suppress(Exception):
-            self._on_finished(finished)
+        finished = Finished(
+            self.role.name,
+            job.client,
+            job.place,
+            waited_s,
+            ran_s,
+            cpu_s,
+            job.estimate_s,
+            error,
+            ended_ns=time.time_ns(),
+            worker=job.worker,
+            steps=job.steps,
+        )
+        for tell in (self._on_finished, job.observer):
+            with suppress(Exception):
+                if tell is not None:
+                    tell(finished)
         with self._changed:
             self._running.remove(job)
             is_shared = job.starts_process and not self.role.is_thrown_away  # those who come later use the process, too

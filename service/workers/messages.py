@@ -19,6 +19,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 from pydantic import BaseModel
 
 from render.errors import PullfocusError
+from render.steps import Step
 from service.workers.calls import Call, StreamCall
 from service.workers.places import Place
 from service.workers.roles import Role
@@ -79,6 +80,7 @@ class Order(Generic[State]):
         serial: number of the stream in `service.workers.streaming.Signals`; 0 for a plain call.
         has_yielded: as for `service.workers.streaming.StaleCheck`.
         grace_s: likewise.
+        records_steps: whether the times of its steps are wanted.
     """
 
     call: Call[State, Any] | StreamCall[State, Any]
@@ -86,6 +88,7 @@ class Order(Generic[State]):
     serial: int = 0
     has_yielded: bool = False
     grace_s: float = 0.0
+    records_steps: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,12 +100,14 @@ class Answer:
         error: raised by the function on purpose.
         fault: traceback of a bug.
         is_last: whether it ends the call.
+        steps: times of the call and of its parts, where they are wanted (`render.steps.Step`).
     """
 
     value: object = None
     error: PullfocusError | None = None
     fault: str = ""
     is_last: bool = True
+    steps: tuple[Step, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+from render.steps import Step
 from service.workers.calls import Call, StreamCall
 from service.workers.errors import (
     End,
@@ -29,9 +30,18 @@ from service.workers.errors import (
     WorkerFailedError,
 )
 from service.workers.forking import Exit, Forked, Template
-from service.workers.messages import Answer, Assignment, Begun, Order, UnsafeMessageError, pack, receive_answer
+from service.workers.messages import (
+    Answer,
+    Assignment,
+    Begun,
+    Order,
+    UnsafeMessageError,
+    pack,
+    receive_answer,
+)
 from service.workers.places import Place
 from service.workers.roles import Role
+from service.workers.step_times import checked_steps
 from service.workers.streaming import Signals, create_memory
 
 log = logging.getLogger("pullfocus.service")
@@ -68,6 +78,8 @@ class WorkerProcess(Generic[State]):
         signals: interrupt a running stream; any thread may set them.
         end: why it ended, or None.
         has_served: whether it has answered a call: its state is made.
+        records_steps: whether the times of the steps of its next calls are wanted.
+        steps: those of its last call.
 
     Raises:
         WorkerDiedError: it cannot be started.
@@ -88,6 +100,8 @@ class WorkerProcess(Generic[State]):
         self.cache = cache
         self.end: End | None = None
         self.has_served = False
+        self.records_steps = False
+        self.steps: tuple[Step, ...] = ()
         self._template = template
         self._ending: End | None = None
         self._is_reaped = False
@@ -155,7 +169,7 @@ class WorkerProcess(Generic[State]):
             NotBegunError: the worker had ended before.
             WorkerError: the worker ended during the call, or the function raised anything else.
         """
-        value: Reply = self._unpack(next(self._answers(Order(call, cpu_s))))
+        value: Reply = self._unpack(next(self._answers(Order(call, cpu_s, records_steps=self.records_steps))))
         return value
 
     def stream(
@@ -184,7 +198,7 @@ class WorkerProcess(Generic[State]):
         Raises:
             PullfocusError: the function raised it; and the other errors of `call`.
         """
-        for answer in self._answers(Order(call, cpu_s, serial, has_yielded, grace_s)):
+        for answer in self._answers(Order(call, cpu_s, serial, has_yielded, grace_s, self.records_steps)):
             value = self._unpack(answer)
             if not answer.is_last:
                 deliver(value)
@@ -193,6 +207,7 @@ class WorkerProcess(Generic[State]):
     def _answers(self, order: Order[State]) -> Iterator[Answer]:
         """Send an order and yield its answers."""
         has_begun = False
+        self.steps = ()
         self._oom_kills = _count_oom_kills()
         try:
             self._pipe.send_bytes(pack(order))
@@ -203,6 +218,7 @@ class WorkerProcess(Generic[State]):
                     continue
                 if answer.is_last:
                     self.has_served = True
+                    self.steps = checked_steps(answer.steps)
                 yield answer
                 if answer.is_last:
                     return

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from render.errors import PullfocusError, SettingsError
+from render.steps import StepRecorder, recorder, step
 from service.workers.calls import StreamCall, resolve
 from service.workers.messages import Answer, Assignment, Begun, Order, pack, receive_trusted, sendable_error
 from service.workers.own_cache import begin_cache
@@ -59,18 +60,29 @@ def _begin(assignment: Assignment[State]) -> State:
 
 def _answer(order: Order[State], state: State, pipe: Connection, signals: Signals) -> bytes:
     """Run a call and pickle its reply. A reply that cannot be pickled is a fault of the program, not the end of the worker."""
+    steps = StepRecorder()
+    asked = recorder.set(steps if order.records_steps else None)
     try:
-        if isinstance(order.call, StreamCall):
-            return pack(Answer(value=_stream(order, order.call, state, pipe, signals)))
-        return pack(Answer(value=order.call.run(state)))
+        with step(order.call.function.rpartition(":")[2]):
+            value = _run(order, state, pipe, signals)
+        return pack(Answer(value=value, steps=tuple(steps.steps)))
     except (EOFError, BrokenPipeError, ConnectionResetError):  # the service is gone
         raise
     except PullfocusError as error:
-        return pack(Answer(error=sendable_error(error)))
+        return pack(Answer(error=sendable_error(error), steps=tuple(steps.steps)))
     except MemoryError:
         return pack(Answer(error=SettingsError("this takes more memory than a worker has", code="out_of_memory")))
     except Exception:
         return pack(Answer(fault=traceback.format_exc()))
+    finally:
+        recorder.reset(asked)
+
+
+def _run(order: Order[State], state: State, pipe: Connection, signals: Signals) -> object:
+    """Run a call and return its reply, which for a stream is whether it came to its end."""
+    if isinstance(order.call, StreamCall):
+        return _stream(order, order.call, state, pipe, signals)
+    return order.call.run(state)
 
 
 def _stream(

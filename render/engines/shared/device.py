@@ -13,6 +13,7 @@ from render.gl.shaders import ProgramCache
 from render.layers.movement import Movement
 from render.layers.peel import Peeler
 from render.model.arrays import FloatArray
+from render.steps import step
 from render.trace.adaptive import RayBudget, whole_stops
 from render.trace.lens import LensTracer
 from render.trace.motion_tracer import ShutterSample
@@ -59,28 +60,35 @@ class Device:
     def trace(self, request: DrawRequest) -> FloatArray:
         """Trace the request's part of the camera's rays; as `Engine.draw`."""
         settings = request.settings
-        traced = self.tracer.picture(
-            self.peeler,
-            request.camera,
-            request.view,
-            _pattern(request),
-            wavelengths=settings.wavelengths,
-            layers=settings.layers,
-            supersample=traced_scale(settings, request.part[1]),
-            texel_offset=texel_offset(settings, request.part),
-            unlit=request.is_unlit,
-            connections=settings.connections,
-            mattes=request.mattes,
-            on_progress=request.on_progress,
-        )
+        with step("trace rays"):
+            traced = self.tracer.picture(
+                self.peeler,
+                request.camera,
+                request.view,
+                _pattern(request),
+                wavelengths=settings.wavelengths,
+                layers=settings.layers,
+                supersample=traced_scale(settings, request.part[1]),
+                texel_offset=texel_offset(settings, request.part),
+                unlit=request.is_unlit,
+                connections=settings.connections,
+                mattes=request.mattes,
+                on_progress=request.on_progress,
+            )
         self.tracer.release_window()
         return traced.color
 
     def trace_in_steps(self, request: DrawRequest) -> Generator[float, None, FloatArray]:
         """Trace the camera's rays piece by piece; as `Engine.draw_in_steps`."""
-        traced = yield from self.tracer.trace_steps(
-            self.peeler, request.camera, request.view, _pattern(request), mattes=request.mattes, **_sampling(request)
-        )
+        with step("trace rays"):
+            traced = yield from self.tracer.trace_steps(
+                self.peeler,
+                request.camera,
+                request.view,
+                _pattern(request),
+                mattes=request.mattes,
+                **_sampling(request),
+            )
         self.tracer.release_window()
         return traced.color
 

@@ -10,7 +10,7 @@ from service.http.access import EDITS, READS
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import GapPolicy, ImportCurve
-from service.models.curve import CurveFileFormat, FocusCurve, ImportedCurve
+from service.models.curve import CURVE_EXAMPLE, CurveFile, CurveFileFormat, ImportedCurve
 from service.stage.calls import curves
 
 router = APIRouter(tags=["focus"], responses=problems(404, 423, 503), dependencies=READS)
@@ -37,8 +37,9 @@ FILE_NAMES: dict[CurveFileFormat, str] = {
     response_class=Response,
     responses={
         200: {
-            "model": FocusCurve,
+            "model": CurveFile,
             "content": {
+                "application/json": {"example": CURVE_EXAMPLE},
                 "text/csv": {"schema": {"type": "string"}, "example": "frame,time_code,seconds,focus_distance_m\r\n"},
                 "text/plain": {"schema": {"type": "string"}, "example": "#usda 1.0\n"},
             },
@@ -52,8 +53,8 @@ async def get_focus_curve(
     format: Annotated[
         CurveFileFormat,
         Query(
-            description="What to write: `json` (the model below), `csv` for spreadsheets, `usda` to sublayer over the shot, "
-            "`otio` for editorial (OpenTimelineIO), `opentrackio` for the set (an array of OpenTrackIO samples).",
+            description="What to write: `json` (a `FocusCurve`), `csv` for spreadsheets, `usda` to sublayer over the shot, "
+            "`otio` for editorial (an OpenTimelineIO `Timeline`), `opentrackio` for the set (a list of OpenTrackIO samples).",
             examples=["json"],
         ),
     ] = "json",

@@ -22,7 +22,8 @@ CameraQuery = Annotated[
 AspectQuery = Annotated[
     float | None,
     Query(
-        gt=0,
+        ge=0.01,
+        le=100,
         allow_inf_nan=False,
         description="Width over height of the picture; the film gate's when left out.",
         examples=[1.7778],

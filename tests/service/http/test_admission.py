@@ -7,8 +7,7 @@ import pytest
 from service.http.admission import Admission, estimate_s
 from service.http.errors import ServiceError
 from service.models.frames import FrameQuery
-from service.workers.jobs import NOBODY
-from service.workers.lane import Finished
+from service.workers.jobs import NOBODY, Finished
 from service.workers.places import Place
 
 
@@ -46,6 +45,12 @@ def test_an_absurd_picture_is_refused_with_its_cost():
     with pytest.raises(ServiceError, match=r"expected to take .* at most 600 s") as refused:
         Admission(600).check("shot", query(rays=10**9))
     assert (refused.value.status, refused.value.code) == (422, "too_costly")
+
+
+@pytest.mark.parametrize("beyond", [{"supersample": 1e300}, {"rays": 10**400}])
+def test_a_cost_beyond_all_numbers_is_refused(beyond):
+    with pytest.raises(ServiceError, match="expected to take"):
+        Admission(600).check("shot", query(**beyond))
 
 
 def test_a_shot_that_costs_more_than_others_is_judged_by_it():

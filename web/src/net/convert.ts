@@ -72,7 +72,9 @@ export function toPhotography(
 }
 
 export function toReading(json: Json["MeterReading"]): MeterReading {
-  return { ...json, ev100: json.ev100 ?? -Infinity, stops: json.stops ?? -Infinity };
+  const [x, y] = json.place ?? [];
+  const place = x === undefined || y === undefined ? null : ([x, y] as const);
+  return { ...json, place, ev100: json.ev100 ?? -Infinity, stops: json.stops ?? -Infinity };
 }
 
 export function toFilm(json: Json["FilmSummary"], base: string): FilmSummary {

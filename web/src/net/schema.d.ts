@@ -6172,10 +6172,7 @@ export interface components {
              * Place
              * @description Position of the spot, from the picture's top left corner; null for the other modes, and outside the picture.
              */
-            readonly place: readonly [
-                number,
-                number
-            ] | null;
+            readonly place: readonly number[] | null;
             /**
              * Stops
              * @description Stops over middle grey as the exposure is set; negative is under, null is black.
@@ -6487,10 +6484,7 @@ export interface components {
              * Screen
              * @description Point of the picture, 0 to 1 from its top left corner.
              */
-            readonly screen: readonly [
-                number,
-                number
-            ];
+            readonly screen: readonly number[];
             /**
              * Sharp
              * @description Whether the surface is sharp.
@@ -7193,6 +7187,50 @@ export interface components {
              * @default 0
              */
             readonly outWidth?: number;
+        };
+        /**
+         * Timeline
+         * @description The focus curve as OpenTimelineIO: a clip with markers where something is sharp, and with the curve as metadata.
+         */
+        readonly Timeline: {
+            /** Name */
+            readonly name: string;
+            /** Tracks */
+            readonly tracks: {
+                readonly [key: string]: unknown;
+            };
+        } & {
+            readonly [key: string]: unknown;
+        };
+        /**
+         * TrackingProtocol
+         * @description Protocol of a tracking sample.
+         */
+        readonly TrackingProtocol: {
+            /**
+             * Name
+             * @constant
+             */
+            readonly name: "OpenTrackIO";
+            /** Version */
+            readonly version: readonly number[];
+        };
+        /**
+         * TrackingSample
+         * @description The lens at one frame, as a sample of OpenTrackIO.
+         */
+        readonly TrackingSample: {
+            /** Lens */
+            readonly lens: {
+                readonly [key: string]: unknown;
+            };
+            readonly protocol: components["schemas"]["TrackingProtocol"];
+            /** Timing */
+            readonly timing: {
+                readonly [key: string]: unknown;
+            };
+        } & {
+            readonly [key: string]: unknown;
         };
         /**
          * TrashedShot
@@ -11167,7 +11205,7 @@ export interface operations {
                 readonly baked?: boolean;
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description What to write: `json` (the model below), `csv` for spreadsheets, `usda` to sublayer over the shot, `otio` for editorial (OpenTimelineIO), `opentrackio` for the set (an array of OpenTrackIO samples). */
+                /** @description What to write: `json` (a `FocusCurve`), `csv` for spreadsheets, `usda` to sublayer over the shot, `otio` for editorial (an OpenTimelineIO `Timeline`), `opentrackio` for the set (a list of OpenTrackIO samples). */
                 readonly format?: "json" | "csv" | "usda" | "otio" | "opentrackio";
                 /** @description Such as 1:96 or 1,5:9x2; the whole shot when left out. */
                 readonly frames?: string | null;
@@ -11187,7 +11225,53 @@ export interface operations {
                     readonly [name: string]: unknown;
                 };
                 content: {
-                    readonly "application/json": components["schemas"]["FocusCurve"];
+                    /**
+                     * @example {
+                     *       "camera": "/World/main_cam",
+                     *       "format": "pullfocus.focusCurve",
+                     *       "framesPerSecond": 24,
+                     *       "gateMm": [
+                     *         24.89,
+                     *         14
+                     *       ],
+                     *       "lens": "Planar 50 mm f/1.4",
+                     *       "samples": [
+                     *         {
+                     *           "cocLimitMm": 0.019,
+                     *           "fStop": 2,
+                     *           "farM": 3.58,
+                     *           "focalLengthMm": 50,
+                     *           "focusDistanceM": 3.42,
+                     *           "frame": 24,
+                     *           "hyperfocalM": 65.7,
+                     *           "limited": false,
+                     *           "nearM": 3.28,
+                     *           "points": [
+                     *             {
+                     *               "cocMm": 0,
+                     *               "depthM": 3.42,
+                     *               "name": "pip",
+                     *               "share": 1,
+                     *               "state": "used",
+                     *               "weight": 1
+                     *             }
+                     *           ],
+                     *           "reason": "focused by driver",
+                     *           "seconds": 1,
+                     *           "sharp": [
+                     *             "pip"
+                     *           ],
+                     *           "source": "points",
+                     *           "swingDeg": 0,
+                     *           "tiltDeg": 0,
+                     *           "timeCode": 24
+                     *         }
+                     *       ],
+                     *       "timeCodesPerSecond": 24,
+                     *       "version": 2
+                     *     }
+                     */
+                    readonly "application/json": components["schemas"]["FocusCurve"] | components["schemas"]["Timeline"] | readonly components["schemas"]["TrackingSample"][];
                     /** @example frame,time_code,seconds,focus_distance_m */
                     readonly "text/csv": string;
                     /** @example #usda 1.0 */

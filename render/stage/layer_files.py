@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from render.errors import StageError
+from render.stage.crate_values import MOST_PER_BYTE, value_fault
 
 MAX_TUPLE_DEPTH = 64  # parentheses and square brackets; metadata of lists of matrices are 4 deep
 MAX_BLOCK_DEPTH = 500  # braces: prims within prims, dictionaries within dictionaries
@@ -18,8 +19,6 @@ _TEXT_MAGIC = (b"#usda", b"#sdf")
 _CRATE_MAGIC = b"PXR-USDC"
 _CRATE_SECTIONS = 64
 _CRATE_SECTION = struct.Struct("<16sqq")
-# LZ4 packs at most 255 to 1, and a number of a list into no less than two bits.
-_MOST_PER_BYTE = 4 * 255
 _LZ4_RATIO = 255
 _COUNTED = (b"STRINGS", b"FIELDS", b"FIELDSETS", b"PATHS", b"SPECS")
 # Strings, asset paths and comments, in which brackets mean nothing.
@@ -93,11 +92,12 @@ def _crate_fault(content: bytes | mmap.mmap | memoryview) -> str:
     if count > _CRATE_SECTIONS or start + 8 + count * _CRATE_SECTION.size > size:
         return "its table of contents is cut off"
     is_packed = tuple(content[8:10]) >= (0, 4)
+    fields: tuple[int, int] | None = None
     for name, at, length in _CRATE_SECTION.iter_unpack(content[start + 8 : start + 8 + count * _CRATE_SECTION.size]):
         section = name.rstrip(b"\0")
         if at < 0 or length < 0 or at + length > size:
             return "a section lies outside of the file"
-        if section in _COUNTED and (length < 8 or struct.unpack_from("<Q", content, at)[0] > _MOST_PER_BYTE * length):
+        if section in _COUNTED and (length < 8 or struct.unpack_from("<Q", content, at)[0] > MOST_PER_BYTE * length):
             return "a section has more entries than fit into it"
         if section == b"TOKENS" and is_packed:
             if length < 24:
@@ -105,4 +105,6 @@ def _crate_fault(content: bytes | mmap.mmap | memoryview) -> str:
             tokens, unpacked, packed = struct.unpack_from("<3Q", content, at)
             if packed > length - 24 or unpacked > _LZ4_RATIO * packed or tokens > unpacked:
                 return "it has more tokens than fit into it"
-    return ""
+        if section == b"FIELDS":
+            fields = at, length
+    return value_fault(content, fields) if fields is not None else ""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import struct
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -14,7 +17,7 @@ from render.errors import CameraError, StageError
 from render.shot import Shot
 from render.stage import limits
 from render.stage.instancer_loops import find_instancer_loop
-from render.stage.layer_files import check_layer_file
+from render.stage.layer_files import check_layer_content, check_layer_file
 from render.stage.opening import open_stage
 from render.stage.reader import StageReader
 from tests.render.kits.hostile_stages import HEAD, LINK, STAGE_BOMBS
@@ -92,6 +95,45 @@ def test_a_crate_passes(crate: bytes, tmp_path: Path) -> None:
     (tmp_path / "a.usdc").write_bytes(crate)
 
     check_layer_file(str(tmp_path / "a.usdc"))
+
+
+LENGTHS = {"array": 27, "compressed array": 501, "times": 6, "samples": 5}
+
+
+@pytest.fixture(scope="module", params=["0.4.0", "0.6.0", "0.10.0"])
+def crate_with_lists(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Crate of a version, with values of all `LENGTHS`."""
+    file = tmp_path_factory.mktemp("crate") / "a.usdc"
+    code = (
+        "import sys; from pxr import Sdf, Usd; stage = Usd.Stage.CreateNew(sys.argv[1])\n"
+        "prim, types = stage.DefinePrim('/A'), Sdf.ValueTypeNames\n"
+        "prim.CreateAttribute('a', types.DoubleArray).Set([n * n + 0.1 for n in range(27)])\n"
+        "prim.CreateAttribute('b', types.IntArray).Set(list(range(501)))\n"
+        "changes, moves = prim.CreateAttribute('c', types.Double3), prim.CreateAttribute('d', types.DoubleArray)\n"
+        "for n in range(6): changes.Set((n, 0.3, 0.1), n)\n"
+        "for n in range(5): moves.Set([0.1] * (30 + n), n + 0.5)\n"
+        "stage.Save()"
+    )
+    environment = {**os.environ, "USD_WRITE_NEW_USDC_FILES_AS_VERSION": request.param}
+    subprocess.run([sys.executable, "-c", code, str(file)], env=environment, check=True)
+    return file.read_bytes()
+
+
+@pytest.mark.parametrize("what", LENGTHS)
+def test_a_length_that_cannot_be_true_is_refused(what: str, crate_with_lists: bytes) -> None:
+    check_layer_content(crate_with_lists, "a.usdc")
+    width = "<Q" if crate_with_lists[9] >= 7 or "array" not in what else "<I"
+    length, refused = struct.pack(width, LENGTHS[what]), 0
+    (start,) = struct.unpack_from("<q", crate_with_lists, 16)
+    at = crate_with_lists.find(length)
+    while 0 <= at < start:
+        damaged = crate_with_lists[:at] + struct.pack(width, 2**31) + crate_with_lists[at + len(length) :]
+        try:
+            check_layer_content(damaged, "a.usdc")
+        except StageError as error:
+            refused += "fit into it" in error.detail
+        at = crate_with_lists.find(length, at + 1)
+    assert refused > 0
 
 
 def test_a_table_of_contents_that_cannot_be_true_is_refused(crate: bytes, tmp_path: Path) -> None:

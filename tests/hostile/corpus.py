@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from tests.hostile.absurd_numbers import absurd_numbers
+from tests.hostile.stage_attacks import stage_attacks
 from tests.render.kits.colours import LOOK_WITH_A_FILE, OWN_CONFIG
 from tests.render.kits.hostile_images import IMAGE_BOMBS, file_name
 from tests.render.kits.hostile_stages import STAGE_BOMBS
@@ -112,6 +114,8 @@ def holes(canaries: Canaries) -> Iterator[Case]:
     """Every hole that was known, and its relations."""
     for name, text in STAGE_BOMBS.items():
         yield Case(f"stage/{name}", "a.usda", text.encode())
+    for name, text in (*absurd_numbers(), *stage_attacks()):
+        yield Case(f"attack/{name}", "a.usda", text.encode())
     for name, content in IMAGE_BOMBS.items():
         yield Case(f"image/{name}", "a.zip", textured(file_name(name), content))
     for src in (

@@ -16,7 +16,7 @@ FRAME = "/frame?time=1&width=64&rays=8&layers=2"
 READS = (
     "",
     "/inspect",
-    "/cameras",
+    "/cameras?time=1",
     "/readout?time=1",
     "/focus-curve",
     FRAME,

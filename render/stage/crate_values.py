@@ -55,7 +55,8 @@ def value_fault(content: Content, fields: tuple[int, int]) -> str:
 def _places(words: WordArray, kind: int) -> WordArray:
     """Where the values of a type that are no arrays stand in the file."""
     is_meant = (words & (_ARRAY | _INLINED) == 0) & (words >> np.uint64(48) & np.uint64(0xFF) == kind)
-    return words[is_meant] & _PLACE
+    places: WordArray = words[is_meant] & _PLACE
+    return places
 
 
 def _are_true(content: Content, places: WordArray, *, is_long: bool, most_per_byte: float) -> bool:

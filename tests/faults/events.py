@@ -8,6 +8,7 @@ import signal
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from email.utils import parsedate_to_datetime
 
 import httpx
 
@@ -16,7 +17,9 @@ from tests.faults.editor import Log
 from tests.faults.service_process import ServiceProcess
 
 DAY_S = 86_400.0
-JUMPS_S = (-400 * DAY_S, -3600.0, 0.0, 3600.0, 40 * DAY_S, 4000 * DAY_S)
+JUMPS_S = (-400 * DAY_S, -3600.0, 3600.0, 40 * DAY_S, 4000 * DAY_S)
+DATE_S = 1.5
+"""Time after which the server sends another date, s."""
 READY_ASKED_S = 60.0
 KINDS = ("read", "stage", "live", "final")
 
@@ -48,7 +51,7 @@ class Faults:
         faults["kill service"] = self._kill_service
         faults["kill service after a stop"] = self._kill_stopped_service
         if self._service.has_clock:
-            faults["set clock"] = lambda: self._service.shift_clock(self._random.choice(JUMPS_S))
+            faults["set clock"] = self._set_clock
         if self._disk.can_fill:
             faults["full disk"] = self._fill_disk
             faults["kill service on a full disk"] = self._kill_on_full_disk
@@ -94,6 +97,14 @@ class Faults:
         if pid:
             _kill(pid, signal.SIGSTOP)
         self._kill_service()
+
+    def _set_clock(self) -> None:
+        shift_s = self._random.choice(JUMPS_S)
+        self._service.shift_clock(shift_s)
+        time.sleep(DATE_S)
+        date = httpx.get(f"{self._service.address}/livez", timeout=READY_ASKED_S).headers["date"]
+        if abs(parsedate_to_datetime(date).timestamp() - time.time() - shift_s) > READY_ASKED_S:
+            self._log.find(f"the clock of the service says {date} after it was shifted by {shift_s:g} s")
 
     def _fill_disk(self) -> None:
         with self._disk.full():

@@ -11,12 +11,13 @@ import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, is_dataclass
 from enum import Enum
+from functools import cache
 from importlib import import_module
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar, get_type_hints
 
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from render.errors import PullfocusError
 from render.steps import Step
@@ -49,6 +50,8 @@ _OWN = (
     __name__,
 )
 """Modules whose classes may be in an answer: they load neither USD nor GL."""
+_FLAT = ("service.picture.requests",)
+"""Modules of dataclasses whose fields are plain values; those of an answer are judged by their declared types."""
 
 
 @dataclass(frozen=True)
@@ -148,7 +151,29 @@ def read_answer(content: bytes) -> Answer | Begun:
         raise UnsafeMessageError(f"a message cannot be read: {error!r}") from error
     if not isinstance(answer, Answer | Begun):
         raise UnsafeMessageError(f"a message is a {type(answer).__name__}")
+    if isinstance(answer, Answer):
+        _check_types(answer)
     return answer
+
+
+def _check_types(answer: Answer) -> None:
+    """Raise `UnsafeMessageError` where an answer, or the dataclass that it holds, has values of other types than declared."""
+    try:
+        is_answer = isinstance(answer.fault, str) and isinstance(answer.is_last, bool)
+        if not is_answer or not isinstance(answer.error, PullfocusError | None):
+            raise UnsafeMessageError("an answer is of other types than declared")
+        kind: Any = type(answer.value)
+        if kind.__module__ in _FLAT:
+            for name, adapter in _declared(kind).items():
+                adapter.validate_python(getattr(answer.value, name), strict=True)
+    except (AttributeError, ValidationError) as error:
+        raise UnsafeMessageError(f"an answer is of other types than declared: {error}") from error
+
+
+@cache
+def _declared(kind: type) -> dict[str, TypeAdapter[Any]]:
+    """Types of the fields of a dataclass."""
+    return {name: TypeAdapter(declared) for name, declared in get_type_hints(kind, include_extras=True).items()}
 
 
 def sendable_error(error: PullfocusError) -> PullfocusError:

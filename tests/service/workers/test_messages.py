@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import pickle
+from dataclasses import replace
 
 import pytest
 
 from render.errors import StageError
 from service.models.shots import FrameRange
+from service.picture.requests import LivePicture
 from service.workers import messages, streaming
 from service.workers.messages import Answer, Begun, UnsafeMessageError, pack, read_answer
 from service.workers.streaming import Signals, create_memory
@@ -49,6 +51,22 @@ def test_values_and_models_arrive(value):
 def test_no_message_ends_the_service(content):
     with pytest.raises(UnsafeMessageError, match="cannot be read"):
         read_answer(b"\x80\x05" + content)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"stage": "invented"}, {"stage": "x" * 1000}, {"width": "640"}, {"data": None}, {"took_ms": {"a": "b"}}]
+)
+def test_a_picture_has_what_its_types_declare(changes):
+    picture = LivePicture("final", "png", 64, 36, {"total": 1.5}, rays=8, scale=1.0, share=1, data=b"png")
+    assert read_answer(pack(Answer(value=picture))) == Answer(value=picture)
+    with pytest.raises(UnsafeMessageError, match="other types than declared"):
+        read_answer(pack(Answer(value=replace(picture, **changes))))
+
+
+@pytest.mark.parametrize("answer", [Answer(error="no error"), Answer(fault=b"bytes"), Answer(is_last=2)])
+def test_an_answer_has_what_its_types_declare(answer):
+    with pytest.raises(UnsafeMessageError, match="other types than declared"):
+        read_answer(pack(answer))
 
 
 def test_errors_arrive():

@@ -42,7 +42,7 @@ class _Scheme(SecurityBase):
         """Do nothing."""
 
 
-_BEARER = _Scheme("bearer", HTTPBearer(description="A key of this service."))
+_BEARER = _Scheme("bearer", HTTPBearer(description="A key of this service, or a token of the issuer that it trusts."))
 _COOKIE = _Scheme(
     "session",
     APIKey.model_validate(
@@ -89,9 +89,15 @@ def _check(
         raise not_found(shot_id)
 
 
-def unauthorized(detail: str) -> ServiceError:
-    """Return the error of a request without valid credentials."""
-    return ServiceError(401, "unauthorized", detail, headers={"WWW-Authenticate": 'Bearer realm="pullfocus"'})
+def unauthorized(detail: str, reason: str = "") -> ServiceError:
+    """Return the error of a request without valid credentials.
+
+    Args:
+        detail: what is wrong.
+        reason: parameter of the challenge that says so to programs (RFC 6750, section 3).
+    """
+    challenge = ", ".join(filter(None, ('Bearer realm="pullfocus"', reason)))
+    return ServiceError(401, "unauthorized", detail, headers={"WWW-Authenticate": challenge})
 
 
 def _needs(scope: ScopeName) -> Sequence[DependsParameter]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from render.errors import SettingsError
 from service.http.settings import Settings
+from service.http.token_settings import tokens_of
 from service.identity.keys import Keys
 
 log = logging.getLogger("pullfocus.service")
@@ -20,14 +21,14 @@ HOST_NAME = re.compile(r"[a-z0-9]([a-z0-9.-]{0,251}[a-z0-9])?|\[[0-9a-f:.]+\]")
 def with_exposure(settings: Settings) -> Settings:
     """Return settings with the names that the service answers to, and who may use it.
 
-    A service that only this machine can reach is open. One that listens beyond it, that answers to a name which is not this
-    machine's own, or that believes a proxy, needs keys.
+    A service that only this machine can reach is open, unless an issuer of tokens is named. One that listens beyond it, that
+    answers to a name which is not this machine's own, or that believes a proxy, needs keys or an issuer.
 
     Args:
         settings: of the service, as they were given.
 
     Raises:
-        SettingsError: keys are needed and there are none, or a name is none.
+        SettingsError: keys are needed and there are none, a name is none, or the issuer or its roles are not usable.
     """
     hosts = tuple(name.lower() for name in settings.allowed_hosts)
     for name in hosts:
@@ -42,12 +43,15 @@ def with_exposure(settings: Settings) -> Settings:
         log.warning("INSECURE: everybody who reaches this service may read, edit and delete every shot, without a key")
         return settings
     is_behind_proxy = bool(settings.trusted_proxies) or not set(hosts) <= {*LOOPBACK_NAMES, "[::1]"}
+    if settings.oidc_issuer:
+        tokens_of(settings)  # an error in them stops the service here
+        return replace(settings, access="keys")
     if settings.access == "open" and is_local and not is_behind_proxy:
         return settings
     if not Keys(settings.data).list():
         raise SettingsError(
             "this service could be reached by others and has no keys: create one with `pullfocus keys create NAME "
-            f"--role admin --data {settings.data}`, or let everybody in with --insecure",
+            f"--role admin --data {settings.data}`, name an issuer of tokens (oidc_issuer), or let everybody in with --insecure",
             code="no_keys",
         )
     return replace(settings, access="keys")

@@ -6,6 +6,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Annotated
 
 from fastapi import Depends
+from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection, cookie_parser
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -16,11 +17,14 @@ from service.http.errors import ServiceError, answer_to
 from service.http.guard import SAFE_METHODS
 from service.http.request_context import request_id
 from service.http.settings import Settings
+from service.http.token_settings import tokens_of
 from service.identity.audit import AuditLog
+from service.identity.errors import IssuerError, NoRoleError, TokenError
 from service.identity.keys import KEY_PREFIX, Key, Keys
 from service.identity.principal import ANYONE, NOBODY, Principal
 from service.identity.rate import RateLimit
 from service.identity.sessions import Sessions
+from service.identity.tokens import looks_like_token
 
 BURST_S = 10
 """Seconds of the allowed rate of requests that may come at once."""
@@ -34,7 +38,7 @@ MAX_AUDITED_PATH = 500
 
 
 class Identity:
-    """Keys, sessions, limits and audit log of one service.
+    """Keys, tokens, sessions, limits and audit log of one service.
 
     Args:
         settings: of the service.
@@ -44,6 +48,7 @@ class Identity:
         self._access = settings.access
         self.keys = Keys(settings.data)
         self.sessions = Sessions()
+        self._tokens = tokens_of(settings)
         self._accepted_log = AuditLog(settings.data / "audit.jsonl")
         self._refused_log = AuditLog(settings.data / "audit-refused.jsonl")
         self._failures = RateLimit(FAILURES_PER_S, FAILURES)
@@ -57,14 +62,16 @@ class Identity:
             scope: of the request or WebSocket.
 
         Raises:
-            ServiceError: 401, 403 or 429.
+            ServiceError: 401, 403, 429, or 503 where the issuer of a token cannot be reached.
         """
         headers = Headers(scope=scope)
         sent = self._sent_key(headers)
         token = cookie_parser(headers.get("cookie", "")).get(SESSION_COOKIE)
         key_id = self.sessions.key_id(token) if token else None
         key = self.keys.find(key_id) if key_id else None
-        if sent is not None:
+        if sent is not None and self._is_token(sent):
+            principal = await run_in_threadpool(self._token_holder, sent, _address(scope))
+        elif sent is not None:
             principal = self.sign_in(sent, _address(scope)).principal()
         elif key is not None:
             _check_origin(scope, headers)
@@ -77,7 +84,7 @@ class Identity:
         return principal
 
     def sign_in(self, sent: str, address: str) -> Key:
-        """Return the key that was sent.
+        """Return the key that was sent. A token is none: whoever has one sends it with each request.
 
         Args:
             sent: the text of the key.
@@ -89,9 +96,7 @@ class Identity:
         key = self.keys.verify(sent)
         if key is not None:
             return key
-        wait_s = self._failures.take(address)
-        if wait_s is not None:
-            raise _too_many("Too many wrong keys come from this address.", wait_s)
+        self._limit_failures(address)
         raise unauthorized("The key is wrong, expired or revoked.")
 
     def is_valid(self, scope: Scope) -> bool:
@@ -105,6 +110,8 @@ class Identity:
             return True
         headers = Headers(scope=scope)
         sent = self._sent_key(headers)
+        if sent is not None and self._is_token(sent):
+            return bool(datetime.now(UTC) < principal.ends_at)
         if sent is not None:
             return self.keys.verify(sent) is not None
         key_id = self.sessions.key_id(cookie_parser(headers.get("cookie", "")).get(SESSION_COOKIE, ""))
@@ -142,6 +149,28 @@ class Identity:
         kind, _, sent = headers.get("authorization", "").partition(" ")
         is_ours = self._access == "keys" or sent.startswith(KEY_PREFIX)
         return sent.strip() if kind.lower() == "bearer" and is_ours else None
+
+    def _is_token(self, sent: str) -> bool:
+        return self._tokens is not None and not sent.startswith(KEY_PREFIX) and looks_like_token(sent)
+
+    def _token_holder(self, token: str, address: str) -> Principal:
+        """Return the sender of a request with a token; see `Tokens.principal`."""
+        assert self._tokens is not None
+        try:
+            return self._tokens.principal(token)
+        except TokenError as error:
+            self._limit_failures(address)
+            raise unauthorized(f"{str(error).capitalize()}.", 'error="invalid_token"') from error
+        except NoRoleError as error:
+            raise ServiceError(403, "no_role", str(error)) from error
+        except IssuerError as error:
+            headers = {"Retry-After": str(round(error.wait_s))}
+            raise ServiceError(503, "issuer_unreachable", f"{error} Try again later.", headers=headers) from error
+
+    def _limit_failures(self, address: str) -> None:
+        wait_s = self._failures.take(address)
+        if wait_s is not None:
+            raise _too_many("Too many wrong keys come from this address.", wait_s)
 
     def _limit(self, principal: Principal, address: str) -> None:
         if self._per_s == 0 or (self._access == "open" and principal is ANYONE):

@@ -44,6 +44,12 @@ class Settings:
             names only, so that no web page can reach the service by pointing its own name at 127.0.0.1.
         access: who may use the service without a key. `open`: anyone, where this machine alone reaches it; elsewhere nobody.
             `keys`: nobody. `insecure`: anyone who reaches it.
+        oidc_issuer: address of an OpenID Connect issuer whose tokens are accepted beside keys; empty for none.
+        oidc_audience: audience that its tokens must be for.
+        oidc_claim: claim of a token that says what its holder may do; `realm_access.roles` is the claim `roles` within
+            `realm_access`.
+        oidc_roles: what the values of that claim stand for, each as `VALUE = ROLE @ PROJECT`. The first that a holder has decides
+            the project.
         requests_per_s: requests that one sender may go on sending, 0 for any number; an `open` service does not limit them.
         trash_days: days for which a deleted shot can be restored; 0 removes it at once.
         max_upload_mb: size of one upload, MiB.
@@ -85,6 +91,10 @@ class Settings:
     static: Path = Path(__file__).parents[1] / "static"
     allowed_hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")
     access: Access = "open"
+    oidc_issuer: str = ""
+    oidc_audience: str = "pullfocus"
+    oidc_claim: str = "roles"
+    oidc_roles: tuple[str, ...] = ()
     requests_per_s: float = 50.0
     trash_days: int = 30
     max_upload_mb: int = 512

@@ -19,7 +19,7 @@ class Principal:
     """Sender of a request.
 
     Attributes:
-        id: stable and unique, for audit lines, limits and turns: ``key:ID``, ``anyone``.
+        id: stable and unique, for audit lines, limits and turns: ``key:ID``, ``oidc:SUBJECT``, ``anyone``.
         label: name for people.
         scopes: what it may do, of `SCOPES`.
         project: whose shots it sees; `ALL_PROJECTS` for every project.

@@ -33,9 +33,12 @@ def doctor(arguments: Sequence[str]) -> int:
     )
     parser.add_argument("--host", default=Settings.host, help="address to listen on (default: %(default)s)")
     parser.add_argument("--port", type=int, default=Settings.port, help="port to listen on (default: %(default)s)")
+    parser.add_argument(
+        "--issuer", metavar="ADDRESS", default="", help="issuer of tokens (oidc_issuer), asked for its keys"
+    )
     parser.add_argument("--json", action="store_true", help="print the findings as JSON")
     typed = parser.parse_args(arguments)
-    findings = list(examine(typed.data.expanduser().absolute(), typed.host, typed.port))
+    findings = list(examine(typed.data.expanduser().absolute(), typed.host, typed.port, typed.issuer))
     if typed.json:
         print(json.dumps([asdict(finding) for finding in findings], indent=1))
     else:

@@ -17,7 +17,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
-from render.errors import OutputError
+from render.errors import OutputError, SettingsError
+from service.identity.issuer import Issuer
 from service.storage.migration import LAYOUT, layout_of
 from service.workers import sandbox
 
@@ -46,13 +47,14 @@ class Finding:
     remedy: str = ""
 
 
-def examine(data: Path, host: str, port: int) -> Iterator[Finding]:
+def examine(data: Path, host: str, port: int, issuer: str = "") -> Iterator[Finding]:
     """Make every check, the quick ones first.
 
     Args:
         data: data folder of the service.
         host: address that it listens on.
         port: its port.
+        issuer: address of the issuer whose tokens it accepts; empty for none.
     """
     yield Finding("python", "ok", f"Python {platform.python_version()}, pullfocus {version('pullfocus')}")
     yield _kernel()
@@ -61,8 +63,23 @@ def examine(data: Path, host: str, port: int) -> Iterator[Finding]:
     yield _port(host, port)
     yield _data(data)
     yield _disk(data)
+    if issuer:
+        yield _issuer(issuer)
     yield _probe("libraries", "reinstall pullfocus with its dependencies")
     yield _probe("gl", "install Mesa's EGL (libegl1, libgl1-mesa-dri), or give the process access to the GPU's device")
+
+
+def _issuer(address: str) -> Finding:
+    try:
+        keys = Issuer(address).fetch_keys()
+    except (SettingsError, OSError, ValueError) as error:
+        remedy = "compare oidc_issuer with what the issuer's own page of settings (discovery) says, and let the service reach it"
+        return Finding("issuer", "fail", f"{address}: {error}", remedy)
+    if not keys:
+        return Finding(
+            "issuer", "fail", f"{address} has no public keys that can be used", "have it sign by RSA or EC keys"
+        )
+    return Finding("issuer", "ok", f"{address} has {len(keys)} keys")
 
 
 def _kernel() -> Finding:

@@ -96,8 +96,8 @@ def refusals() -> dict[int | str, dict[str, Any]]:
 def _described(*statuses: int) -> dict[int | str, dict[str, Any]]:
     descriptions = {
         400: "The body is no form of the kind that its `Content-Type` names.",
-        401: "A key is missing, wrong or expired.",
-        403: "The key lacks the scope that this needs, or a page of another site sends the request.",
+        401: "A key or token is missing, wrong or expired.",
+        403: "The key or token lacks the scope that this needs, or a page of another site sends the request.",
         404: "There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash.",
         409: "`superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. "
         "`shot_exists`: there is a shot of this id again.",

@@ -13,6 +13,7 @@ from render.cli.main import main
 from service.storage.store import ShotStore
 from service.upkeep import doctor as doctor_module
 from service.upkeep.command import backup, doctor, restore
+from tests.service.kits.issuer import KEYS, running_issuer
 
 CHECKS = {"python", "kernel", "sandbox", "limits", "port", "data", "disk", "libraries", "gl"}
 
@@ -49,6 +50,16 @@ def test_each_fault_is_named_with_a_remedy(capsys, tmp_path, monkeypatch):
     assert {found[name]["state"] for name in ("data", "disk")} == {"fail"}
     assert {found[name]["state"] for name in ("port", "limits")} == {"warn"}
     assert all(finding["remedy"] for finding in found.values() if finding["state"] != "ok")
+
+
+def test_an_issuer_of_tokens_is_asked_for_its_keys():
+    with running_issuer() as issuer:
+        assert (doctor_module._issuer(issuer.address).state, issuer.asked[-1]) == ("ok", KEYS)
+        issuer.keys.clear()
+        assert "no public keys" in doctor_module._issuer(issuer.address).text
+    gone = doctor_module._issuer(issuer.address)
+    assert (gone.state, issuer.address in gone.text) == ("fail", True)
+    assert doctor_module._issuer("http://login.example").state == "fail"
 
 
 def test_a_library_that_kills_its_process_is_a_finding(monkeypatch):

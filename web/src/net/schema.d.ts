@@ -7494,7 +7494,7 @@ export interface operations {
                     readonly "text/plain": string;
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7503,7 +7503,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7579,7 +7579,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["BodyList"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7588,7 +7588,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7650,7 +7650,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Body"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7659,7 +7659,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7724,7 +7724,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmList"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7733,7 +7733,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7792,7 +7792,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Film"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7801,7 +7801,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7869,7 +7869,7 @@ export interface operations {
                     readonly "image/png": string;
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7878,7 +7878,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7943,7 +7943,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["KeyList"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7952,7 +7952,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7994,7 +7994,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["NewKey"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8003,7 +8003,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8051,7 +8051,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8060,7 +8060,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8116,7 +8116,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LensList"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8125,7 +8125,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8184,7 +8184,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Lens"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8193,7 +8193,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8261,7 +8261,7 @@ export interface operations {
                     readonly "image/svg+xml": string;
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8270,7 +8270,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8338,7 +8338,7 @@ export interface operations {
                     readonly "image/png": string;
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8347,7 +8347,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8412,7 +8412,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Who"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8421,7 +8421,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8463,7 +8463,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Who"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8472,7 +8472,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8517,7 +8517,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8526,7 +8526,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8564,7 +8564,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ShotList"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8573,7 +8573,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8624,7 +8624,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8633,7 +8633,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8710,7 +8710,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8719,7 +8719,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8797,7 +8797,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8806,7 +8806,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8879,7 +8879,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8888,7 +8888,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8977,7 +8977,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8986,7 +8986,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9077,7 +9077,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9086,7 +9086,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9175,7 +9175,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9184,7 +9184,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9284,7 +9284,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9293,7 +9293,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9391,7 +9391,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9400,7 +9400,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9491,7 +9491,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9500,7 +9500,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9589,7 +9589,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9598,7 +9598,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9698,7 +9698,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9707,7 +9707,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9805,7 +9805,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9814,7 +9814,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9905,7 +9905,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9914,7 +9914,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10003,7 +10003,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10012,7 +10012,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10103,7 +10103,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["GradeChoices"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10112,7 +10112,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10203,7 +10203,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10212,7 +10212,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10310,7 +10310,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10319,7 +10319,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10417,7 +10417,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10426,7 +10426,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10533,7 +10533,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraList"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10542,7 +10542,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10629,7 +10629,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10638,7 +10638,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10707,7 +10707,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10716,7 +10716,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10809,7 +10809,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditResult"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10818,7 +10818,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10913,7 +10913,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10922,7 +10922,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11005,7 +11005,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11014,7 +11014,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11115,7 +11115,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11124,7 +11124,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11278,7 +11278,7 @@ export interface operations {
                     readonly "text/plain": string;
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11287,7 +11287,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11382,7 +11382,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ImportedCurve"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11391,7 +11391,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11493,7 +11493,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPointList"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11502,7 +11502,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11593,7 +11593,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11602,7 +11602,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11695,7 +11695,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11704,7 +11704,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11789,7 +11789,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11798,7 +11798,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11900,7 +11900,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11909,7 +11909,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12011,7 +12011,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12020,7 +12020,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12120,7 +12120,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12129,7 +12129,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12273,7 +12273,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12282,7 +12282,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12368,7 +12368,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Inspection"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12377,7 +12377,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12452,7 +12452,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12461,7 +12461,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12529,7 +12529,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LongExposureState"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12538,7 +12538,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12601,7 +12601,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LongExposureState"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12610,7 +12610,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12685,7 +12685,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12694,7 +12694,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12757,7 +12757,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LongExposureState"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12766,7 +12766,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12830,7 +12830,7 @@ export interface operations {
                     readonly "image/x-exr": string;
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12839,7 +12839,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12931,7 +12931,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["MeterReading"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12940,7 +12940,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13030,7 +13030,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Pick"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13039,7 +13039,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13114,7 +13114,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13123,7 +13123,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13194,7 +13194,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Rack"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13203,7 +13203,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13294,7 +13294,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Readout"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13303,7 +13303,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13385,7 +13385,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ExposureReadout"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13394,7 +13394,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13486,7 +13486,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["PlaceReadout"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13495,7 +13495,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13569,7 +13569,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["TrashList"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13578,7 +13578,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13617,7 +13617,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13626,7 +13626,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13685,7 +13685,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ShotSummary"];
                 };
             };
-            /** @description A key is missing, wrong or expired. */
+            /** @description A key or token is missing, wrong or expired. */
             readonly 401: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13694,7 +13694,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The key lacks the scope that this needs, or a page of another site sends the request. */
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
             readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;

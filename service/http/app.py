@@ -57,6 +57,8 @@ and take the keyframed focus curve away.
 Times are USD time codes; lengths are metres in the scene and millimetres in the lens, and say so in their names; `null`
 is an infinite distance, or one that does not exist. Every error is `{code, detail, path, errors}`."""
 DEMO_ID = "demo"
+SAVING_PAUSE_S = 30.0
+"""Time between two saves of the processor time that was used, which a killed service forgets."""
 EMPTYING_PAUSE_S = 600.0
 """Time between two looks at what has been in the trash for long enough."""
 
@@ -72,7 +74,9 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service = Service.start(settings)
         app.state.service = service
-        upkeep = [asyncio.create_task(work(service)) for work in (_empty_trash, fill_caches, end_full_workers)]
+        upkeep = [
+            asyncio.create_task(work(service)) for work in (_empty_trash, _save_usage, fill_caches, end_full_workers)
+        ]
         try:
             if settings.demo:
                 await _ensure_demo(service)
@@ -126,6 +130,13 @@ def create_app(settings: Settings) -> FastAPI:
     install_reference(app)
     install_page(app, settings.static)
     return app
+
+
+async def _save_usage(service: Service) -> None:
+    """Save what processor time was used, now and then."""
+    while True:
+        await asyncio.sleep(SAVING_PAUSE_S)
+        await run_in_threadpool(service.quotas.cpu.save)
 
 
 async def _empty_trash(service: Service) -> None:

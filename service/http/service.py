@@ -22,6 +22,7 @@ from service.http.lanes import PRELOAD, Lanes
 from service.http.long_exposures import LongExposures
 from service.http.metrics import Metrics
 from service.http.quarantine import Quarantine
+from service.http.quotas import Quotas
 from service.http.settings import MEBIBYTE, Settings
 from service.http.stopping import Stopping
 from service.models.shots import Shot
@@ -52,6 +53,7 @@ class Service:
         store: the shots on disk.
         trash: the shots that were deleted.
         quarantine: shots that have ended too many workers.
+        quotas: judge what senders and projects may use.
         pool: the worker processes.
         caches: their cache folders.
         lanes: the work that waits for them.
@@ -67,6 +69,7 @@ class Service:
     store: ShotStore
     trash: Trash
     quarantine: Quarantine
+    quotas: Quotas
     pool: WorkerPool
     caches: Caches
     lanes: Lanes
@@ -87,6 +90,7 @@ class Service:
         store = ShotStore(settings.data)
         trash = Trash(settings.data, settings.trash_days)
         quarantine = Quarantine(store, settings.max_blames)
+        quotas = Quotas(settings, store, trash)
         hide_folder(settings.cache)
         environment = worker_environment(os.environ)
         caches = Caches(settings.cache, environment, settings.worker_disk_mb * MEBIBYTE)
@@ -104,11 +108,12 @@ class Service:
         def note_finished(finished: Finished) -> None:
             metrics.note_finished(finished)
             admission.learn(finished)
+            quotas.note_finished(finished)
 
         lanes = Lanes.start(settings, pool, note_finished)
         metrics.watch(lanes)
         frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
-        return cls(settings, store, trash, quarantine, pool, caches, lanes, admission, frame_cache, metrics)
+        return cls(settings, store, trash, quarantine, quotas, pool, caches, lanes, admission, frame_cache, metrics)
 
     @cached_property
     def long_exposures(self) -> LongExposures:
@@ -120,6 +125,7 @@ class Service:
         self.lanes.close()
         self.pool.close()
         self.caches.close()
+        self.quotas.cpu.save()
         self.store.close()
 
     async def call_stage(
@@ -198,9 +204,10 @@ class Service:
             may_edit: whether it may write the shot's edits.
 
         Raises:
-            ServiceError: 423, the shot is in quarantine.
+            ServiceError: 423, the shot is in quarantine; 429, the present client has used up its processor time.
             NotFoundError: the shot was deleted meanwhile.
         """
+        self.quotas.check_work()
         if record is None:
             return Place(read=self.settings.worker_read)
         self.quarantine.check(record)

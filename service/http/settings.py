@@ -51,6 +51,10 @@ class Settings:
         oidc_roles: what the values of that claim stand for, each as `VALUE = ROLE @ PROJECT`. The first that a holder has decides
             the project.
         requests_per_s: requests that one sender may go on sending, 0 for any number; an `open` service does not limit them.
+        quota_shots: shots that a project may have, those in the trash too; 0 for any number.
+        quota_stored_mb: size of the shots of a project with their edits, those in the trash too, MiB; 0 for any size. A shot that
+            would exceed it is refused; edits are not.
+        quota_cpu_s_per_day: processor time that the work for one sender may take in 24 hours, s; 0 for any time.
         trash_days: days for which a deleted shot can be restored; 0 removes it at once.
         max_upload_mb: size of one upload, MiB.
         max_unpacked_mb: size that an archive may unpack to, MiB.
@@ -96,6 +100,9 @@ class Settings:
     oidc_claim: str = "roles"
     oidc_roles: tuple[str, ...] = ()
     requests_per_s: float = 50.0
+    quota_shots: int = 0
+    quota_stored_mb: int = 0
+    quota_cpu_s_per_day: float = 0.0
     trash_days: int = 30
     max_upload_mb: int = 512
     max_unpacked_mb: int = 2048

@@ -30,6 +30,21 @@ class SignIn(Model):
     key: str = Field(max_length=200, description="The key.")
 
 
+class Amount(Model):
+    """Amount of something that is limited."""
+
+    used: float
+    allowed: float | None = Field(description="null for any amount.")
+
+
+class Usage(Model):
+    """Amounts that were used, beside what is allowed."""
+
+    shots: Amount | None = Field(description="Shots of the project, those in the trash too; null for all projects.")
+    stored_mb: Amount | None = Field(description="Size of these shots and their edits, MiB; null for all projects.")
+    cpu_s: Amount = Field(description="Processor time of your work in the last 24 hours, s.")
+
+
 class Who(Model):
     """Sender of the request."""
 
@@ -40,6 +55,7 @@ class Who(Model):
             "scopes": ["edit", "read", "render"],
             "project": "night-tram",
             "endsAt": "2026-11-21T20:00:00Z",
+            "usage": None,
         }
     )
 
@@ -48,6 +64,7 @@ class Who(Model):
     scopes: list[str] = Field(description="`read`, `edit`, `render`, `admin`.")
     project: str = Field(description="Project whose shots are seen; `*` for every project.")
     ends_at: datetime | None = Field(description="Time at which the session or the key ends; null for never.")
+    usage: Usage | None = Field(default=None, description="Use of the quotas; null on a service without any.")
 
 
 class KeySummary(Model):

@@ -198,7 +198,7 @@ class ShotStore:
         Raises:
             OutputError: the disk is full, or fails.
         """
-        sizes = [path.stat().st_size for path in begun.files.rglob("*") if path.is_file()]
+        sizes = _sizes_of(begun)
         fields = {
             "name": begun.name,
             "root": root,
@@ -219,6 +219,15 @@ class ShotStore:
             remove_tree(begun.folder)
         except OSError as error:
             log.error("the upload %s cannot be removed as a whole: %s", begun.id, error)
+
+
+def size_of(begun: ShotRecord) -> int:
+    """Return the size of the files of a new shot, bytes."""
+    return sum(_sizes_of(begun))
+
+
+def _sizes_of(begun: ShotRecord) -> list[int]:
+    return [path.stat().st_size for path in begun.files.rglob("*") if path.is_file()]
 
 
 def read_record(folder: Path, shot_id: str) -> ShotRecord | None:

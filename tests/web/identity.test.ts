@@ -1,5 +1,5 @@
 import { Identity } from "@/editor/identity";
-import { formatEnd, isSamePerson, keyIdOf, refusalOf, rightsOf, type Who } from "@/model/identity";
+import { formatEnd, isSamePerson, keyIdOf, refusalOf, rightsOf, usageOf, type Who } from "@/model/identity";
 import { errorOf } from "@/net/errors";
 import type { Service } from "@/net/service";
 import { turn } from "./fake_service";
@@ -24,6 +24,18 @@ function locked(): { identity: Identity; loads: () => number; comes: (who: Who) 
   const identity = new Identity(service as Service, () => (loads += 1));
   return { identity, loads: () => loads, comes: (who) => (present = who), signedOut: () => signedOut };
 }
+
+describe("the use of quotas", () => {
+  it("is told for what is limited alone", () => {
+    const usage = { shots: { used: 3, allowed: 200 }, storedMb: null, cpuS: { used: 1234.5, allowed: null } };
+    expect(usageOf({ ...MARA, usage })).toEqual([{ name: "Shots", value: "3 of 200" }]);
+    const cpuS = { used: 1234.5, allowed: 36000 };
+    expect(usageOf({ ...MARA, usage: { shots: null, storedMb: null, cpuS } })).toEqual([
+      { name: "Work today", value: "1,235 of 36,000 s" },
+    ]);
+    expect(usageOf(MARA)).toEqual([]);
+  });
+});
 
 describe("signing in", () => {
   it("is asked once for all requests that wait, and lets them go on", async () => {

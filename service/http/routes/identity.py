@@ -9,9 +9,11 @@ from fastapi import APIRouter, Path, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from service.http.access import ADMINISTERS, SESSION_COOKIE, PrincipalDep, unauthorized
+from service.http.clients import present_client
 from service.http.identity import IdentityDep
 from service.http.json_bodies import JsonRoute
 from service.http.routes.parameters import problems
+from service.http.service import ServiceDep
 from service.identity.principal import NOBODY
 from service.identity.roles import scopes_of
 from service.identity.sessions import SESSION_S
@@ -41,11 +43,12 @@ async def sign_in(request: Request, response: Response, identity: IdentityDep, s
 
 
 @router.get("/session", operation_id="whoAmI")
-async def who_am_i(principal: PrincipalDep) -> Who:
+async def who_am_i(service: ServiceDep, principal: PrincipalDep) -> Who:
     """Tell who one is. The answer is 401 where a key is needed and none was sent."""
     if principal is NOBODY:
         raise unauthorized("This needs a key: send it as `Authorization: Bearer KEY`, or sign in.")
-    return Who.model_validate(principal)
+    usage = await run_in_threadpool(service.quotas.usage, present_client().principal, principal.project)
+    return Who.model_validate(principal).model_copy(update={"usage": usage})
 
 
 @router.delete("/session", operation_id="signOut", status_code=204)

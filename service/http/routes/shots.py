@@ -12,6 +12,7 @@ from service.http.access import EDITS, READS, PrincipalDep
 from service.http.errors import ServiceError
 from service.http.links import shot_links
 from service.http.quarantine import REASONS
+from service.http.quotas import Reception
 from service.http.routes.parameters import IfMatch, ShotId, problems, set_etag
 from service.http.service import Service, ServiceDep
 from service.http.upload import store_upload, upload_name
@@ -19,7 +20,7 @@ from service.identity.principal import ALL_PROJECTS, DEFAULT_PROJECT, PROJECT_PA
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
 from service.stage.calls import shots
-from service.storage.store import ShotRecord
+from service.storage.store import ShotRecord, size_of
 from service.workers.errors import BLAMED, WorkerDiedError
 
 router = APIRouter(tags=["shots"], dependencies=READS)
@@ -68,19 +69,28 @@ async def create_shot(
 ) -> Shot:
     """Upload a shot. It may not refer to files outside the upload; a refused upload leaves nothing behind."""
     name = upload_name(file.filename)
-    begun = service.store.begin(name, project=_project_of_upload(principal, project))
+    with service.quotas.receiving(_project_of_upload(principal, project)) as reception:
+        record, described = await _receive(service, reception, file, name, root)
+    response.headers["Location"] = f"/v1/shots/{record.id}"
+    return described.model_copy(update=ShotSummary.model_validate(record).model_dump())
+
+
+async def _receive(
+    service: Service, reception: Reception, file: UploadFile, name: str, root: str | None
+) -> tuple[ShotRecord, Shot]:
+    """Store an upload as a shot, or leave nothing of it."""
+    begun = service.store.begin(name, project=reception.project)
     try:
         root_path = await run_in_threadpool(store_upload, file.file, name, root, begun.files, service.settings)
+        await run_in_threadpool(reception.reserve, size_of(begun))
         described = await service.check_upload(begun.with_root(root_path))
-        record = await run_in_threadpool(service.store.accept, begun, root_path)
+        return await run_in_threadpool(service.store.accept, begun, root_path), described
     except BaseException as error:
         service.store.discard(begun)
         if isinstance(error, WorkerDiedError) and error.end in BLAMED:
             detail = f"{name} was not accepted: {REASONS[error.end]}."
             raise ServiceError(422, "stage_unreadable", detail, path=name) from error
         raise
-    response.headers["Location"] = f"/v1/shots/{record.id}"
-    return described.model_copy(update=ShotSummary.model_validate(record).model_dump())
 
 
 @router.get("/shots/{shot}", operation_id="getShot", responses=problems(404, 423, 503))

@@ -42,6 +42,26 @@ export function projectsOf({ project }: Who): string {
   return project === "*" ? "All projects" : `Project ${project}`;
 }
 
+/** What is used of each amount that is limited, for people. */
+export function usageOf({ usage }: Who): { readonly name: string; readonly value: string }[] {
+  if (!usage) return [];
+  const amounts = [
+    { name: "Shots", amount: usage.shots, unit: "" },
+    { name: "Stored", amount: usage.storedMb, unit: " MiB" },
+    { name: "Work today", amount: usage.cpuS, unit: " s" },
+  ];
+  return amounts.flatMap(({ name, amount, unit }) =>
+    amount && amount.allowed !== null
+      ? [
+          {
+            name,
+            value: `${Math.ceil(amount.used).toLocaleString("en")} of ${amount.allowed.toLocaleString("en")}${unit}`,
+          },
+        ]
+      : [],
+  );
+}
+
 /** The id within the text of a key, by which a password manager tells keys apart; empty where the text is no key. */
 export function keyIdOf(key: string): string {
   return /^\s*pf_([0-9a-f]+)_/.exec(key)?.[1] ?? "";

@@ -1200,6 +1200,19 @@ export interface components {
             readonly values: components["schemas"]["FocusPointEdit"];
         };
         /**
+         * Amount
+         * @description Amount of something that is limited.
+         */
+        readonly Amount: {
+            /**
+             * Allowed
+             * @description null for any amount.
+             */
+            readonly allowed: number | null;
+            /** Used */
+            readonly used: number;
+        };
+        /**
          * Anchor
          * @description A point on a surface that moves with it.
          */
@@ -7360,6 +7373,18 @@ export interface components {
             readonly type: "unkeySetting";
         };
         /**
+         * Usage
+         * @description Amounts that were used, beside what is allowed.
+         */
+        readonly Usage: {
+            /** @description Processor time of your work in the last 24 hours, s. */
+            readonly cpuS: components["schemas"]["Amount"];
+            /** @description Shots of the project, those in the trash too; null for all projects. */
+            readonly shots: components["schemas"]["Amount"] | null;
+            /** @description Size of these shots and their edits, MiB; null for all projects. */
+            readonly storedMb: components["schemas"]["Amount"] | null;
+        };
+        /**
          * ValidationFinding
          * @description A finding of a validator of the camera schemas.
          */
@@ -7445,6 +7470,8 @@ export interface components {
              * @description `read`, `edit`, `render`, `admin`.
              */
             readonly scopes: readonly string[];
+            /** @description Use of the quotas; null on a service without any. */
+            readonly usage?: components["schemas"]["Usage"] | null;
         };
     };
     responses: never;

@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import type { Editor } from "../editor/editor";
-import { formatEnd, isPerson, projectsOf, rightsOf, type Who } from "../model/identity";
+import { formatEnd, isPerson, projectsOf, rightsOf, usageOf, type Who } from "../model/identity";
 import { Menu } from "./controls/Menu";
 import { Icon } from "./icons";
 
@@ -47,6 +47,9 @@ function Facts({ who }: { who: Who }): JSX.Element {
       <Fact name="Signed in" value={who.label} />
       <Fact name="May" value={rightsOf(who)} />
       <Fact name="Sees" value={projectsOf(who)} />
+      {usageOf(who).map(({ name, value }) => (
+        <Fact key={name} name={name} value={value} />
+      ))}
       {who.endsAt !== null && <Fact name="Until" value={formatEnd(who.endsAt, new Date())} />}
     </dl>
   );

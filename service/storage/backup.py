@@ -19,7 +19,7 @@ import os
 import stat
 import tarfile
 import uuid
-from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from render.errors import InputError, OutputError
@@ -69,8 +69,7 @@ def _write(data: Path, part: Path) -> dict[str, str]:
     sums: dict[str, str] = {}
     with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:  # it holds keys
         with tarfile.open(fileobj=file, mode="w:gz", compresslevel=3) as tar:
-            for path in _top(data):
-                _add(tar, data, path, sums)
+            _add_all(tar, data, sums)
             manifest = json.dumps({"format": FORMAT, "files": sums}, indent=1).encode()
             _add_bytes(tar, MANIFEST, manifest, 0o600, {})
         file.flush()
@@ -78,35 +77,40 @@ def _write(data: Path, part: Path) -> dict[str, str]:
     return sums
 
 
-def _top(data: Path) -> Iterator[Path]:
-    """Yield what a backup holds: all but the lock, with the layout first."""
-    names = sorted(path.name for path in data.iterdir())
-    yield from (data / name for name in names if name not in ("lock", MANIFEST))
+def _top(data: Path) -> list[Path]:
+    """Return what a backup holds: all but the lock."""
+    return [data / name for name in sorted(path.name for path in data.iterdir()) if name not in ("lock", MANIFEST)]
 
 
-def _add(tar: tarfile.TarFile, data: Path, path: Path, sums: dict[str, str]) -> None:
-    """Add a file or a folder with all that is in it. What has gone since its folder was listed is left out."""
-    try:
-        mode = path.lstat().st_mode
-        if stat.S_ISDIR(mode):
-            _add_folder(tar, data, path, sums)
-        elif stat.S_ISREG(mode) and not path.name.endswith(".part"):
-            _add_file(tar, data, path, sums)
-    except FileNotFoundError:
-        return
+def _add_all(tar: tarfile.TarFile, data: Path, sums: dict[str, str]) -> None:
+    """Add the folder to an archive, at any depth. What has gone since its folder was listed is left out."""
+    left = _top(data)[::-1]
+    while left:
+        path = left.pop()
+        with suppress(FileNotFoundError):
+            mode = path.lstat().st_mode
+            if stat.S_ISDIR(mode):
+                left += _add_folder(tar, data, path, sums)[::-1]
+            elif stat.S_ISREG(mode) and not _is_unfinished(path.relative_to(data)):
+                _add_file(tar, data, path, sums)
 
 
-def _add_folder(tar: tarfile.TarFile, data: Path, folder: Path, sums: dict[str, str]) -> None:
+def _is_unfinished(path: Path) -> bool:
+    """Whether a file of the service is being written, by its path in the data folder; uploaded files have any name."""
+    return path.suffix == ".part" and path.parts[2:3] != ("files",)  # shots/ID/files/..., trash/ID.STAMP/files/...
+
+
+def _add_folder(tar: tarfile.TarFile, data: Path, folder: Path, sums: dict[str, str]) -> list[Path]:
+    """Add a folder, and where it is that of a shot's edits what is in it. Returns what has to be added from it, in order."""
     entry = tarfile.TarInfo(str(folder.relative_to(data)))
     entry.type, entry.mode = tarfile.DIRTYPE, 0o700
     tar.addfile(entry)
     if folder.name == "edits" and folder.parent.parent.parent == data:  # shots/ID/edits, trash/ID/edits
         for file, content in edits_at_one_moment(folder).items():
             _add_bytes(tar, str((folder / file).relative_to(data)), content, 0o600, sums)
-        return
+        return []
     names = sorted((path.name for path in folder.iterdir()), key=lambda name: (name == "shot.json", name))
-    for name in names:  # the record of a shot comes last, as where it is accepted
-        _add(tar, data, folder / name, sums)
+    return [folder / name for name in names]  # the record of a shot comes last, as where it is accepted
 
 
 def edits_at_one_moment(folder: Path) -> dict[str, bytes]:

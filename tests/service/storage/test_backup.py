@@ -17,6 +17,7 @@ import pytest
 
 from render.errors import InputError, OutputError, PullfocusError
 from render.model.edit_history import EditHistory
+from render.removal import remove_tree
 from service.http.settings import Settings
 from service.storage import backup as backup_module
 from service.storage.backup import back_up, edits_at_one_moment
@@ -47,6 +48,20 @@ def archive(data, tmp_path):
 
 def files_below(folder):
     return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def test_a_backup_holds_uploaded_files_of_any_name_and_depth(data, tmp_path):
+    shot = next((data / "shots").glob("*/shot.json")).parent
+    deep = shot / "files" / "/".join("d" * 900)
+    deep.mkdir(parents=True)
+    for file in (deep / "deep.txt", shot / "files" / "half.part"):
+        file.write_text("uploaded")
+    back_up(data, tmp_path / "kept.tar.gz")
+    restore(tmp_path / "kept.tar.gz", tmp_path / "new")
+    for file in (deep / "deep.txt", shot / "files" / "half.part"):
+        assert (tmp_path / "new" / file.relative_to(data)).read_text() == "uploaded"
+    for folder in (data, tmp_path / "new"):  # pytest's own removal recurses
+        remove_tree(folder)
 
 
 def test_a_backup_restores_every_file(data, archive, tmp_path):

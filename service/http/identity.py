@@ -53,7 +53,7 @@ class Identity:
         self._refused_log = AuditLog(settings.data / "audit-refused.jsonl")
         self._failures = RateLimit(FAILURES_PER_S, FAILURES)
         self._per_s = settings.requests_per_s
-        self._requests = RateLimit(settings.requests_per_s, BURST_S * settings.requests_per_s)
+        self._requests = RateLimit(settings.requests_per_s, max(1.0, BURST_S * settings.requests_per_s))
 
     async def identify(self, scope: Scope) -> Principal:
         """Return the sender of a request.
@@ -160,7 +160,8 @@ class Identity:
             return self._tokens.principal(token)
         except TokenError as error:
             self._limit_failures(address)
-            raise unauthorized(f"{str(error).capitalize()}.", 'error="invalid_token"') from error
+            detail = str(error)
+            raise unauthorized(f"{detail[0].upper()}{detail[1:]}.", 'error="invalid_token"') from error
         except NoRoleError as error:
             raise ServiceError(403, "no_role", str(error)) from error
         except IssuerError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import http.client
 import json
 import logging
 import threading
@@ -30,6 +31,8 @@ KEPT_S = 86400.0
 """Time for which keys hold while the issuer cannot be reached: after that, one that it has withdrawn could still be used."""
 PAUSE_S = 30.0
 """Least time between two fetches, however many tokens name keys that are not known."""
+WAIT_S = 1.0
+"""Time that a token waits while the keys are fetched for another one, where its own key is not kept."""
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 MIN_RSA_BITS, BITS_PER_DIGIT = 2048, 6
 
@@ -65,18 +68,21 @@ class Issuer:
             key_id: its name; None where the token names none, which is enough where the issuer has one key.
 
         Raises:
-            IssuerError: the issuer cannot be reached, and no keys of it are kept.
+            IssuerError: the issuer cannot be reached and no keys of it are kept, or it is slow and this key is not kept.
         """
-        with self._lock:
-            now_s = self._clock()
-            is_fresh = self._fetched_s is not None and now_s - self._fetched_s < FRESH_S
-            may_try = self._tried_s is None or now_s - self._tried_s >= PAUSE_S
-            if may_try and not (is_fresh and self._find(key_id)):
-                self._tried_s = now_s
-                self._fetch(now_s)
-            if self._fetched_s is None or now_s - self._fetched_s >= KEPT_S:
-                raise IssuerError("The issuer of the tokens cannot be reached.", PAUSE_S)
-            return self._find(key_id)
+        now_s = self._clock()
+        if not (self._is_fetched_within(FRESH_S, now_s) and self._find(key_id)):
+            has_key = self._is_fetched_within(KEPT_S, now_s) and self._find(key_id) is not None
+            if self._lock.acquire(timeout=0 if has_key else WAIT_S):
+                try:
+                    self._fetch_if_due(key_id, now_s)
+                finally:
+                    self._lock.release()
+            elif not has_key:
+                raise IssuerError("The issuer of the tokens is slow to answer.", WAIT_S)
+        if not self._is_fetched_within(KEPT_S, now_s):
+            raise IssuerError("The issuer of the tokens cannot be reached.", PAUSE_S)
+        return self._find(key_id)
 
     def fetch_keys(self) -> dict[str | None, Key]:
         """Fetch the issuer's public keys, by their names.
@@ -96,11 +102,20 @@ class Issuer:
         return {key.kid: key for key in keys if key is not None}
 
     def _find(self, key_id: str | None) -> Key | None:
+        keys = self._keys  # another thread may replace them
         if key_id is None:
-            return next(iter(self._keys.values())) if len(self._keys) == 1 else None
-        return self._keys.get(key_id)
+            return next(iter(keys.values())) if len(keys) == 1 else None
+        return keys.get(key_id)
 
-    def _fetch(self, now_s: float) -> None:
+    def _is_fetched_within(self, age_s: float, now_s: float) -> bool:
+        return self._fetched_s is not None and now_s - self._fetched_s < age_s
+
+    def _fetch_if_due(self, key_id: str | None, now_s: float) -> None:
+        """Fetch the keys, unless they were asked for lately, or another thread has fetched this one meanwhile."""
+        is_there = self._is_fetched_within(FRESH_S, now_s) and self._find(key_id)
+        if is_there or (self._tried_s is not None and now_s - self._tried_s < PAUSE_S):
+            return
+        self._tried_s = now_s
         try:
             keys = self.fetch_keys()
         except (OSError, ValueError) as error:
@@ -146,8 +161,11 @@ class _NoRedirects(urllib.request.HTTPRedirectHandler):
 
 def _get_json(address: str) -> Mapping[str, Any]:
     request = urllib.request.Request(address, headers={"Accept": "application/json"})
-    with urllib.request.build_opener(_NoRedirects).open(request, timeout=FETCH_S) as answer:
-        content = answer.read(MAX_BYTES + 1)
+    try:
+        with urllib.request.build_opener(_NoRedirects).open(request, timeout=FETCH_S) as answer:
+            content = answer.read(MAX_BYTES + 1)
+    except http.client.HTTPException as error:  # it is neither an OSError nor a ValueError
+        raise ValueError(f"{address} does not answer in HTTP: {error!r}") from error
     if len(content) > MAX_BYTES:
         raise ValueError(f"{address} has more than {MAX_BYTES:,} bytes")
     try:

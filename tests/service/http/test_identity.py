@@ -88,6 +88,13 @@ def test_requests_are_limited_for_each_key(tmp_path):
         assert service.client.get("/v1/shots", headers=other).status_code == 200
 
 
+def test_a_limit_below_one_request_in_ten_seconds_lets_one_in(tmp_path):
+    with running(Settings(data=tmp_path, demo=False, access="keys", requests_per_s=0.01)) as service:
+        rare = key(service, "read")
+        statuses = [service.client.get("/v1/shots", headers=rare).status_code for _ in range(2)]
+        assert statuses == [200, 429]
+
+
 def test_a_project_s_shots_are_unknown_to_others(locked, admin, room_file):
     mine = key(locked, "read", "edit", "render", project="tram")
     theirs = key(locked, "read", "edit", "render", project="other")

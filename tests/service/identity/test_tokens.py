@@ -7,6 +7,7 @@ import hmac
 import json
 import logging
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -15,7 +16,7 @@ from joserfc.jwk import OctKey
 from render.errors import SettingsError
 from service.identity.errors import IssuerError, NoRoleError, TokenError
 from service.identity.grants import granted, parse_grants, values_at
-from service.identity.issuer import KEPT_S, PAUSE_S
+from service.identity.issuer import FRESH_S, KEPT_S, PAUSE_S
 from service.identity.issuer import Issuer as Trusted
 from service.identity.roles import ROLES
 from service.identity.tokens import LEEWAY_S, MAX_TOKEN, Tokens, looks_like_token
@@ -187,6 +188,23 @@ def test_tokens_hold_while_the_issuer_is_down_for_a_day(issuer: Issuer, tokens: 
         tokens.principal(token)
 
 
+def test_nobody_waits_for_an_issuer_that_is_slow(issuer: Issuer, tokens: Tokens, clock: Clock) -> None:
+    token = issuer.token(**PULLER)
+    assert tokens.principal(token)
+    clock.now_s += FRESH_S
+    issuer.may_answer.clear()
+    issuer.was_asked.clear()
+    with ThreadPoolExecutor(1) as threads:
+        first = threads.submit(tokens.principal, token)
+        assert issuer.was_asked.wait(10)
+        assert tokens.principal(token)
+        with pytest.raises(IssuerError, match="slow"):
+            tokens.principal(issuer.token(new_key("unknown"), **PULLER))
+        assert not first.done()
+        issuer.may_answer.set()
+    assert first.result() == tokens.principal(token)
+
+
 @pytest.mark.parametrize(
     "discovery",
     [
@@ -203,11 +221,15 @@ def test_an_issuer_that_is_another_is_not_believed(issuer: Issuer, tokens: Token
     assert KEYS not in issuer.asked
 
 
-def test_an_issuer_that_talks_nonsense_is_as_one_that_is_down(issuer: Issuer, tokens: Tokens, clock: Clock) -> None:
-    token, issuer.is_broken = issuer.token(**PULLER), True
+@pytest.mark.parametrize("nonsense", ["is_broken", "is_no_http"])
+def test_an_issuer_that_talks_nonsense_is_as_one_that_is_down(
+    issuer: Issuer, tokens: Tokens, clock: Clock, nonsense: str
+) -> None:
+    token = issuer.token(**PULLER)
+    setattr(issuer, nonsense, True)
     with pytest.raises(IssuerError):
         tokens.principal(token)
-    issuer.is_broken = False
+    setattr(issuer, nonsense, False)
     with pytest.raises(IssuerError):
         tokens.principal(token)
     clock.now_s += PAUSE_S

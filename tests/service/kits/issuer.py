@@ -27,6 +27,10 @@ class Issuer:
         keys: that it publishes; the last one signs.
         asked: paths that it was asked for.
         claims: of each client, by its id.
+        is_broken: whether it answers something that is no JSON.
+        is_no_http: whether it answers something that is no HTTP.
+        may_answer: set unless it keeps those who ask waiting.
+        was_asked: set with each question.
     """
 
     def __init__(self) -> None:
@@ -34,7 +38,9 @@ class Issuer:
         self.asked: list[str] = []
         self.claims: dict[str, dict[str, Any]] = {}
         self.discovery: dict[str, Any] = {}
-        self.is_broken = False
+        self.is_broken = self.is_no_http = False
+        self.may_answer, self.was_asked = threading.Event(), threading.Event()
+        self.may_answer.set()
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
         self.address = f"http://127.0.0.1:{self._server.server_address[1]}"
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
@@ -75,6 +81,11 @@ class Issuer:
 
             def _reply(self, form: dict[str, list[str]]) -> None:
                 issuer.asked.append(self.path)
+                issuer.was_asked.set()
+                issuer.may_answer.wait()
+                if issuer.is_no_http:
+                    self.wfile.write(b"no HTTP\r\n\r\n")
+                    return
                 content = b"<html>" if issuer.is_broken else json.dumps(issuer._answer(self.path, form)).encode()
                 self.send_response(200)
                 self.send_header("Content-Type", "application/json")

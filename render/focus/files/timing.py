@@ -37,7 +37,7 @@ def snapped_rate(rate: float) -> float:
         rate: in 1/s, above 0.
     """
     exact = float(rate_as_fraction(rate))
-    return exact if abs(rate / exact - 1) < _SLACK else rate
+    return exact if abs(rate - exact) < _SLACK * exact else rate
 
 
 @dataclass(frozen=True)

@@ -188,6 +188,13 @@ def test_unknown_words_are_refused():
         curve_to_text(curve(), "pdf")
 
 
+def test_a_csv_whose_rate_is_near_zero_is_no_fault_of_the_program():
+    header = "frame,time_code,seconds,focus_distance_m"
+    content = table("0,0,0,3", "1,1,1e300,3", header=header)
+    with contextlib.suppress(InputError):
+        assert np.isfinite(read_curve(content, RATES, gaps="hold").curve.focus_distance_m).all()
+
+
 def test_seconds_are_kept_where_the_shot_has_another_rate():
     read = retime(read_curve(curve_to_json(curve()), RATES), Rates(25.0, 25.0))
     assert read.curve.seconds == pytest.approx(curve().seconds)

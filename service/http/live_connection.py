@@ -159,6 +159,7 @@ class LiveConnection:
             on_item=self._from_thread(lambda item: self._queue_item(pending, item)),
             on_end=self._from_thread(lambda error: self._end(pending, error)),
             group=self,
+            view=(request.camera, request.time),
         )
 
     def _stop(self) -> None:

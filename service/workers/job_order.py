@@ -4,13 +4,15 @@
   that of the viewer who has (`service.workers.turns`).
 - *Crowds.* The jobs of a shot run in one process, one after the other. Where many of them wait, and beside a job that is overdue,
   another process of the shot takes them, unless the shot has one writer only.
+- *Views.* A process keeps what it has drawn of a view. A job whose view is kept by a process that is busy lets those go first
+  that would have no use for the process which is free, unless it has waited for them for long enough.
 """
 
 from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 from typing import Any, TypeVar
 
 from service.workers.jobs import Job
@@ -22,6 +24,8 @@ State = TypeVar("State")
 
 MAX_OVERDUE_EACH = 2
 """Jobs of one principal that may run beside those that a lane runs at a time."""
+ANEW_TURNS = 2.0
+"""Usual turns that a job may lose to others before a process draws a view anew which another one keeps."""
 
 
 class JobOrder:
@@ -38,7 +42,12 @@ class JobOrder:
         self._viewers = Turns()
         self._principals = Turns()
 
-    def next(self, waiting: Sequence[Job[State]], running: Collection[Job[State]]) -> Job[State] | None:
+    def next(
+        self,
+        waiting: Sequence[Job[State]],
+        running: Collection[Job[State]],
+        is_kept_elsewhere: Callable[[Job[State]], bool] = lambda job: False,
+    ) -> Job[State] | None:
         """Choose the next job: the first one of the viewer who has used the least time, of the principal who has.
 
         Jobs whose shot is busy are passed over, and those of a principal who has so many running that nobody else could begin.
@@ -46,26 +55,46 @@ class JobOrder:
         Args:
             waiting: jobs that wait.
             running: jobs that run.
+            is_kept_elsewhere: whether only processes that are busy keep a job's view.
         """
         busy = Counter(job.client.principal for job in running)
         free_places = self._free_places(waiting, running)
-        free = (job for job in waiting if job.place in free_places and busy[job.client.principal] < self._most_each)
+        by_principal: dict[Hashable, list[Job[State]]] = {}
+        for job in waiting:
+            if job.place in free_places and busy[job.client.principal] < self._most_each:
+                by_principal.setdefault(job.client.principal, []).append(job)
 
-        def turn(job: Job[State]) -> tuple[float, float, int]:
-            used_s = self._principals.used_s(job.client.principal), self._viewers.used_s(job.client.viewer)
-            return *used_s, job.position
+        def turn(job: Job[State]) -> tuple[float, int]:
+            used_s = self._viewers.used_s(job.client.viewer)
+            return used_s + (ANEW_TURNS * self._viewers.usual_s if is_kept_elsewhere(job) else 0.0), job.position
 
-        return min(free, key=turn, default=None)
+        def turn_of_principal(principal: Hashable) -> tuple[float, int]:
+            jobs, used_s = by_principal[principal], self._principals.used_s(principal)
+            lost_s = ANEW_TURNS * self._principals.usual_s if all(is_kept_elsewhere(job) for job in jobs) else 0.0
+            return used_s + lost_s, min(job.position for job in jobs)
+
+        return min(by_principal[min(by_principal, key=turn_of_principal)], key=turn) if by_principal else None
+
+    def arrive(self, job: Job[Any]) -> None:
+        """Note that a job waits."""
+        self._viewers.arrive(job.client.viewer)
+        self._principals.arrive(job.client.principal)
 
     def begin(self, job: Job[Any]) -> None:
         """Note that a job begins."""
         self._viewers.begin(job.client.viewer)
         self._principals.begin(job.client.principal)
 
-    def charge(self, job: Job[Any], ran_s: float) -> None:
-        """Add the time that a job ran to what its viewer and its principal have used, s."""
-        self._viewers.charge(job.client.viewer, ran_s)
-        self._principals.charge(job.client.principal, ran_s)
+    def charge(self, job: Job[Any], ran_s: float, *, starts_process: bool) -> None:
+        """Add the time that a job ran to what its viewer and its principal have used.
+
+        Args:
+            job: has run.
+            ran_s: time that it ran, s.
+            starts_process: whether it had to start a process that others use after it: no more than a usual turn is added.
+        """
+        for turns, name in ((self._viewers, job.client.viewer), (self._principals, job.client.principal)):
+            (turns.charge_usual if starts_process else turns.charge)(name, ran_s)
 
     def forget_absent(self, present: Collection[Job[Any]]) -> None:
         """Forget the viewers and principals that have no job, as far as they have used no more than others.

@@ -160,6 +160,7 @@ class Job(Generic[State]):
         estimate_s: processor time that it was expected to take, s; 0 where nobody has estimated it.
         position: orders the jobs of one viewer: its number, that of the job whose place it took, or a new one where it was
             interrupted.
+        view: the view that it draws, or None.
         queued_s: monotonic time at which it was queued.
         begun_s: monotonic time at which it last began to run.
         begun_cpu_s: processor time that its process had used before, s.
@@ -179,6 +180,7 @@ class Job(Generic[State]):
     serial: int
     position: int
     estimate_s: float = 0.0
+    view: Hashable | None = None
     queued_s: float = field(default_factory=time.monotonic)
     begun_s: float = 0.0
     begun_cpu_s: float = 0.0

@@ -47,8 +47,6 @@ MAX_PATIENCE_S = 1.5
 """Time after which it does not, however little of the processor it got."""
 MAX_OVERDUE = 4
 """Jobs of a lane that may be overdue at a time."""
-MAX_START_S = 1.0
-"""Most time that a job is charged with whose process had to be started and to open its shot."""
 UNWANTED_S = 1.0
 """Time that a call may go on after its client has gone, before its process is ended."""
 TICK_S = 0.1
@@ -174,6 +172,7 @@ class Lane(Generic[State]):
         on_item: Callable[[Item], None],
         on_end: Callable[[Exception | None], None],
         group: Hashable | None = None,
+        view: Hashable | None = None,
     ) -> Job[State]:
         """Put a stream in the lane; jobs of the same group that wait, and a stream of it that runs, are superseded.
 
@@ -184,6 +183,7 @@ class Lane(Generic[State]):
             on_item: called with each item, in a thread of the lane; it must not raise.
             on_end: called once after the last item, likewise; with the error that ended the stream, or None.
             group: one client viewing one shot.
+            view: the view that it draws; the process that drew it last is preferred. None for no view.
 
         Returns:
             The job, for `cancel`.
@@ -192,7 +192,7 @@ class Lane(Generic[State]):
             QueueFullError: too many jobs wait.
             StoppingError: the service stops.
         """
-        return self._enqueue(StreamWork(call, on_item, on_end), place, client, group)
+        return self._enqueue(StreamWork(call, on_item, on_end), place, client, group, view=view)
 
     def cancel(self, job: Job[State]) -> None:
         """End a job that nobody wants any more, as soon as possible. Does nothing where it has ended.
@@ -228,6 +228,7 @@ class Lane(Generic[State]):
         client: Client,
         group: Hashable | None,
         estimate_s: float = 0.0,
+        view: Hashable | None = None,
     ) -> Job[State]:
         with self._changed:
             if self._is_stopping:
@@ -245,10 +246,11 @@ class Lane(Generic[State]):
                 )
             serial = next(self._serials)
             position = min((other.position for other in same), default=serial)
-            job = Job(work, place, client, group, serial, position, estimate_s)
+            job = Job(work, place, client, group, serial, position, estimate_s, view=view)
             if group is not None:
                 self._supersede(group, same)
             self._queue.append(job)
+            self._order.arrive(job)
             self._dispatch()
             return job
 
@@ -280,7 +282,7 @@ class Lane(Generic[State]):
     def _dispatch(self) -> None:
         """Begin jobs while there is room."""
         while sum(not job.is_overdue for job in self._running) < self._slots:
-            job = self._order.next(self._queue, self._running)
+            job = self._order.next(self._queue, self._running, self.pool.viewed(self.role).is_elsewhere)
             if job is None:
                 break
             self._queue.remove(job)
@@ -313,7 +315,7 @@ class Lane(Generic[State]):
     def _run_in_worker(self, job: Job[State]) -> tuple[bool, float]:
         """Run a job in a worker that lives. Returns whether it came to its end, and the processor time that it took, s."""
         for _ in range(ATTEMPTS):
-            process = self.pool.take(self.role, job.place)
+            process = self.pool.take(self.role, job.place, job.view)
             try:
                 self._attach(job, process)
                 is_complete = job.work.run(process, self._timeout_s * (os.cpu_count() or 1), job.serial)
@@ -360,7 +362,7 @@ class Lane(Generic[State]):
         with self._changed:
             self._running.remove(job)
             is_shared = job.starts_process and not self.role.is_thrown_away  # those who come later use the process, too
-            self._order.charge(job, min(ran_s, MAX_START_S) if is_shared else ran_s)
+            self._order.charge(job, ran_s, starts_process=is_shared)
             if not is_complete:
                 self._requeue(job)
             self._order.forget_absent((*self._running, *self._queue))

@@ -5,17 +5,38 @@ from __future__ import annotations
 import itertools
 import threading
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
 from service.workers.caches import Caches
 from service.workers.errors import BLAMED, End, WorkerDiedError
 from service.workers.forking import Template
+from service.workers.jobs import Job
 from service.workers.places import Place
 from service.workers.process import WorkerProcess
 from service.workers.roles import Role
 
 State = TypeVar("State")
+
+
+@dataclass(frozen=True)
+class Viewed:
+    """Places and views that the processes of a role have drawn lately.
+
+    Attributes:
+        by_idle: those of idle processes.
+        by_busy: those of busy ones.
+    """
+
+    by_idle: frozenset[tuple[Place, Hashable]]
+    by_busy: frozenset[tuple[Place, Hashable]]
+
+    def is_elsewhere(self, job: Job[Any]) -> bool:
+        """Whether busy processes keep a job's view, and no idle one."""
+        drawn = job.place, job.view
+        return drawn in self.by_busy and drawn not in self.by_idle
 
 
 class WorkerPool:
@@ -57,15 +78,21 @@ class WorkerPool:
         self._busy: set[WorkerProcess[Any]] = set()
         self._left: set[WorkerProcess[Any]] = set()  # busy with a shot that was closed
 
-    def take(self, role: Role[State], place: Place) -> WorkerProcess[State]:
+    def take(self, role: Role[State], place: Place, view: Hashable | None = None) -> WorkerProcess[State]:
         """Return an idle process of a role and place, or start one. The caller gives it back.
+
+        Args:
+            role: of the process.
+            place: the shot that it serves.
+            view: one that it is about to draw; a process which has drawn it is preferred. None for no view.
 
         Raises:
             WorkerDiedError: no process can be started.
         """
-        idle, dead = self._take_idle(role, place)
+        idle, dead = self._take_idle(role, place, view)
         self._end(dead, "killed")
         if idle is not None:
+            _note(idle, view)
             return idle
         gpu = next(self._gpus) if self._gpus is not None and role.draws else None
         started = self._start(role, place, gpu)
@@ -73,7 +100,19 @@ class WorkerPool:
             self.starts[role.name] += 1
             self._peaks.setdefault(role, 0)
             self._busy.add(started)
+        _note(started, view)
         return started
+
+    def viewed(self, role: Role[Any]) -> Viewed:
+        """Return the views that the processes of a role have drawn lately."""
+
+        def views(processes: Iterable[WorkerProcess[Any]]) -> frozenset[tuple[Place, Hashable]]:
+            return frozenset(
+                (each.place, view) for each in processes if each.role == role for view in tuple(each.views)
+            )
+
+        with self._lock:
+            return Viewed(views(self._idle), views(self._busy))
 
     def give_back(self, process: WorkerProcess[Any]) -> None:
         """Take a process back after a call, in whatever state it is."""
@@ -136,12 +175,13 @@ class WorkerPool:
         self.template.close()
 
     def _take_idle(
-        self, role: Role[State], place: Place
+        self, role: Role[State], place: Place, view: Hashable | None
     ) -> tuple[WorkerProcess[State] | None, list[WorkerProcess[Any]]]:
-        """Take the idle process of a role and place that was used last, and those which are found dead on the way."""
+        """Take the idle process of a role and place that drew a view, or was used last, and those found dead on the way."""
         dead: list[WorkerProcess[Any]] = []
         with self._lock:
-            for process in [each for each in reversed(self._idle) if each.role == role and each.place == place]:
+            fit = [each for each in reversed(self._idle) if each.role == role and each.place == place]
+            for process in sorted(fit, key=lambda each: view not in each.views):
                 self._idle.remove(process)
                 if process.is_alive():
                     self._busy.add(process)
@@ -179,3 +219,11 @@ class WorkerPool:
                 self._peaks[process.role] = max(self._peaks.get(process.role, 0), process.peak_bytes())
             if self._caches is not None and process.cache is not None:
                 self._caches.discard(process.cache)
+
+
+def _note(process: WorkerProcess[Any], view: Hashable | None) -> None:
+    """Note that a process draws a view."""
+    if view is not None:
+        with suppress(ValueError):
+            process.views.remove(view)
+        process.views.append(view)

@@ -11,7 +11,8 @@ import logging
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import ExitStack, suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
@@ -50,6 +51,8 @@ State = TypeVar("State")
 Reply = TypeVar("Reply")
 Item = TypeVar("Item")
 
+KEPT_VIEWS = 64
+"""Views that a process is expected to keep drawings of."""
 NEAR_LIMIT = 0.6
 """A worker that crashed with this share of its memory in use is taken to have run out of it: allocators ask for large pieces."""
 _TICKS_PER_S = os.sysconf("SC_CLK_TCK")
@@ -78,6 +81,7 @@ class WorkerProcess(Generic[State]):
         signals: interrupt a running stream; any thread may set them.
         end: why it ended, or None.
         has_served: whether it has answered a call: its state is made.
+        views: the last ones that it was taken for.
         records_steps: whether the times of the steps of its next calls are wanted.
         steps: those of its last call.
 
@@ -100,6 +104,7 @@ class WorkerProcess(Generic[State]):
         self.cache = cache
         self.end: End | None = None
         self.has_served = False
+        self.views: deque[Hashable] = deque(maxlen=KEPT_VIEWS)
         self.records_steps = False
         self.steps: tuple[Step, ...] = ()
         self._template = template

@@ -18,7 +18,7 @@ from service.workers import forking
 from service.workers.calls import call
 from service.workers.errors import QueueFullError, StoppingError, WorkerDiedError, WorkerError
 from service.workers.jobs import LIKE_S, Client
-from service.workers.lane import MAX_PATIENCE_S, MAX_START_S, Lane
+from service.workers.lane import MAX_PATIENCE_S, Lane
 from service.workers.places import Place
 from service.workers.pool import WorkerPool
 from service.workers.streaming import CROWD
@@ -178,6 +178,7 @@ def test_viewers_take_turns_however_much_one_asks_for(pool):
 def test_cheap_work_has_more_turns_than_dear_work(pool):
     order: list[str] = []
     with tally_lane(pool, max_waiting=99) as lane:
+        lane.submit(call(echo), SCENE, Client(viewer="earlier")).result(WAIT_S)  # starts the process
         blocking = lane.submit(call(echo, pause_s=0.2))
         for _ in range(4):
             for viewer, pause_s in (("dear", 0.2), ("cheap", 0.04)):
@@ -192,9 +193,11 @@ def test_cheap_work_has_more_turns_than_dear_work(pool):
 def test_a_viewer_does_not_pay_for_the_start_of_a_process(pool):
     ended = []
     with tally_lane(pool, max_waiting=99) as lane:
-        first = lane.submit(call(echo, pause_s=MAX_START_S + 1.0), Place("started"), Client("first", "first"))
+        for _ in range(2):  # the first one starts a process
+            lane.submit(call(echo, pause_s=0.2), SCENE, Client("earlier", "earlier")).result(WAIT_S)
+        first = lane.submit(call(echo, pause_s=2.0), Place("started"), Client("first", "first"))
         until(first.running)
-        lane.submit(call(echo, pause_s=MAX_START_S + 0.3), Place("started"), Client("second", "second")).result(WAIT_S)
+        lane.submit(call(echo, pause_s=1.3), Place("started"), Client("second", "second")).result(WAIT_S)
         running = lane.submit(call(echo, pause_s=0.3), Place("started"), Client("third", "third"))
         until(running.running)
         for name in ("second", "first"):

@@ -26,10 +26,11 @@ def is_fuller(folder: Path, most_bytes: int) -> bool:
             with os.scandir(left.pop()) as entries:
                 for entry in itertools.islice(entries, FILES):
                     count += 1
-                    total += 512 * entry.stat(follow_symlinks=False).st_blocks
+                    with suppress(FileNotFoundError):  # it has just been removed
+                        total += 512 * entry.stat(follow_symlinks=False).st_blocks
                     if entry.is_dir(follow_symlinks=False):
                         left.append(entry.path)
-        except FileNotFoundError:  # it has just been removed
+        except FileNotFoundError:  # the folder has just been removed
             continue
         except OSError:
             return True

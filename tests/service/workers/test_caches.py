@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
@@ -216,6 +216,22 @@ def test_a_folder_is_full_by_bytes_or_by_files(tmp_path, monkeypatch):
     assert [is_fuller(tmp_path, most) for most in (99_000, 120_000)] == [True, False]
     monkeypatch.setattr(folders, "FILES", 1)
     assert is_fuller(tmp_path, 120_000)
+
+
+def test_a_file_that_vanishes_hides_no_other_file(tmp_path, monkeypatch):
+    for name in "abc":
+        (tmp_path / name).write_bytes(bytes(100_000))
+    scandir = folders.os.scandir
+
+    @contextmanager
+    def scandir_while_one_vanishes(path):
+        with scandir(path) as entries:
+            listed = list(entries)
+            os.unlink(listed[0].path)
+            yield iter(listed)
+
+    monkeypatch.setattr(folders.os, "scandir", scandir_while_one_vanishes)
+    assert is_fuller(tmp_path, 150_000)  # two of three are left
 
 
 def test_a_lock_that_a_sweep_took_first_is_made_again(tmp_path, monkeypatch):

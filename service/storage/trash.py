@@ -84,7 +84,7 @@ class Trash:
         Raises:
             NotFoundError: there is none of this id.
         """
-        entry = self._read(self._folder / entry_id) if ENTRY_PATTERN.fullmatch(entry_id) else None
+        entry = self._read(self._folder / entry_id) if _is_entry(entry_id) else None
         if entry is None:
             raise not_in_trash(entry_id)
         return entry
@@ -170,7 +170,7 @@ class Trash:
             log.error("%s cannot be removed from the trash as a whole: %s", folder.name, error)
 
     def _folders(self) -> list[Path]:
-        return [path for path in self._folder.iterdir() if ENTRY_PATTERN.fullmatch(path.name)]
+        return [path for path in self._folder.iterdir() if _is_entry(path.name)]
 
     def _read(self, folder: Path) -> TrashedShot | None:
         shot_id = folder.name.rpartition(".")[0]
@@ -190,6 +190,17 @@ def not_in_trash(entry_id: str) -> NotFoundError:
 
 def _check(record: ShotRecord, condition: EditContext) -> None:
     condition.check_tag(edits_tag(revision_of(record.edit_text())), f"shot {record.id!r}")
+
+
+def _is_entry(name: str) -> bool:
+    """Whether a name is that of an entry. A folder whose stamp is no time is left alone."""
+    if not ENTRY_PATTERN.fullmatch(name):
+        return False
+    try:
+        _deleted_at(name)
+    except ValueError:
+        return False
+    return True
 
 
 def _deleted_at(entry_id: str) -> datetime:

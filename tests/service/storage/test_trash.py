@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -204,3 +205,16 @@ def test_a_trash_may_be_kept_for_ever(tmp_path, shot, time):
 def test_nothing_else_is_in_the_trash(trash, shot, name):
     with pytest.raises(NotFoundError):
         trash.get(name)
+
+
+def test_a_folder_whose_stamp_is_no_time_is_left_alone(store, trash, shot, time, tmp_path):
+    trash.put(shot, ANY_CONTEXT)
+    [entry] = trash.entries()
+    stray = entry.record.folder.with_name("night.99999999999999999999")
+    shutil.copytree(entry.record.folder, stray)
+    assert [each.id for each in trash.entries()] == [entry.id]
+    with pytest.raises(NotFoundError):
+        trash.get(stray.name)
+    time.passed += timedelta(days=31)
+    assert trash.empty() == 1
+    assert stray.is_dir()

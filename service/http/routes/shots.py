@@ -82,7 +82,7 @@ async def _receive(
     begun = service.store.begin(name, project=reception.project)
     try:
         root_path = await run_in_threadpool(store_upload, file.file, name, root, begun.files, service.settings)
-        await run_in_threadpool(reception.reserve, size_of(begun))
+        await run_in_threadpool(lambda: reception.reserve(size_of(begun)))
         described = await service.check_upload(begun.with_root(root_path))
         return await run_in_threadpool(service.store.accept, begun, root_path), described
     except BaseException as error:

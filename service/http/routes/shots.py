@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, File, Form, Response, UploadFile
+from fastapi.concurrency import contextmanager_in_threadpool
 from starlette.concurrency import run_in_threadpool
 
 from service.edit_context import EditContext, edits_tag
@@ -29,8 +30,12 @@ router = APIRouter(tags=["shots"], dependencies=READS)
 @router.get("/shots", operation_id="listShots")
 async def list_shots(service: ServiceDep, principal: PrincipalDep) -> ShotList:
     """List the stored shots of your project, newest last."""
-    records = (record for record in service.store.list() if principal.sees(record.project))
-    return ShotList(shots=[_summary(service, record) for record in records])
+
+    def seen() -> ShotList:
+        records = (record for record in service.store.list() if principal.sees(record.project))
+        return ShotList(shots=[_summary(service, record) for record in records])
+
+    return await run_in_threadpool(seen)
 
 
 def _summary(service: Service, record: ShotRecord) -> ShotSummary:
@@ -69,7 +74,8 @@ async def create_shot(
 ) -> Shot:
     """Upload a shot. It may not refer to files outside the upload; a refused upload leaves nothing behind."""
     name = upload_name(file.filename)
-    with service.quotas.receiving(_project_of_upload(principal, project)) as reception:
+    reserved = service.quotas.receiving(_project_of_upload(principal, project))
+    async with contextmanager_in_threadpool(reserved) as reception:
         record, described = await _receive(service, reception, file, name, root)
     response.headers["Location"] = f"/v1/shots/{record.id}"
     return described.model_copy(update=ShotSummary.model_validate(record).model_dump())
@@ -79,14 +85,14 @@ async def _receive(
     service: Service, reception: Reception, file: UploadFile, name: str, root: str | None
 ) -> tuple[ShotRecord, Shot]:
     """Store an upload as a shot, or leave nothing of it."""
-    begun = service.store.begin(name, project=reception.project)
+    begun = await run_in_threadpool(service.store.begin, name, project=reception.project)
     try:
         root_path = await run_in_threadpool(store_upload, file.file, name, root, begun.files, service.settings)
         await run_in_threadpool(lambda: reception.reserve(size_of(begun)))
         described = await service.check_upload(begun.with_root(root_path))
         return await run_in_threadpool(service.store.accept, begun, root_path), described
     except BaseException as error:
-        service.store.discard(begun)
+        await run_in_threadpool(service.store.discard, begun)
         if isinstance(error, WorkerDiedError) and error.end in BLAMED:
             detail = f"{name} was not accepted: {REASONS[error.end]}."
             raise ServiceError(422, "stage_unreadable", detail, path=name) from error

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from threading import Event
 
 import pytest
 
 from service.http.settings import Settings
 from service.identity.principal import SCOPES
+from service.storage.store import ShotStore
 from tests.service.conftest import ROOM, running, send, until
 
 
@@ -52,6 +54,31 @@ def test_a_shot_that_is_too_large_for_the_quota_leaves_nothing(limited):
         assert service.client.get("/v1/shots").json()["shots"] == []
         assert send(service.client, "room.usda", ROOM.encode()).status_code == 201
         assert 0 < service.internal.quotas.usage("mara", "default").stored_mb.used < 0.1
+
+
+@pytest.mark.parametrize("slow", ["begin", "list", "discard"])
+def test_a_slow_disk_holds_up_an_upload_and_nobody_else(limited, monkeypatch, slow):
+    with limited(quota_shots=1) as service:
+        is_asked, may_go_on, original = Event(), Event(), getattr(ShotStore, slow)
+
+        def wait(*args, **kwargs):
+            is_asked.set()
+            may_go_on.wait(30)
+            return original(*args, **kwargs)
+
+        monkeypatch.setattr(ShotStore, slow, wait)
+        with ThreadPoolExecutor() as threads:
+            answer = threads.submit(send, service.client, "broken.usda", b"#usda 1.0 (")
+            try:
+                assert is_asked.wait(30)
+                assert service.client.get("/livez", timeout=10).status_code == 200
+                if slow == "list":
+                    listed = threads.submit(service.client.get, "/v1/shots")
+                    assert service.client.get("/livez", timeout=10).status_code == 200
+            finally:
+                may_go_on.set()
+            assert answer.result().status_code == 422
+            assert slow != "list" or listed.result().status_code == 200
 
 
 def test_the_shots_of_other_projects_do_not_count(limited):

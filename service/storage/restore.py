@@ -117,7 +117,13 @@ def _read_backup(archive: Path, take: Take) -> int:
                     sums[member.name] = found
     except FileNotFoundError as error:
         raise InputError(f"there is no file {archive}", path=str(archive)) from error
-    except (tarfile.TarError, EOFError, zlib.error, ValueError) as error:
+    except (
+        tarfile.TarError,
+        EOFError,
+        zlib.error,
+        ValueError,
+        RecursionError,
+    ) as error:  # RecursionError: nested deeply
         raise InputError(
             f"{archive} is no backup, or is damaged: {error}", code="bad_backup", path=str(archive)
         ) from error

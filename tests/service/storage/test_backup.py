@@ -215,6 +215,26 @@ def test_hostile_members_are_refused(tmp_path, members):
     assert [path.name for path in tmp_path.iterdir()] == ["in"]
 
 
+def test_a_manifest_nested_deeply_is_refused(tmp_path):
+    bad = tmp_path / "bad.tar.gz"
+    with tarfile.open(bad, "w:gz") as tar:
+        manifest = tarfile.TarInfo(MANIFEST)
+        manifest.size = 200_000
+        tar.addfile(manifest, io.BytesIO(b"[" * manifest.size))
+    with pytest.raises(InputError, match="no backup, or is damaged"):
+        restore(bad, tmp_path / "restored")
+
+
+def test_edits_with_an_index_nested_deeply_are_backed_up(data, tmp_path):
+    history = next((data / "shots").glob("untouched-*/edits")) / "history"
+    history.mkdir()
+    (history / "index.json").write_text("[" * 200_000)  # by a worker that a file has taken over
+    back_up(data, tmp_path / "b.tar.gz")
+    restore(tmp_path / "b.tar.gz", tmp_path / "restored")
+    restored = tmp_path / "restored" / history.relative_to(data) / "index.json"
+    assert restored.read_text() == "[" * 200_000
+
+
 def test_a_folder_without_shots_is_no_data_folder(tmp_path):
     with pytest.raises(InputError, match="no data folder"):
         back_up(tmp_path, tmp_path / "b.tar.gz")

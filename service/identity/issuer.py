@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import http.client
 import json
 import logging
 import threading
 import time
-import urllib.error
 import urllib.parse
-import urllib.request
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -18,12 +15,13 @@ from joserfc.jwk import Key, import_key
 
 from render.errors import SettingsError
 from service.identity.errors import IssuerError
+from service.identity.fetching import fetch
 
 log = logging.getLogger("pullfocus.service")
 
 DISCOVERY = "/.well-known/openid-configuration"
 FETCH_S = 5.0
-"""Time that one answer of the issuer may take."""
+"""Time that one answer of the issuer may take, however slowly it comes, s."""
 MAX_BYTES = 1 << 20
 FRESH_S = 3600.0
 """Time after which keys are fetched again."""
@@ -154,20 +152,8 @@ def _is_safe(address: str) -> bool:
         return False
 
 
-class _NoRedirects(urllib.request.HTTPRedirectHandler):
-    def redirect_request(self, *_: Any) -> None:
-        """Follow no redirect: it could lead anywhere."""
-
-
 def _get_json(address: str) -> Mapping[str, Any]:
-    request = urllib.request.Request(address, headers={"Accept": "application/json"})
-    try:
-        with urllib.request.build_opener(_NoRedirects).open(request, timeout=FETCH_S) as answer:
-            content = answer.read(MAX_BYTES + 1)
-    except http.client.HTTPException as error:  # it is neither an OSError nor a ValueError
-        raise ValueError(f"{address} does not answer in HTTP: {error!r}") from error
-    if len(content) > MAX_BYTES:
-        raise ValueError(f"{address} has more than {MAX_BYTES:,} bytes")
+    content = fetch(address, MAX_BYTES, FETCH_S)
     try:
         found = json.loads(content)
     except RecursionError as error:

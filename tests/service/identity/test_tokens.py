@@ -6,8 +6,12 @@ import base64
 import hmac
 import json
 import logging
+import socket
+import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -15,6 +19,7 @@ from joserfc.jwk import OctKey
 
 from render.errors import SettingsError
 from service.identity.errors import IssuerError, NoRoleError, TokenError
+from service.identity.fetching import fetch
 from service.identity.grants import granted, parse_grants, values_at
 from service.identity.issuer import FRESH_S, KEPT_S, PAUSE_S
 from service.identity.issuer import Issuer as Trusted
@@ -203,6 +208,37 @@ def test_nobody_waits_for_an_issuer_that_is_slow(issuer: Issuer, tokens: Tokens,
         assert not first.done()
         issuer.may_answer.set()
     assert first.result() == tokens.principal(token)
+
+
+def test_an_issuer_that_drips_its_answer_is_given_up(issuer: Issuer, tokens: Tokens, monkeypatch) -> None:
+    monkeypatch.setattr("service.identity.issuer.FETCH_S", 0.5)
+    issuer.drip_s = 0.1  # each byte comes in time
+    began_s = time.monotonic()
+    with pytest.raises(IssuerError):
+        tokens.principal(issuer.token(**PULLER))
+    assert time.monotonic() - began_s < 3
+
+
+@pytest.mark.parametrize(
+    "drip", [b"HTTP/1.0 200 OK\r\nX: ", b"HTTP/1.0 200 OK\r\n\r\n", b"HTTP/1.1 100 Continue\r\n\r\n"]
+)
+def test_a_slow_answer_is_not_taken_for_a_whole_one(drip: bytes) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener, ThreadPoolExecutor(1) as threads:
+        ended = threading.Event()
+
+        def answer() -> None:
+            with listener.accept()[0] as connection, suppress(OSError):
+                connection.sendall(drip)
+                while not ended.wait(0.1):
+                    connection.sendall(b" ")
+
+        answering = threads.submit(answer)
+        try:
+            with pytest.raises(TimeoutError, match=r"within 0\.5 s"):
+                fetch(f"http://127.0.0.1:{listener.getsockname()[1]}/", 1000, 0.5)
+        finally:
+            ended.set()
+        answering.result()
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import time
 import urllib.parse
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
@@ -30,6 +30,7 @@ class Issuer:
         is_broken: whether it answers something that is no JSON.
         is_no_http: whether it answers something that is no HTTP.
         may_answer: set unless it keeps those who ask waiting.
+        drip_s: time between two bytes of its answers, s.
         was_asked: set with each question.
     """
 
@@ -39,6 +40,7 @@ class Issuer:
         self.claims: dict[str, dict[str, Any]] = {}
         self.discovery: dict[str, Any] = {}
         self.is_broken = self.is_no_http = False
+        self.drip_s = 0.0
         self.may_answer, self.was_asked = threading.Event(), threading.Event()
         self.may_answer.set()
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
@@ -91,7 +93,12 @@ class Issuer:
                 self.send_header("Content-Type", "application/json")
                 self.send_header("Content-Length", str(len(content)))
                 self.end_headers()
-                self.wfile.write(content)
+                with suppress(OSError):  # whoever asked has gone
+                    for at in range(len(content)) if issuer.drip_s else ():
+                        self.wfile.write(content[at : at + 1])
+                        time.sleep(issuer.drip_s)
+                    if not issuer.drip_s:
+                        self.wfile.write(content)
 
             def log_message(self, *_: object) -> None:
                 """Say nothing."""

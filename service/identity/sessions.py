@@ -10,6 +10,8 @@ from collections.abc import Callable
 
 SESSION_S = 12 * 3600
 MAX_SESSIONS = 10_000
+MAX_SESSIONS_EACH = 100
+"""Sessions of one key: whoever has it cannot end those of all others by beginning many."""
 
 
 class Sessions:
@@ -24,9 +26,12 @@ class Sessions:
         self._open: OrderedDict[str, tuple[str, float]] = OrderedDict()
 
     def begin(self, key_id: str) -> str:
-        """Open a session for a key and return its token. The oldest one ends where there are too many."""
+        """Open a session for a key and return its token. The oldest one of the key, or of all, ends where there are too many."""
         token = secrets.token_urlsafe(32)
         self._open[_hash(token)] = key_id, self._clock() + SESSION_S
+        own = [hashed for hashed, (other, _) in self._open.items() if other == key_id]
+        if len(own) > MAX_SESSIONS_EACH:
+            del self._open[own[0]]
         if len(self._open) > MAX_SESSIONS:
             self._open.popitem(last=False)
         return token

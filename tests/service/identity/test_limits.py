@@ -56,6 +56,16 @@ def test_limits_and_sessions_use_bounded_memory(monkeypatch):
     assert [opened.key_id(token) for token in tokens] == [None, None, "key2", "key3", "key4"]
 
 
+def test_one_key_does_not_end_the_sessions_of_others(monkeypatch):
+    monkeypatch.setattr(sessions, "MAX_SESSIONS", 5)
+    monkeypatch.setattr(sessions, "MAX_SESSIONS_EACH", 3)
+    opened = Sessions()
+    other = opened.begin("other")
+    own = [opened.begin("own") for _ in range(20)]
+    assert opened.key_id(other) == "other"
+    assert [token for token in own if opened.key_id(token)] == own[-3:]
+
+
 def test_a_session_ends():
     clock = Clock()
     opened = Sessions(clock)

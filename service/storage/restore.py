@@ -149,6 +149,7 @@ def _check(archive: Path, member: tarfile.TarInfo, seen: set[str]) -> None:
     reason = (
         "is neither a file nor a folder" if member.type not in _KINDS
         else "leads out of the folder" if any(part in ("", ".", "..") for part in parts) or "\0" in member.name
+        else "has holes" if member.issparse()  # a few bytes would fill the disk
         else "is there twice" if member.name in seen
         else ""
     )  # fmt: skip

@@ -235,6 +235,23 @@ def test_edits_with_an_index_nested_deeply_are_backed_up(data, tmp_path):
     assert restored.read_text() == "[" * 200_000
 
 
+def test_a_member_that_would_fill_the_disk_is_refused(tmp_path):
+    sparse = member("a")
+    sparse.pax_headers = {"GNU.sparse.major": "1", "GNU.sparse.minor": "0", "GNU.sparse.realsize": str(1 << 26)}
+    sparse.size = 512
+    bad = tmp_path / "bad.tar.gz"
+    with tarfile.open(bad, "w:gz", format=tarfile.PAX_FORMAT) as tar:
+        tar.addfile(sparse, io.BytesIO(b"0\n".ljust(512, b"\0")))
+    with pytest.raises(InputError, match="'a' has holes"):
+        restore(bad, tmp_path / "restored")
+
+
+def test_a_member_in_folders_without_end_is_refused(tmp_path):
+    hostile(tmp_path / "bad.tar.gz", member("d/" * 1500 + "f"))
+    with pytest.raises(InputError, match="no backup, or is damaged"):
+        restore(tmp_path / "bad.tar.gz", tmp_path / "restored")
+
+
 def test_a_folder_without_shots_is_no_data_folder(tmp_path):
     with pytest.raises(InputError, match="no data folder"):
         back_up(tmp_path, tmp_path / "b.tar.gz")

@@ -11,11 +11,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
-import uvicorn
-
 from render.errors import OutputError, SettingsError
 from service.http.app import create_app
 from service.http.configuration import read_configuration
+from service.http.connections import server_config
 from service.http.exposure import with_exposure
 from service.http.logs import LogFormat, set_up_logs
 from service.http.settings import Settings, default_data_folder
@@ -45,19 +44,7 @@ def serve(arguments: Sequence[str]) -> int:
     shown = f"[{host}]" if ":" in host else host
     logging.getLogger("pullfocus.service").info("http://%s:%d/ serves the shots of %s", shown, port, settings.data)
     app = create_app(settings)
-    server = GracefulServer(
-        app,
-        uvicorn.Config(
-            app,
-            log_config=None,
-            access_log=False,  # `service.http.request_context` logs each answer
-            timeout_graceful_shutdown=5,
-            ws_per_message_deflate=False,  # pictures are compressed already
-            proxy_headers=bool(settings.trusted_proxies),
-            forwarded_allow_ips=list(settings.trusted_proxies),
-        ),
-        settings.stop_grace_s,
-    )
+    server = GracefulServer(app, server_config(app, settings), settings.stop_grace_s)
     server.run(sockets=[listener])
     return 0 if server.started else 1
 

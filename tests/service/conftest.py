@@ -14,6 +14,7 @@ import pytest
 import uvicorn
 
 from service.http.app import create_app
+from service.http.connections import server_config
 from service.http.service import Service
 from service.http.settings import Settings
 
@@ -50,7 +51,7 @@ def running(settings: Settings, forwarded_allow_ips: Sequence[str] = ()) -> Iter
     """Run a service in a thread of this process (its workers are processes of their own, as always)."""
     app = create_app(settings)
     server = uvicorn.Server(
-        uvicorn.Config(app, port=0, log_config=None, access_log=False, forwarded_allow_ips=list(forwarded_allow_ips))
+        server_config(app, settings, port=0, proxy_headers=True, forwarded_allow_ips=list(forwarded_allow_ips))
     )
     thread = threading.Thread(target=server.run)
     thread.start()

@@ -1,0 +1,127 @@
+"""Connections of the HTTP server, none of which waits for ever.
+
+A stranger needs no key to open a connection. One that sends half a request, or does not read its answer, would keep a descriptor
+of the process for as long as it likes, and a thousand of them everybody else out.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any, Literal
+
+import h11
+import uvicorn
+from fastapi import FastAPI
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from service.http.guard import MAX_JSON_BYTES
+from service.http.settings import Settings
+
+HEAD_S = 20.0
+"""Time that the head of a request may take, from when it could begin, s."""
+STALL_S = 60.0
+"""Time for which a body may stop coming, or an answer not be read, s."""
+
+Phase = Literal["head", "body", "rest"]
+
+
+def server_config(app: FastAPI, settings: Settings, **options: Any) -> uvicorn.Config:
+    """Return the configuration of the server.
+
+    Args:
+        app: the application.
+        settings: of the service.
+        **options: of uvicorn, which go before.
+    """
+    own: dict[str, Any] = {
+        "log_config": None,
+        "access_log": False,  # `service.http.request_context` logs each answer
+        "timeout_graceful_shutdown": 5,
+        "http": ImpatientProtocol,
+        "ws_max_size": MAX_JSON_BYTES,  # a message is held as a whole, in its fragments
+        "ws_per_message_deflate": False,  # pictures are compressed already
+        "proxy_headers": bool(settings.trusted_proxies),
+        "forwarded_allow_ips": list(settings.trusted_proxies),
+    }
+    return uvicorn.Config(app, **own | options)
+
+
+class ImpatientProtocol(H11Protocol):
+    """A connection that is closed where its client neither sends what it has begun nor reads what it has asked for."""
+
+    _phase: Phase | None = None
+    _waiting: asyncio.TimerHandle | None = None
+    _writing: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Wait for the first request."""
+        super().connection_made(transport)
+        self._wait()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Wait for nothing any more."""
+        self._enter(None)
+        self.resume_writing()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Take what the client has sent."""
+        super().data_received(data)
+        self._wait()
+
+    def on_response_complete(self) -> None:
+        """Wait for the rest of a request that was answered before it was there as a whole."""
+        super().on_response_complete()
+        if self.conn.their_state is h11.SEND_BODY:
+            self._wait()
+
+    def pause_writing(self) -> None:
+        """Wait for the client to read."""
+        super().pause_writing()
+        self._wait_for_reader()
+
+    def resume_writing(self) -> None:
+        """Go on writing."""
+        super().resume_writing()
+        if self._writing is not None:
+            self._writing.cancel()
+            self._writing = None
+
+    def _wait(self) -> None:
+        """Wait for what the client has to send next, if it has to."""
+        if self.transport.is_closing() or self.transport.get_protocol() is not self:  # a WebSocket has taken over
+            self._enter(None)
+        elif self.conn.their_state is h11.IDLE:
+            self._enter("head")
+        elif self.conn.their_state is h11.SEND_BODY:
+            self._enter("rest" if self.cycle.response_complete else "body")
+        else:
+            self._enter(None)
+
+    def _enter(self, phase: Phase | None) -> None:
+        """Begin to wait. A body has to go on coming; a head, and the rest of what was answered already, have to end in time."""
+        if phase == self._phase and phase != "body":
+            return
+        if self._waiting is not None:
+            self._waiting.cancel()
+        self._phase = phase
+        time_s = HEAD_S if phase == "head" else STALL_S
+        self._waiting = self.loop.call_later(time_s, self._give_up) if phase else None
+
+    def _give_up(self) -> None:
+        if self._phase == "body" and self.flow.read_paused:  # it is the service that does not read
+            self._enter("body")
+        else:
+            self.transport.abort()
+
+    def _wait_for_reader(self, unread: int | None = None) -> None:
+        """Wait for the client to read.
+
+        Args:
+            unread: bytes that it had not read when it was last looked at; None at first.
+        """
+        left = self.transport.get_write_buffer_size()
+        if unread is not None and left >= unread:
+            self.transport.abort()
+        else:
+            self._writing = self.loop.call_later(STALL_S, self._wait_for_reader, left)

@@ -1,0 +1,104 @@
+"""Connections: nobody keeps one by sending half a request, or by not reading an answer."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from service.http import connections
+from service.http.settings import MEBIBYTE, Settings
+from tests.service.conftest import Running, running
+
+HEAD = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n"
+BODY = b"POST /v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n"
+REFUSED = BODY.replace(b"/v1/session", b"/v1/shots")
+
+
+@pytest.fixture(scope="module")
+def impatient(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    """A service that needs keys, and waits for half a second."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(connections, "HEAD_S", 0.5)
+        patch.setattr(connections, "STALL_S", 0.5)
+        static: Path = tmp_path_factory.mktemp("static")
+        (static / "index.html").write_bytes(b"x" * (64 * MEBIBYTE))  # more than the buffers of a connection
+        data = tmp_path_factory.mktemp("data")
+        with running(Settings(data=data, static=static, demo=False, access="keys", requests_per_s=0)) as service:
+            yield service
+
+
+def connect(service: Running) -> socket.socket:
+    """Connect to a service."""
+    connection = socket.create_connection((service.client.base_url.host, service.client.base_url.port or 80))
+    connection.settimeout(10)
+    return connection
+
+
+def is_closed(connection: socket.socket) -> bool:
+    """Whether the other side closes a connection within ten seconds."""
+    try:
+        while connection.recv(65536):
+            pass
+    except ConnectionResetError:
+        return True
+    except TimeoutError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize(
+    "sent", [b"", b"G", HEAD, HEAD + b"\r\n" + HEAD, BODY, BODY + b"{", REFUSED], ids=lambda sent: sent[-20:].decode()
+)
+def test_whoever_sends_half_a_request_is_disconnected(impatient: Running, sent: bytes) -> None:
+    with connect(impatient) as connection:
+        connection.sendall(sent)
+        assert is_closed(connection)
+
+
+@pytest.mark.parametrize("begin", [HEAD + b"X: ", REFUSED], ids=["head", "body of a refused request"])
+def test_whoever_drips_without_a_key_is_disconnected(impatient: Running, begin: bytes) -> None:
+    began_s = time.monotonic()
+    with connect(impatient) as connection, suppress(ConnectionError):
+        connection.sendall(begin)
+        while time.monotonic() - began_s < 10:
+            connection.sendall(b"x")
+            time.sleep(0.1)
+    assert time.monotonic() - began_s < 8
+
+
+def test_a_body_may_come_slowly(impatient: Running) -> None:
+    with connect(impatient) as connection:
+        connection.sendall(BODY)
+        for byte in b'{"key": "wrong"}':
+            time.sleep(0.1)  # 1.6 s for all of them
+            connection.sendall(bytes([byte]))
+        connection.sendall(b" " * (100 - 16))
+        assert connection.recv(65536).startswith(b"HTTP/1.1 401")
+
+
+def test_whoever_does_not_read_an_answer_is_disconnected(impatient: Running) -> None:
+    with connect(impatient) as connection:
+        connection.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        time.sleep(3)
+        received = 0
+        try:
+            while content := connection.recv(MEBIBYTE):
+                received += len(content)
+        except ConnectionResetError:
+            pass
+        assert received < 64 * MEBIBYTE
+
+
+def test_whoever_reads_slowly_gets_the_whole_answer(impatient: Running) -> None:
+    with connect(impatient) as connection:
+        connection.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+        received = 0
+        while content := connection.recv(2 * MEBIBYTE):
+            received += len(content)
+            time.sleep(0.05)
+        assert received > 64 * MEBIBYTE

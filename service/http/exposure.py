@@ -49,11 +49,13 @@ def with_exposure(settings: Settings) -> Settings:
     if settings.access == "open" and is_local and not is_behind_proxy:
         return settings
     if not Keys(settings.data).list():
-        raise SettingsError(
-            "this service could be reached by others and has no keys: create one with `pullfocus keys create NAME "
-            f"--role admin --data {settings.data}`, name an issuer of tokens (oidc_issuer), or let everybody in with --insecure",
-            code="no_keys",
-        )
+        is_asked_for = settings.access == "keys"
+        reason = "this service needs keys" if is_asked_for else "this service could be reached by others, needs keys"
+        ways = "or name an issuer of tokens (oidc_issuer)"
+        if not is_asked_for:
+            ways = "name an issuer of tokens (oidc_issuer), or let everybody in with --insecure"
+        create = f"`pullfocus keys create NAME --role admin --data {settings.data}`"
+        raise SettingsError(f"{reason} and has none: create one with {create}, {ways}", code="no_keys")
     return replace(settings, access="keys")
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from render.cli.console import print_message
 from service.http.settings import default_data_folder
 from service.identity.keys import Keys
 from service.identity.principal import DEFAULT_PROJECT
@@ -38,7 +39,10 @@ def keys(arguments: Sequence[str]) -> int:
         key = store.revoke(typed.id)
         print(f"revoked {key.id} ({key.label})")
     else:
-        for key in store.list():
+        found = store.list()
+        if not found:
+            print_message(f"there are no keys in {typed.data}")
+        for key in found:
             end = f"until {key.expires_at}" if key.expires_at else "for ever"
             print(f"{key.id}  {key.label}  {','.join(key.scopes)}  project {key.project}  {end}")
     return 0

@@ -36,6 +36,22 @@ def test_a_service_that_others_reach_needs_keys(tmp_path, given):
     assert exposed(tmp_path, **given).access == "keys"
 
 
+@pytest.mark.parametrize(
+    ("given", "says", "ways"),
+    [({"host": "0.0.0.0"}, "could be reached by others", True), ({"access": "keys"}, "this service needs keys", False)],
+)
+def test_a_service_without_keys_says_why_it_needs_some(tmp_path, given, says, ways):
+    with pytest.raises(SettingsError, match=says) as refused:
+        exposed(tmp_path, **given)
+    assert ("--insecure" in str(refused.value)) == ways
+
+
+def test_a_folder_without_keys_is_named(tmp_path, capfd):
+    assert main(["keys", "list", "--data", str(tmp_path / "mistyped")]) == 0
+    assert "there are no keys in" in capfd.readouterr().err
+    assert not (tmp_path / "mistyped").exists()
+
+
 def test_a_service_of_this_machine_alone_is_open(tmp_path):
     Keys(tmp_path).create("Mara", frozenset({"read"}), "default")
     for host in ("127.0.0.1", "localhost", "::1"):

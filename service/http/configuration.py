@@ -47,6 +47,8 @@ def read_configuration(file: Path) -> dict[str, Any]:
         raise SettingsError(f"the configuration {file} cannot be read: {error.strerror}", code="bad_config") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SettingsError(f"the configuration {file} is no TOML: {error}", code="bad_config") from error
+    except RecursionError as error:
+        raise SettingsError(f"the configuration {file} is nested too deeply", code="bad_config") from error
     settings: dict[str, Any] = {}
     for written, name, value in _entries(content):
         where = f"{file}: {written}"

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from render.errors import OutputError
 from render.files import write_atomic
+from service.json_text import parse_json
 
 log = logging.getLogger("pullfocus.service")
 
@@ -89,7 +90,7 @@ class CpuUsage:
 
     def _read(self) -> dict[str, dict[int, float]]:
         try:
-            fields = json.loads(self._file.read_text(encoding="utf-8"))["cpu_s"]
+            fields = parse_json(self._file.read_text(encoding="utf-8"))["cpu_s"]
             return {name: {int(hour): _checked(s) for hour, s in hours.items()} for name, hours in fields.items()}
         except FileNotFoundError:
             pass

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import threading
 import time
@@ -16,6 +15,7 @@ from joserfc.jwk import Key, import_key
 from render.errors import SettingsError
 from service.identity.errors import IssuerError
 from service.identity.fetching import fetch
+from service.json_text import parse_json
 
 log = logging.getLogger("pullfocus.service")
 
@@ -154,10 +154,7 @@ def _is_safe(address: str) -> bool:
 
 def _get_json(address: str) -> Mapping[str, Any]:
     content = fetch(address, MAX_BYTES, FETCH_S)
-    try:
-        found = json.loads(content)
-    except RecursionError as error:
-        raise ValueError(f"{address} is nested too deeply") from error
+    found = parse_json(content)
     if not isinstance(found, dict):
         raise ValueError(f"{address} is no JSON object")
     return found

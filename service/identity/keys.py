@@ -28,6 +28,7 @@ from pathlib import Path
 from render.errors import NotFoundError, OutputError, SettingsError
 from render.files import sync_folder
 from service.identity.principal import ALL_PROJECTS, PROJECT_PATTERN, SCOPES, Principal
+from service.json_text import parse_json
 
 log = logging.getLogger("pullfocus.service")
 
@@ -167,7 +168,7 @@ class Keys:
             stat = self._file.stat()
             state = (stat.st_ino, stat.st_mtime_ns, stat.st_size)
             if state != self._read_state:
-                fields = json.loads(self._file.read_text(encoding="utf-8"))["keys"]
+                fields = parse_json(self._file.read_text(encoding="utf-8"))["keys"]
                 self._keys = {entry["id"]: Key(**entry | {"scopes": tuple(entry["scopes"])}) for entry in fields}
                 self._read_state = state
         except FileNotFoundError:

@@ -142,7 +142,7 @@ def _states(index: bytes | None) -> list[str]:
     """Names of the files of the states in an index. A damaged index is kept as it is, and its states with it are not known."""
     try:
         return [f"{revision}.usda" for revision in states_of_index(index or b'{"states": []}') if revision.isalnum()]
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, KeyError, TypeError):
         return []
 
 

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from render.files import write_atomic
+from service.json_text import parse_json
 
 FILE = "blames.json"
 
@@ -39,7 +40,7 @@ def read_blames(folder: Path) -> Blames:
         folder: of the shot.
     """
     with suppress(OSError, ValueError, TypeError):  # there are none, or they were edited by hand
-        return Blames(**json.loads((folder / FILE).read_text(encoding="utf-8")))
+        return Blames(**parse_json((folder / FILE).read_text(encoding="utf-8")))
     return Blames()
 
 

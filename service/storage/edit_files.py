@@ -25,6 +25,7 @@ from typing import Any
 from render.errors import OutputError
 from render.files import sync_folder, write_atomic
 from render.model.edit_history import EditHistory, EditState, revision_of
+from service.json_text import parse_json
 
 log = logging.getLogger("pullfocus.service")
 
@@ -72,7 +73,7 @@ def load_history(folder: Path) -> EditHistory | None:
     """
     states = folder / HISTORY
     try:
-        index = _chosen(json.loads((states / INDEX).read_bytes()), _present_revision(folder))
+        index = _chosen(parse_json((states / INDEX).read_bytes()), _present_revision(folder))
         history = EditHistory(tuple(_state(states, entry) for entry in index["states"]), int(index["now"]))
         if not 0 <= history.now < len(history.states):
             raise ValueError(f"state {history.now} of {len(history.states)}")
@@ -91,7 +92,7 @@ def load_history(folder: Path) -> EditHistory | None:
 
 def states_of_index(content: bytes) -> list[str]:
     """Return the revisions that an index names, after the last edit and before it. Raises what a damaged index raises."""
-    index = json.loads(content)
+    index = parse_json(content)
     entries = (*index["states"], *index.get("before", {"states": []})["states"])
     return list(dict.fromkeys(str(entry["revision"]) for entry in entries))
 

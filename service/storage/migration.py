@@ -19,6 +19,7 @@ from pathlib import Path
 
 from render.errors import OutputError
 from render.files import sync_folder, write_atomic
+from service.json_text import parse_json
 
 log = logging.getLogger("pullfocus.service")
 
@@ -57,7 +58,7 @@ def layout_of(data: Path) -> int:
     """
     file = data / LAYOUT_FILE
     try:
-        layout = json.loads(file.read_bytes())["layout"]
+        layout = parse_json(file.read_bytes())["layout"]
         if not isinstance(layout, int) or layout < 1:
             raise ValueError(f"layout {layout!r}")
     except FileNotFoundError:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import fcntl
 import glob
 import hashlib
-import json
 import os
 import tarfile
 import tempfile
@@ -18,6 +17,7 @@ from typing import IO
 from render.errors import InputError, OutputError
 from render.files import sync_file_system, sync_folder
 from render.removal import remove_tree
+from service.json_text import parse_json
 from service.storage.migration import layout_of
 
 MANIFEST = "manifest.json"
@@ -110,7 +110,7 @@ def _read_backup(archive: Path, take: Take) -> int:
                 _check(archive, member, seen)
                 content = tar.extractfile(member) if member.isreg() else None
                 if member.name == MANIFEST and content is not None:
-                    manifest = json.loads(content.read(_MAX_MANIFEST))
+                    manifest = parse_json(content.read(_MAX_MANIFEST))
                     continue
                 found = take(member, content)
                 if content is not None:
@@ -123,7 +123,7 @@ def _read_backup(archive: Path, take: Take) -> int:
         zlib.error,
         ValueError,
         RecursionError,
-    ) as error:  # RecursionError: nested deeply
+    ) as error:  # RecursionError: folders without end
         raise InputError(
             f"{archive} is no backup, or is damaged: {error}", code="bad_backup", path=str(archive)
         ) from error

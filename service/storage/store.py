@@ -27,6 +27,7 @@ from render.errors import NotFoundError, OutputError, StageError
 from render.files import read_regular_file, sync_file_system, sync_folder, write_atomic
 from render.removal import remove_tree
 from service.identity.principal import DEFAULT_PROJECT
+from service.json_text import parse_json
 from service.storage.edit_files import EDITS, clear_unfinished
 from service.storage.migration import migrate
 
@@ -238,7 +239,7 @@ def read_record(folder: Path, shot_id: str) -> ShotRecord | None:
         shot_id: its id.
     """
     try:
-        fields = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        fields = parse_json((folder / RECORD).read_text(encoding="utf-8"))
         return ShotRecord(
             id=shot_id,
             name=fields["name"],

@@ -160,6 +160,7 @@ class LiveConnection:
             on_end=self._from_thread(lambda error: self._end(pending, error)),
             group=self,
             view=(request.camera, request.time),
+            is_first=not self._sent_count,
         )
 
     def _stop(self) -> None:

@@ -3,7 +3,8 @@
 - *Turns.* Of the jobs that wait, that of the principal who has used the least time is next, and of several viewers with one key,
   that of the viewer who has (`service.workers.turns`).
 - *Crowds.* The jobs of a shot run in one process, one after the other. Where many of them wait, and beside a job that is overdue,
-  another process of the shot takes them, unless the shot has one writer only.
+  another process of the shot takes them, unless the shot has one writer only. As many processes open a shot at a time as jobs run
+  at a time: more of them would only slow each other down.
 - *Views.* A process keeps what it has drawn of a view. A job whose view is kept by a process that is busy lets those go first
   that would have no use for the process which is free, unless it has waited for them for long enough.
 """
@@ -37,6 +38,7 @@ class JobOrder:
     """
 
     def __init__(self, slots: int, *, is_single: bool) -> None:
+        self._slots = slots
         self._most_each = slots + MAX_OVERDUE_EACH
         self._is_single = is_single
         self._viewers = Turns()
@@ -85,16 +87,16 @@ class JobOrder:
         self._viewers.begin(job.client.viewer)
         self._principals.begin(job.client.principal)
 
-    def charge(self, job: Job[Any], ran_s: float, *, starts_process: bool) -> None:
+    def charge(self, job: Job[Any], ran_s: float, *, is_usual: bool) -> None:
         """Add the time that a job ran to what its viewer and its principal have used.
 
         Args:
             job: has run.
             ran_s: time that it ran, s.
-            starts_process: whether it had to start a process that others use after it: no more than a usual turn is added.
+            is_usual: whether no more than a usual turn is added, because the rest of the time serves later jobs, too.
         """
         for turns, name in ((self._viewers, job.client.viewer), (self._principals, job.client.principal)):
-            (turns.charge_usual if starts_process else turns.charge)(name, ran_s)
+            (turns.charge_usual if is_usual else turns.charge)(name, ran_s)
 
     def forget_absent(self, present: Collection[Job[Any]]) -> None:
         """Forget the viewers and principals that have no job, as far as they have used no more than others.
@@ -112,5 +114,9 @@ class JobOrder:
         return {
             place
             for place, count in counts.items()
-            if place.key is None or not busy[place.key] or (not self._is_single and count > CROWD * busy[place.key])
+            if place.key is None or not busy[place.key] or self._is_crowded(count, busy[place.key])
         }
+
+    def _is_crowded(self, waiting: int, busy: int) -> bool:
+        """Whether so many jobs of a shot wait for its busy processes that another one takes them."""
+        return not self._is_single and busy < self._slots and waiting > CROWD * busy

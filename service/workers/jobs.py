@@ -161,6 +161,7 @@ class Job(Generic[State]):
         position: orders the jobs of one viewer: its number, that of the job whose place it took, or a new one where it was
             interrupted.
         view: the view that it draws, or None.
+        is_first: whether its viewer has no picture yet.
         queued_s: monotonic time at which it was queued.
         begun_s: monotonic time at which it last began to run.
         begun_cpu_s: processor time that its process had used before, s.
@@ -181,6 +182,7 @@ class Job(Generic[State]):
     position: int
     estimate_s: float = 0.0
     view: Hashable | None = None
+    is_first: bool = False
     queued_s: float = field(default_factory=time.monotonic)
     begun_s: float = 0.0
     begun_cpu_s: float = 0.0

@@ -173,6 +173,7 @@ class Lane(Generic[State]):
         on_end: Callable[[Exception | None], None],
         group: Hashable | None = None,
         view: Hashable | None = None,
+        is_first: bool = False,
     ) -> Job[State]:
         """Put a stream in the lane; jobs of the same group that wait, and a stream of it that runs, are superseded.
 
@@ -184,6 +185,7 @@ class Lane(Generic[State]):
             on_end: called once after the last item, likewise; with the error that ended the stream, or None.
             group: one client viewing one shot.
             view: the view that it draws; the process that drew it last is preferred. None for no view.
+            is_first: whether the viewer has no picture yet: what the first one takes counts as a usual turn at most.
 
         Returns:
             The job, for `cancel`.
@@ -192,7 +194,8 @@ class Lane(Generic[State]):
             QueueFullError: too many jobs wait.
             StoppingError: the service stops.
         """
-        return self._enqueue(StreamWork(call, on_item, on_end), place, client, group, view=view)
+        work: StreamWork[State] = StreamWork(call, on_item, on_end)
+        return self._enqueue(work, place, client, group, view=view, is_first=is_first)
 
     def cancel(self, job: Job[State]) -> None:
         """End a job that nobody wants any more, as soon as possible. Does nothing where it has ended.
@@ -229,6 +232,7 @@ class Lane(Generic[State]):
         group: Hashable | None,
         estimate_s: float = 0.0,
         view: Hashable | None = None,
+        is_first: bool = False,
     ) -> Job[State]:
         with self._changed:
             if self._is_stopping:
@@ -246,7 +250,7 @@ class Lane(Generic[State]):
                 )
             serial = next(self._serials)
             position = min((other.position for other in same), default=serial)
-            job = Job(work, place, client, group, serial, position, estimate_s, view=view)
+            job = Job(work, place, client, group, serial, position, estimate_s, view=view, is_first=is_first)
             if group is not None:
                 self._supersede(group, same)
             self._queue.append(job)
@@ -362,7 +366,7 @@ class Lane(Generic[State]):
         with self._changed:
             self._running.remove(job)
             is_shared = job.starts_process and not self.role.is_thrown_away  # those who come later use the process, too
-            self._order.charge(job, ran_s, starts_process=is_shared)
+            self._order.charge(job, ran_s, is_usual=is_shared or job.is_first)
             if not is_complete:
                 self._requeue(job)
             self._order.forget_absent((*self._running, *self._queue))

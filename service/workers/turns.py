@@ -11,8 +11,11 @@ from collections import deque
 from collections.abc import Collection, Hashable
 from statistics import median
 
-MAX_DEBT = 4.0
-"""Most that a viewer has used more than the one who was served last, as a number of usual turns."""
+MAX_DEBT = 2.0
+"""Most that a viewer has used more than the one who was served last, as a number of usual turns.
+
+A viewer of dear pictures so gets at least half as many as the others do.
+"""
 _USUAL_OF = 15
 """Number of turns of which the usual one is the median."""
 

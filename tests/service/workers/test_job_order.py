@@ -1,5 +1,6 @@
 """Tests of whose turn it is, and of processes that keep what they drew of a view."""
 
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -61,13 +62,14 @@ def test_a_viewer_whose_turns_are_dear_has_fewer_of_them():
 def test_a_view_that_a_busy_process_keeps_lets_others_go_first():
     order = JobOrder(2, is_single=False)
     for viewer in ("first", "second"):
-        order.charge(job(viewer, 0), 0.1, starts_process=False)
+        order.charge(job(viewer, 0), 0.1, is_usual=False)
     first, second = job("first", 1, "kept"), job("second", 2)
     assert order.next([first, second], []) is first
     assert order.next([first, second], [], lambda each: each.view == "kept") is second
     assert order.next([first], [], lambda each: each.view == "kept") is first
     for _ in range(5):
-        order.charge(second, 0.1, starts_process=False)
+        order.begin(second)
+        order.charge(second, 0.1, is_usual=False)
     assert order.next([first, second], [], lambda each: each.view == "kept") is first  # it has waited for long enough
 
 
@@ -86,3 +88,26 @@ def test_a_process_is_taken_again_for_a_view_that_it_drew():
         assert pool.take(lane.role, SCENE, "one") is two  # any rather than a new one
         for process in (one, two):
             pool.give_back(process)
+
+
+def test_no_more_processes_open_a_shot_than_jobs_may_run():
+    order = JobOrder(2, is_single=False)
+    waiting = [job(f"viewer {number}", number) for number in range(20)]
+    opening = [job("one", 21)]
+    assert order.next(waiting, opening) is not None
+    opening += [job("two", 22)]
+    for each in opening:
+        each.is_overdue = each.starts_process = True
+        each.begun_s = time.monotonic()
+    assert order.next(waiting, opening) is None
+    elsewhere = Job(CallWork(call(echo)), Place("another scene"), Client("three", "three"), None, 23, 23)
+    assert order.next([*waiting, elsewhere], opening) is elsewhere
+
+
+def test_a_dear_first_picture_counts_as_a_usual_turn():
+    order = JobOrder(1, is_single=False)
+    dear, cheap = job("dear", 1), job("cheap", 2)
+    for each, cost_s, is_usual in ((cheap, 0.1, False), (dear, 0.9, True), (cheap, 0.1, False)):
+        order.begin(each)
+        order.charge(each, cost_s, is_usual=is_usual)
+    assert order.next([cheap, dear], []) is dear

@@ -14,15 +14,25 @@ from service.http.settings import MEBIBYTE, Settings
 from service.models.base import plain_file_name
 
 STAGE_SUFFIXES = (".usda", ".usdc", ".usd", ".usdz")
+SIGNATURES = {b"#usda": ".usda", b"PXR-USDC": ".usdc", b"PK\x03\x04": ".zip"}
+"""First bytes of a file that is sent under a name without a suffix, as of one that a client reads from a pipe."""
+SIGNATURE_BYTES = max(map(len, SIGNATURES))
 
 
-def upload_name(sent: str | None) -> str:
-    """Return the name of an uploaded shot, made safe for a folder.
+def upload_name(sent: str | None, begin: bytes) -> str:
+    """Return the name of an uploaded shot, made safe for a folder. A name without a suffix gets that of the content.
+
+    Args:
+        sent: the name as it was sent.
+        begin: the first `SIGNATURE_BYTES` of the file.
 
     Raises:
         ServiceError: 415, its suffix is neither that of a stage nor that of a zip archive.
     """
     name = plain_file_name(sent or "")
+    if not Path(name).suffix:
+        found = [suffix for signature, suffix in SIGNATURES.items() if begin.startswith(signature)]
+        name = f"{name or 'shot'}{found[0]}" if found else name
     suffix = Path(name).suffix.lower()
     if suffix != ".zip" and suffix not in STAGE_SUFFIXES:
         detail = f"{name or 'The file'} was sent; expected .usda, .usdc, .usd, .usdz, or a .zip that holds one of them."

@@ -16,7 +16,7 @@ from service.http.quarantine import REASONS
 from service.http.quotas import Reception
 from service.http.routes.parameters import IfMatch, ShotId, problems, set_etag
 from service.http.service import Service, ServiceDep
-from service.http.upload import store_upload, upload_name
+from service.http.upload import SIGNATURE_BYTES, store_upload, upload_name
 from service.identity.principal import ALL_PROJECTS, DEFAULT_PROJECT, PROJECT_PATTERN, Principal
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
@@ -73,7 +73,9 @@ async def create_shot(
     ] = None,
 ) -> Shot:
     """Upload a shot. It may not refer to files outside the upload; a refused upload leaves nothing behind."""
-    name = upload_name(file.filename)
+    begin = await file.read(SIGNATURE_BYTES)
+    await file.seek(0)
+    name = upload_name(file.filename, begin)
     reserved = service.quotas.receiving(_project_of_upload(principal, project))
     async with contextmanager_in_threadpool(reserved) as reception:
         record, described = await _receive(service, reception, file, name, root)

@@ -186,11 +186,21 @@ def test_a_root_layer_that_cannot_be_found_is_named(paths, requested, code):
     [("shot.usda", "shot.usda"), ("C:\\work\\My Shot.USD", "My Shot.USD"), ("../../x/ä?.zip", "ä_.zip")],
 )
 def test_a_file_name_is_made_safe(sent, name):
-    assert upload_name(sent) == name
+    assert upload_name(sent, b"") == name
 
 
 @pytest.mark.parametrize("sent", [None, "", "shot", "shot.fbx", ".usda", "shot.usda.exe", "..", "usda/"])
 def test_what_is_no_stage_by_its_name_is_refused(sent):
     with pytest.raises(ServiceError) as error:
-        upload_name(sent)
+        upload_name(sent, b"")
     assert (error.value.status, error.value.code) == (415, "unsupported_type")
+
+
+@pytest.mark.parametrize(
+    ("begin", "name"), [(b"#usda 1.", "piped.usda"), (b"PXR-USDC", "piped.usdc"), (b"PK\x03\x04\0\0\0\0", "piped.zip")]
+)
+def test_a_name_without_a_suffix_gets_that_of_the_content(begin, name):
+    assert upload_name("piped", begin) == name
+    assert upload_name("-", b"#usda 1.").endswith(".usda")
+    with pytest.raises(ServiceError):
+        upload_name("piped.txt", begin)

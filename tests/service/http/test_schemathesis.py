@@ -6,14 +6,18 @@ Each phase runs to its end, with a stated number of cases, against a service of 
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from service.http import identity
+from service.http.app import create_app
 from service.http.settings import Settings
 from service.identity.principal import SCOPES
 from tests.service.conftest import Running, running
@@ -24,6 +28,10 @@ MAX_EXAMPLES = {"fuzzing": 3, "stateful": 30}
 """Requests for an operation of each kind, valid or not; sequences of requests along links."""
 ACCEPTED = ["2xx", "3xx", 404, 409, 412, 429]
 """Answers to valid data: what it names may be missing, or have changed."""
+ONLY_DECLARED = "[phases.stateful.inference]\nalgorithms = []\n"
+"""Configuration that leaves out links which the document does not declare."""
+HOOKS = "tests.service.http.stateful_hooks"
+ROOT = Path(__file__).parents[3]
 JUDGED = [*ACCEPTED, 413, 415, 422]
 """Answers to valid data of operations that take a camera, a file or a body: no schema says what fits a shot."""
 
@@ -62,11 +70,12 @@ def command(service: Running, phase: str, config: Path) -> list[str]:
     return [*asked, "--request-timeout", "120", "--max-response-time", "60", "--warnings", "off", "--no-color"]
 
 
-@pytest.mark.parametrize("phase", CASES)
-def test_no_answer_breaks_the_document(tmp_path, phase, monkeypatch):
+@contextmanager
+def asked_service(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Running]:
+    """A service that is asked much."""
     monkeypatch.setattr(identity, "FAILURES", 10**6)  # wrong keys are sent, too, and refused without being slowed down
     settings = Settings(
-        data=tmp_path / "data",
+        data=folder / "data",
         access="keys",
         requests_per_s=0,
         max_waiting=8,
@@ -75,9 +84,66 @@ def test_no_answer_breaks_the_document(tmp_path, phase, monkeypatch):
         max_curve_frames=200,
     )
     with running(settings) as service:
-        config = tmp_path / "schemathesis.toml"
-        config.write_text(configuration(service.app.openapi()))
-        asked = subprocess.run(command(service, phase, config), capture_output=True, text=True, cwd=tmp_path)
-        assert service.client.get("/livez").status_code == 200
+        yield service
+
+
+def ask(
+    service: Running, phase: str, folder: Path, *, configured: str = "", hooks: str = "", arguments: Sequence[str] = ()
+) -> int:
+    """Run a phase to its end, without a finding. Returns the number of requests; its report lies in the folder.
+
+    Args:
+        service: is asked.
+        phase: of schemathesis.
+        folder: for its files.
+        configured: what stands in its configuration before the rest.
+        hooks: module of hooks; none where empty.
+        arguments: more of the command.
+    """
+    config = folder / "schemathesis.toml"
+    config.write_text(configured + configuration(service.app.openapi()))
+    asked = subprocess.run(
+        [*command(service, phase, config), *arguments, "--report", "ndjson", "--report-dir", str(folder / "report")],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT), "SCHEMATHESIS_HOOKS": hooks},
+    )
+    assert service.client.get("/livez").status_code == 200
     assert asked.returncode == 0, asked.stdout[-8000:] + asked.stderr[-2000:]
-    assert int(re.search(r"(\d+) generated", asked.stdout)[1]) >= CASES[phase]
+    return int(re.search(r"(\d+) generated", asked.stdout)[1])
+
+
+@pytest.mark.parametrize("phase", CASES)
+def test_no_answer_breaks_the_document(tmp_path, phase, monkeypatch):
+    with asked_service(tmp_path, monkeypatch) as service:
+        assert ask(service, phase, tmp_path) >= CASES[phase]
+
+
+DOCUMENT = create_app(Settings(data=Path("unused"))).openapi()
+LINKS = {
+    call["operationId"]: {link["operationId"] for answer in answers for link in answer["links"].values()}
+    for calls in DOCUMENT["paths"].values()
+    for call in calls.values()
+    if (answers := [answer for answer in call["responses"].values() if "links" in answer])
+}
+"""Calls that have links, and those that the links lead to."""
+
+
+def followed_links(report: Path) -> Iterator[str]:
+    """Names of the links that were followed and succeeded, which are those of the calls that they lead to."""
+    for line in report.read_text(encoding="utf-8").splitlines():
+        recorder = json.loads(line).get("ScenarioFinished", {}).get("recorder", {})
+        for name, case in recorder.get("cases", {}).items():
+            answer = recorder["interactions"].get(name, {}).get("response")
+            if "transition" in case and answer and answer["status_code"] < 300:
+                yield case["transition"]["id"].split(" -> ")[1].rpartition(" ")[2]
+
+
+@pytest.mark.parametrize("source", LINKS)
+def test_each_link_of_the_document_is_followed(tmp_path, monkeypatch, source):
+    only = [argument for call in (source, *LINKS[source]) for argument in ("--include-operation-id", call)]
+    with asked_service(tmp_path, monkeypatch) as service:
+        ask(service, "stateful", tmp_path, configured=ONLY_DECLARED, hooks=HOOKS, arguments=only)
+    (report,) = (tmp_path / "report").iterdir()
+    assert set(followed_links(report)) >= LINKS[source]

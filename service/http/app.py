@@ -12,7 +12,7 @@ from starlette.concurrency import run_in_threadpool
 
 from render.errors import PullfocusError
 from service.http.auditing import AuditMiddleware
-from service.http.cache_upkeep import end_full_workers, fill_caches
+from service.http.cache_upkeep import end_greedy_workers, fill_caches
 from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
@@ -75,7 +75,7 @@ def create_app(settings: Settings) -> FastAPI:
         service = Service.start(settings)
         app.state.service = service
         upkeep = [
-            asyncio.create_task(work(service)) for work in (_empty_trash, _save_usage, fill_caches, end_full_workers)
+            asyncio.create_task(work(service)) for work in (_empty_trash, _save_usage, fill_caches, end_greedy_workers)
         ]
         try:
             if settings.demo:

@@ -1,4 +1,4 @@
-"""Upkeep of the workers' caches: what they begin with is made once, and workers that fill the disk are ended."""
+"""Upkeep of the workers: the caches that they begin with are made once, and those that use too much are ended."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ RETRY_S = 600.0
 PASSES = 2
 """Times that it is drawn: a driver compiles some shaders in another way where it finds others compiled."""
 LOOK_PAUSE_S = 5.0
-"""Time between two looks at how much of the disk the workers have filled."""
+"""Time between two looks at what the workers use."""
 NICENESS = 15
 """Priority of the worker that draws it: users come first."""
 
@@ -53,11 +53,12 @@ async def fill_caches(service: Service) -> None:
         await asyncio.sleep(RETRY_S)
 
 
-async def end_full_workers(service: Service) -> None:
-    """End the workers that fill the disk, now and then."""
+async def end_greedy_workers(service: Service) -> None:
+    """End the workers that fill the disk, or use what their limits do not count, now and then."""
     while True:
         await asyncio.sleep(LOOK_PAUSE_S)
         await run_in_threadpool(service.pool.end_full)
+        await run_in_threadpool(service.pool.end_greedy)
 
 
 def _fill(service: Service, folder: Path) -> None:

@@ -20,6 +20,7 @@ REASONS = {
     "cpu": "it takes more processor time than a worker may have",
     "timeout": "it takes longer than a worker may",
     "disk": "it fills more of the disk than a worker may",
+    "threads": "it starts more threads than a worker may",
     "unsafe": "its worker sent what no worker sends",
 }
 

@@ -15,9 +15,11 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-End = Literal["memory", "crash", "cpu", "timeout", "disk", "unsafe", "killed", "cancelled", "stopping", "released"]
+End = Literal[
+    "memory", "crash", "cpu", "timeout", "disk", "threads", "unsafe", "killed", "cancelled", "stopping", "released"
+]
 """Why a worker process ended: ``released`` where it was of no more use. `BLAMED` are those that the shot is to blame for."""
-BLAMED: tuple[End, ...] = ("memory", "crash", "cpu", "timeout", "disk", "unsafe")
+BLAMED: tuple[End, ...] = ("memory", "crash", "cpu", "timeout", "disk", "threads", "unsafe")
 
 
 class WorkerError(Exception):

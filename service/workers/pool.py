@@ -13,6 +13,7 @@ from typing import Any, TypeVar, cast
 from service.workers.caches import Caches
 from service.workers.errors import BLAMED, End, WorkerDiedError
 from service.workers.forking import Template
+from service.workers.greed import greed_of
 from service.workers.jobs import Job
 from service.workers.places import Place
 from service.workers.process import WorkerProcess
@@ -116,6 +117,7 @@ class WorkerPool:
 
     def give_back(self, process: WorkerProcess[Any]) -> None:
         """Take a process back after a call, in whatever state it is."""
+        process.rested_cpu_s = process.cpu_s()
         with self._lock:
             self._busy.discard(process)
             is_of_use = process.end is None and not process.role.is_thrown_away and process not in self._left
@@ -125,8 +127,7 @@ class WorkerPool:
                 self._idle.append(process)
                 unused += self._surplus()
         self._end(unused)
-        if process.place.key is not None and process.end in BLAMED:
-            self._on_blame(process.place.key, process.end)
+        self._blame(process)
 
     def close_place(self, key: str, role: Role[Any] | None = None) -> None:
         """End the processes of a shot, all or those of one role: those that are busy, after their call."""
@@ -165,6 +166,21 @@ class WorkerPool:
         self._end(idle, "disk")
         for process in full:
             process.kill("disk")
+
+    def end_greedy(self) -> None:
+        """End the processes that use what nothing else limits: see `service.workers.greed`."""
+        with self._lock:  # so that none is given work between the look and the end
+            idle = [(process, why) for process in self._idle if (why := greed_of(process, is_idle=True)) is not None]
+            for process, _ in idle:
+                self._idle.remove(process)
+            busy = [*self._busy]
+        for process, why in idle:
+            self._end([process], why)
+            if why != "cpu":  # it may have made what later calls need
+                self._blame(process)
+        for process in busy:
+            if (why := greed_of(process, is_idle=False)) is not None:
+                process.kill(why)
 
     def close(self) -> None:
         """End all processes that are idle, and the template, which ends the others."""
@@ -209,6 +225,11 @@ class WorkerPool:
             count += 1
         surplus, self._idle = self._idle[:count], self._idle[count:]
         return surplus
+
+    def _blame(self, process: WorkerProcess[Any]) -> None:
+        """Tell of a process that its shot has ended."""
+        if process.place.key is not None and process.end in BLAMED:
+            self._on_blame(process.place.key, process.end)
 
     def _end(self, processes: list[WorkerProcess[Any]], why: End = "released") -> None:
         """End processes. Without the lock, since it takes as long as they and the template take."""

@@ -82,6 +82,7 @@ class WorkerProcess(Generic[State]):
         end: why it ended, or None.
         has_served: whether it has answered a call: its state is made.
         views: the last ones that it was taken for.
+        rested_cpu_s: processor time that it had used when its last call ended, s.
         records_steps: whether the times of the steps of its next calls are wanted.
         steps: those of its last call.
 
@@ -105,6 +106,7 @@ class WorkerProcess(Generic[State]):
         self.end: End | None = None
         self.has_served = False
         self.views: deque[Hashable] = deque(maxlen=KEPT_VIEWS)
+        self.rested_cpu_s = 0.0
         self.records_steps = False
         self.steps: tuple[Step, ...] = ()
         self._template = template
@@ -156,11 +158,24 @@ class WorkerProcess(Generic[State]):
 
     def peak_bytes(self) -> int:
         """Most memory that the worker has held, with what it shares with its template; once it has ended, until its end."""
+        found = self._status("VmHWM") if self.end is None else None
+        return self._peak_bytes if found is None else found * 1024
+
+    def threads(self) -> int:
+        """Count the worker's threads; 0 where it has ended."""
+        return self._status("Threads") or 0
+
+    def shared_bytes(self) -> int:
+        """Return the memory that the worker maps to be shared, which its limit does not count; 0 where it has ended."""
+        return (self._status("RssShmem") or 0) * 1024
+
+    def _status(self, name: str) -> int | None:
+        """A number of ``/proc/PID/status``; None where the worker has ended."""
         with suppress(OSError):
-            for line in Path(f"/proc/{self.pid}/status").read_text().splitlines() if self.end is None else ():
-                if line.startswith("VmHWM:"):
-                    return int(line.split()[1]) * 1024
-        return self._peak_bytes
+            for line in Path(f"/proc/{self.pid}/status").read_text().splitlines():
+                if line.startswith(f"{name}:"):
+                    return int(line.split()[1])
+        return None
 
     def call(self, call: Call[State, Reply], cpu_s: float) -> Reply:
         """Run a call in the worker.
@@ -311,6 +326,8 @@ def _explain(role: Role[Any], end: End) -> WorkerError:
             return UnfitError(f"This takes longer than a {role.name} worker may work on a request.", end)
         case "disk":
             return UnfitError(f"This fills more of the disk than a {role.name} worker has for temporary files.", end)
+        case "threads":
+            return UnfitError(f"This starts more threads than a {role.name} worker may have.", end)
         case "crash" | "unsafe":
             return UnfitError(f"The {role.name} worker crashed on this request.", end)
         case "stopping":

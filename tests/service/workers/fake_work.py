@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import errno
+import mmap
 import os
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -21,6 +23,7 @@ class Tally:
     def __init__(self) -> None:
         self.calls = 0
         self.held = b""
+        self.shared: mmap.mmap | None = None
 
 
 @register
@@ -37,6 +40,29 @@ def spin(state: Tally, seconds: float) -> None:
     until_s = time.monotonic() + seconds
     while time.monotonic() < until_s:
         pass
+
+
+@register
+def burn_idle(state: Tally) -> None:
+    """Keep the processor busy after this call, too."""
+    threading.Thread(target=spin, args=(state, 600.0), daemon=True).start()
+
+
+@register
+def start_threads(state: Tally, count: int, pause_s: float = 0.0) -> None:
+    for _ in range(count):
+        threading.Thread(target=time.sleep, args=(600.0,), daemon=True).start()
+    time.sleep(pause_s)
+
+
+@register
+def map_shared(state: Tally, count: int, pause_s: float = 0.0) -> None:
+    """Fill memory that is no data of this process."""
+    shared = mmap.mmap(-1, count)
+    for at in range(0, count, mmap.PAGESIZE):
+        shared[at] = 1
+    state.shared = shared
+    time.sleep(pause_s)
 
 
 @register

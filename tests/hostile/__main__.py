@@ -8,14 +8,16 @@ import json
 import sys
 import tempfile
 from pathlib import Path
+from statistics import median
 
-from tests.hostile.corpus import corpus
+from tests.hostile.bystander import Bystander
+from tests.hostile.corpus import controls, corpus
 from tests.hostile.runner import Verdict, peak_memory, run_cases
 from tests.hostile.world import hostile_world
 
 
 def main() -> int:
-    """Run the corpus; 1 where a case is bad."""
+    """Run the corpus; 1 where a case is bad, or a request of somebody else fails."""
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
     parser.add_argument("--all", action="store_true", help="all cases, not every tenth")
     parser.add_argument("--only", default="", help="cases whose names contain this")
@@ -23,12 +25,12 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, hostile_world(Path(folder)) as world:
         cases = [case for case in corpus(world.canaries) if options.only in case.name]
+        cases = cases[:: 1 if options.all or options.only else 10]
         verdicts = []
-        for verdict in run_cases(
-            world.client, cases[:: 1 if options.all or options.only else 10], world.canaries, world.places
-        ):
-            verdicts.append(verdict)
-            print(json.dumps(dataclasses.asdict(verdict)) if options.json else _row(verdict), flush=True)
+        with Bystander(world.client.base_url, next(controls())) as bystander:
+            for verdict in run_cases(world.client, cases, world.canaries, world.places):
+                verdicts.append(verdict)
+                print(json.dumps(dataclasses.asdict(verdict)) if options.json else _row(verdict), flush=True)
         peaks = peak_memory(world.client)
     bad = [verdict for verdict in verdicts if not verdict.is_good]
     slowest = max(v.seconds for v in verdicts)
@@ -36,7 +38,12 @@ def main() -> int:
     print(
         f"{len(verdicts)} files, {len(bad)} bad, slowest {slowest:.1f} s; peak memory, MiB: {memory}", file=sys.stderr
     )
-    return bool(bad)
+    for kind, delay_s in bystander.delays_s().items():
+        alone, beside = (median(times[kind]) for times in (bystander.alone_s, bystander.beside_s))
+        count, line = len(bystander.beside_s[kind]), f"seconds of another client's {kind}: median {alone:.2f} alone"
+        print(f"{line}, {beside:.2f} beside; longest delay of {count}: {delay_s:.2f}", file=sys.stderr)
+    print(f"failed requests of the other client: {len(bystander.failures)} {bystander.failures[:5]}", file=sys.stderr)
+    return bool(bad or bystander.failures)
 
 
 def _row(verdict: Verdict) -> str:

@@ -7,13 +7,19 @@ import dataclasses
 import json
 import sys
 import tempfile
+from contextlib import nullcontext
 from pathlib import Path
 from statistics import median
 
 from tests.hostile.bystander import Bystander
 from tests.hostile.corpus import controls, corpus
 from tests.hostile.runner import Verdict, peak_memory, run_cases
+from tests.hostile.trace import Tried, read_trace, traced
 from tests.hostile.world import hostile_world
+
+MOST_ROWS = 60
+CACHES = ".cache/pullfocus-service"
+"""Compiled shaders, in the home folder; a worker reads the common ones and writes its own."""
 
 
 def main() -> int:
@@ -22,16 +28,20 @@ def main() -> int:
     parser.add_argument("--all", action="store_true", help="all cases, not every tenth")
     parser.add_argument("--only", default="", help="cases whose names contain this")
     parser.add_argument("--json", action="store_true", help="one line of JSON for each case")
+    parser.add_argument("--trace", action="store_true", help="show by strace what the workers tried")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, hostile_world(Path(folder)) as world:
         cases = [case for case in corpus(world.canaries) if options.only in case.name]
         cases = cases[:: 1 if options.all or options.only else 10]
         verdicts = []
-        with Bystander(world.client.base_url, next(controls())) as bystander:
+        bystander, trace = Bystander(world.client.base_url, next(controls())), Path(folder) / "trace"
+        with traced(world.template(), trace) if options.trace else nullcontext(), bystander:
             for verdict in run_cases(world.client, cases, world.canaries, world.places):
                 verdicts.append(verdict)
                 print(json.dumps(dataclasses.asdict(verdict)) if options.json else _row(verdict), flush=True)
         peaks = peak_memory(world.client)
+        tried = read_trace(trace.open(errors="replace")) if options.trace else None
+        inside = (*world.places, sys.base_prefix, str(Path.cwd()), str(Path.home() / CACHES))
     bad = [verdict for verdict in verdicts if not verdict.is_good]
     slowest = max(v.seconds for v in verdicts)
     memory = ", ".join(f"{worker} {peak:,} of {limit:,}" for worker, (peak, limit) in sorted(peaks.items()))
@@ -43,7 +53,18 @@ def main() -> int:
         count, line = len(bystander.beside_s[kind]), f"seconds of another client's {kind}: median {alone:.2f} alone"
         print(f"{line}, {beside:.2f} beside; longest delay of {count}: {delay_s:.2f}", file=sys.stderr)
     print(f"failed requests of the other client: {len(bystander.failures)} {bystander.failures[:5]}", file=sys.stderr)
+    if tried is not None:
+        _print_trace(tried, inside)
     return bool(bad or bystander.failures)
+
+
+def _print_trace(tried: Tried, inside: tuple[str, ...]) -> None:
+    outside = tried.opened_outside(inside)
+    refused = tried.refused.most_common()
+    print(f"{tried.calls} system calls, {sum(tried.refused.values())} of them refused; refused:", file=sys.stderr)
+    for named, count in refused[:MOST_ROWS]:
+        print(f"{count:8} {named}", file=sys.stderr)
+    print(f"opened beside the system, the program and the data: {len(outside)} {outside[:MOST_ROWS]}", file=sys.stderr)
 
 
 def _row(verdict: Verdict) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,11 +24,13 @@ class World:
         client: of the service.
         canaries: secrets.
         places: folders that no answer may name.
+        template: returns the id of the process that forks the workers.
     """
 
     client: httpx.Client
     canaries: Canaries
     places: tuple[str, ...]
+    template: Callable[[], int]
 
 
 @contextmanager
@@ -42,6 +44,11 @@ def hostile_world(folder: Path) -> Iterator[World]:
     try:
         with running(Settings(data=folder / "data", demo=False)) as service:
             places = (str(folder / "data"), sys.prefix)
-            yield World(service.client, Canaries(text, cube, variable, values), places)
+            yield World(
+                service.client,
+                Canaries(text, cube, variable, values),
+                places,
+                lambda: service.internal.pool.template.pid,
+            )
     finally:
         del os.environ[variable]

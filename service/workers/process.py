@@ -166,7 +166,7 @@ class WorkerProcess(Generic[State]):
         return self._status("Threads") or 0
 
     def shared_bytes(self) -> int:
-        """Memory that the worker has mapped to be shared (``MAP_SHARED``), which no limit counts; 0 where it has ended."""
+        """Memory that the worker has mapped to be shared, which no limit of the kernel counts; 0 where it has ended."""
         return (self._status("RssShmem") or 0) * 1024
 
     def _status(self, name: str) -> int | None:

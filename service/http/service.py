@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Concatenate, ParamSpec, TypeVar
 
-from fastapi import Depends, WebSocket
+from fastapi import Depends
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import HTTPConnection
 
@@ -19,6 +19,7 @@ from service.http.clients import present_client
 from service.http.frame_cache import FrameCache
 from service.http.hidden_folders import hide_folder
 from service.http.lanes import PRELOAD, Lanes
+from service.http.live_places import LivePlaces
 from service.http.long_exposures import LongExposures
 from service.http.metrics import Metrics
 from service.http.quarantine import Quarantine
@@ -60,7 +61,7 @@ class Service:
         admission: judges what pictures cost.
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
-        live_sockets: the live connections that are open.
+        live_places: places of the live connections.
         stopping: whether it is stopping.
         run_id: changes with each start: the same inputs may give other pixels after an update.
     """
@@ -76,7 +77,7 @@ class Service:
     admission: Admission
     frame_cache: FrameCache
     metrics: Metrics
-    live_sockets: set[WebSocket] = field(default_factory=set)
+    live_places: LivePlaces
     stopping: Stopping = field(default_factory=Stopping)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))
 
@@ -113,7 +114,20 @@ class Service:
         lanes = Lanes.start(settings, pool, note_finished)
         metrics.watch(lanes)
         frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
-        return cls(settings, store, trash, quarantine, quotas, pool, caches, lanes, admission, frame_cache, metrics)
+        return cls(
+            settings,
+            store,
+            trash,
+            quarantine,
+            quotas,
+            pool,
+            caches,
+            lanes,
+            admission,
+            frame_cache,
+            metrics,
+            LivePlaces(settings.max_viewers),
+        )
 
     @cached_property
     def long_exposures(self) -> LongExposures:

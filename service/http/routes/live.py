@@ -11,15 +11,19 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.http.access import RENDERS
+from service.http.clients import present_client
 from service.http.errors import RETRY_AFTER, ServiceError, problem
 from service.http.identity import Identity, IdentityDep
 from service.http.live_connection import LiveConnection
+from service.http.live_places import LivePlace
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop
 
 ENDED_CODE, ENDED_REASON = 1008, "The key or the session has ended: sign in again."
 """Close of a WebSocket whose sender is no longer let in (RFC 6455, section 7.4.1)."""
+TAKEN_CODE, TAKEN_REASON = 1013, "Others need the place of this connection: try again later."
+"""Close of a WebSocket whose place another client has taken (1013, try again later, in the registry of IANA)."""
 CHECK_PAUSE_S = 1.0
 """Time between two looks at whether the sender of a WebSocket is still let in."""
 
@@ -38,7 +42,9 @@ kept. A `LiveStop` cancels all requests; a picture that is being sent still arri
 `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final. It sends text for a `LiveReadout`, the lens readout
 of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
 
-When the key or the session of the client ends, the service closes the connection with the code 1008.
+When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
+open at a time are shared by keys, or by addresses where there are no keys: once all are open, who has fewer takes the newest
+one of whoever has the most, which is closed with the code 1013.
 
 Browsers may connect only from the service's own page: the `Origin` has to match the `Host`."""
 
@@ -68,26 +74,30 @@ def describe_messages(app: FastAPI) -> None:
 @router.websocket("/shots/{shot}/live")
 async def connect_live(socket: WebSocket, service: ServiceDep, identity: IdentityDep, shot: ShotId) -> None:
     """Stream pictures; see `PROTOCOL`."""
-    if len(service.live_sockets) >= service.settings.max_viewers:
-        detail = f"{len(service.live_sockets)} live connections are open already; try again later."
-        await socket.send_denial_response(problem(503, "busy", detail, headers=RETRY_AFTER))
-        return
-    service.live_sockets.add(socket)
-    service.metrics.live_viewers.inc()
-    try:
-        await socket.accept()
-        await _serve_while_valid(LiveConnection(service, socket, shot), socket, identity)
-    finally:
-        service.live_sockets.discard(socket)
-        service.metrics.live_viewers.dec()
+    with service.live_places.hold(present_client().principal) as place:
+        if place is None:
+            detail = f"{len(service.live_places)} live connections are open already; try again later."
+            await socket.send_denial_response(problem(503, "busy", detail, headers=RETRY_AFTER))
+            return
+        service.metrics.live_viewers.inc()
+        try:
+            await socket.accept()
+            await _serve_while_valid(LiveConnection(service, socket, shot), socket, identity, place)
+        finally:
+            service.metrics.live_viewers.dec()
 
 
-async def _serve_while_valid(connection: LiveConnection, socket: WebSocket, identity: Identity) -> None:
-    """Serve a connection until its client disconnects, or the key or session that it came with ends."""
+async def _serve_while_valid(
+    connection: LiveConnection, socket: WebSocket, identity: Identity, place: LivePlace
+) -> None:
+    """Serve a connection until its client disconnects, its place is taken, or the key or session that it came with ends."""
 
-    async def watch() -> None:
+    async def watch() -> tuple[int, str]:
         while identity.is_valid(socket.scope):
-            await asyncio.sleep(CHECK_PAUSE_S)
+            with suppress(TimeoutError):
+                await asyncio.wait_for(place.taken.wait(), CHECK_PAUSE_S)
+                return TAKEN_CODE, TAKEN_REASON
+        return ENDED_CODE, ENDED_REASON
 
     serving, watching = asyncio.create_task(connection.serve()), asyncio.create_task(watch())
     try:
@@ -99,7 +109,7 @@ async def _serve_while_valid(connection: LiveConnection, socket: WebSocket, iden
     if has_ended:
         await asyncio.wait((serving,))
         with suppress(RuntimeError):  # the client has closed it already
-            await socket.close(ENDED_CODE, ENDED_REASON)
+            await socket.close(*watching.result())
     else:
         serving.result()
 

@@ -340,7 +340,7 @@ def test_no_more_viewers_than_are_taken_may_watch(tmp_path):
             assert "Retry-After" in answer.headers
             first.request(id=1)
             assert first.problem()["problem"]["code"] == "shot_not_found"
-        until(lambda: not service.internal.live_sockets)
+        until(lambda: not service.internal.live_places)
         with opened(service.client, "none") as next_one:
             next_one.request(id=1)
             assert next_one.problem()["id"] == 1

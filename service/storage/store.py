@@ -23,11 +23,13 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
+from pydantic import BaseModel, ConfigDict
+from pydantic.alias_generators import to_camel
+
 from render.errors import NotFoundError, OutputError, StageError
 from render.files import read_regular_file, sync_file_system, sync_folder, write_atomic
 from render.removal import remove_tree
 from service.identity.principal import DEFAULT_PROJECT
-from service.json_text import parse_json
 from service.storage.edit_files import EDITS, clear_unfinished
 from service.storage.migration import migrate
 
@@ -231,6 +233,19 @@ def _sizes_of(begun: ShotRecord) -> list[int]:
     return [path.stat().st_size for path in begun.files.rglob("*") if path.is_file()]
 
 
+class _RecordFile(BaseModel):
+    """Contents of a shot's record on disk."""
+
+    model_config = ConfigDict(strict=True, alias_generator=to_camel)
+
+    name: str
+    root: str
+    created_at: datetime
+    size_bytes: int
+    file_count: int
+    project: str = DEFAULT_PROJECT
+
+
 def read_record(folder: Path, shot_id: str) -> ShotRecord | None:
     """Read the record of a shot. Returns None where there is none, or where it is damaged, which is logged.
 
@@ -239,20 +254,14 @@ def read_record(folder: Path, shot_id: str) -> ShotRecord | None:
         shot_id: its id.
     """
     try:
-        fields = parse_json((folder / RECORD).read_text(encoding="utf-8"))
+        fields = _RecordFile.model_validate_json((folder / RECORD).read_bytes())
+        created_at = fields.created_at if fields.created_at.tzinfo else fields.created_at.replace(tzinfo=UTC)
         return ShotRecord(
-            id=shot_id,
-            name=fields["name"],
-            folder=folder,
-            root=fields["root"],
-            created_at=datetime.fromisoformat(fields["createdAt"]),
-            size_bytes=fields["sizeBytes"],
-            file_count=fields["fileCount"],
-            project=fields.get("project", DEFAULT_PROJECT),
+            shot_id, fields.name, folder, fields.root, created_at, fields.size_bytes, fields.file_count, fields.project
         )
     except (FileNotFoundError, NotADirectoryError):
         return None
-    except (ValueError, KeyError, TypeError) as error:  # edited by hand; the other shots stay listed
+    except (OSError, ValueError) as error:  # edited by hand, or unreadable; the other shots stay listed
         log.error("the record of shot %s cannot be read and is left out: %r", shot_id, error)
         return None
 

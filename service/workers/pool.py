@@ -155,7 +155,7 @@ class WorkerPool:
         return peaks
 
     def end_full(self) -> None:
-        """End the processes whose caches hold more than they may."""
+        """End the processes whose caches hold more than they may, and blame their shots: nothing that is drawn needs so much."""
         caches = self._caches
         if caches is None:
             return
@@ -164,6 +164,8 @@ class WorkerPool:
             idle = [process for process in full if process in self._idle]
             self._idle = [process for process in self._idle if process not in idle]
         self._end(idle, "disk")
+        for process in idle:
+            self._blame(process)
         for process in full:
             process.kill("disk")
 

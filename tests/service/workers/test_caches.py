@@ -98,7 +98,11 @@ def test_a_worker_that_fills_the_disk_is_ended(shared):
 
 
 def test_an_idle_worker_that_has_filled_the_disk_is_ended(shared):
-    with tally_pool(caches=shared) as pool, tally_lane(pool) as lane:
+    blamed: list[tuple[str, str]] = []
+    with (
+        tally_pool(caches=shared, on_blame=lambda key, end: blamed.append((key, end))) as pool,
+        tally_lane(pool) as lane,
+    ):
         own = Path(lane.submit(call(temporary_folder), ROOM).result(WAIT_S))
         for part in range(2):
             lane.submit(call(write, f"{own}/{part}", bytes(MOST_BYTES)), ROOM).result(WAIT_S)
@@ -106,6 +110,7 @@ def test_an_idle_worker_that_has_filled_the_disk_is_ended(shared):
         pool.end_full()
         until(lambda: not own.exists())
         assert pool.processes() == []
+    assert blamed == [("room", "disk")]
 
 
 def test_a_base_survives_its_service(tmp_path):

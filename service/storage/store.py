@@ -256,6 +256,7 @@ def read_record(folder: Path, shot_id: str) -> ShotRecord | None:
     try:
         fields = _RecordFile.model_validate_json((folder / RECORD).read_bytes())
         created_at = fields.created_at if fields.created_at.tzinfo else fields.created_at.replace(tzinfo=UTC)
+        created_at = created_at.astimezone(UTC)  # no time zone of pydantic's own, which workers may not be sent
         return ShotRecord(
             shot_id, fields.name, folder, fields.root, created_at, fields.size_bytes, fields.file_count, fields.project
         )

@@ -67,13 +67,13 @@ def test_a_record_that_is_a_folder_hides_its_shot_alone(store, tmp_path):
     assert [record.id for record in store.list()] == ["sound"]
 
 
-def test_times_without_a_zone_are_utc_and_are_sorted_with_the_others(store, tmp_path):
+def test_times_without_a_zone_are_utc_and_sorted_with_others(store, tmp_path):
     add(tmp_path, "second", SOUND)
     add(tmp_path, "first", SOUND | {"createdAt": "2026-11-20T09:00:00"})
     add(tmp_path, "third", SOUND | {"createdAt": "2026-11-20T12:30:00+02:00"})
     assert [record.id for record in store.list()] == ["first", "second", "third"]
 
 
-def test_a_record_from_before_there_were_projects_is_of_the_default_one(store, tmp_path):
+def test_a_record_without_a_project_is_of_the_default_one(store, tmp_path):
     add(tmp_path, "old", {name: value for name, value in SOUND.items() if name != "project"})
     assert [record.project for record in store.list()] == ["default"]

@@ -80,7 +80,7 @@ def test_a_service_without_places_gives_none():
         assert place is None
 
 
-def test_the_holder_of_another_key_gets_in_where_one_key_holds_all_connections(tmp_path):
+def test_another_key_gets_in_where_one_holds_all_connections(tmp_path):
     settings = Settings(data=tmp_path, demo=False, access="keys", max_viewers=4, requests_per_s=1000)
     with running(settings) as service, ExitStack() as stack:
         keys = service.app.state.identity.keys

@@ -262,7 +262,7 @@ def read_record(folder: Path, shot_id: str) -> ShotRecord | None:
         )
     except (FileNotFoundError, NotADirectoryError):
         return None
-    except (OSError, ValueError) as error:  # edited by hand, or unreadable; the other shots stay listed
+    except (IsADirectoryError, ValueError, OverflowError) as error:  # edited by hand; the other shots stay listed
         log.error("the record of shot %s cannot be read and is left out: %r", shot_id, error)
         return None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from pathlib import Path
 
@@ -40,6 +41,8 @@ def add(data: Path, shot_id: str, record: object) -> None:
         {"root": ["room.usda"]},
         {"createdAt": 1700000000},
         {"createdAt": "yesterday"},
+        {"createdAt": "0001-01-01T00:00:00+05:00"},  # before the first year of UTC
+        {"createdAt": "9999-12-31T23:59:59-05:00"},
         {"sizeBytes": "12"},
         {"sizeBytes": 1.5},
         {"fileCount": None},
@@ -77,3 +80,14 @@ def test_times_without_a_zone_are_utc_and_sorted_with_others(store, tmp_path):
 def test_a_record_without_a_project_is_of_the_default_one(store, tmp_path):
     add(tmp_path, "old", {name: value for name, value in SOUND.items() if name != "project"})
     assert [record.project for record in store.list()] == ["default"]
+
+
+def test_a_disk_that_fails_is_not_taken_for_a_missing_shot(store, tmp_path, monkeypatch):
+    add(tmp_path, "sound", SOUND)
+
+    def fail(path: Path) -> bytes:
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(Path, "read_bytes", fail)
+    with pytest.raises(OSError, match="Input/output"):
+        store.get("sound")

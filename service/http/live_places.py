@@ -25,8 +25,8 @@ class LivePlace:
 class LivePlaces:
     """Places of all live connections. Used in the event loop alone.
 
-    While there are free places, anybody may have them. Once there are none, a client who holds at least two fewer than the one who
-    holds the most takes the newest place of that one. So shares become equal, to within one place, and stay so.
+    While there are free places, anybody may have them. Once there are none, a client who holds at least two fewer than whoever
+    holds the most takes the newest of that one's places. So shares become equal, to within one place, and stay so.
 
     Args:
         most: number of places.

@@ -65,7 +65,7 @@ class Settings:
         max_curve_frames: frames of one focus curve.
         max_waiting: requests that may wait in each lane; one more is answered 503.
         max_waiting_each: requests of one client that may wait in each lane; one more is answered 503.
-        max_viewers: live connections at a time. Where all are open, a client with at least two fewer than the one who has the most
+        max_viewers: live connections at a time. Where all are open, a client with at least two fewer than whoever has the most
             takes one of those; otherwise one more is answered 503.
         frame_timeout_s: time for one picture, waiting not counted.
         stage_timeout_s: time for one reading or edit of a stage, waiting not counted.

@@ -8,6 +8,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+LEAST_LEAD = 2
+"""Places that the client who holds the most has to be ahead of the one who takes one of them. With a smaller lead, the two could
+take the same place from each other again and again."""
+
 
 @dataclass(frozen=True, eq=False)
 class LivePlace:
@@ -59,12 +63,12 @@ class LivePlaces:
                 self._held.remove(place)
 
     def _take_one(self, client: str) -> bool:
-        """Take a place from the client who holds the most; false where an equal share is exceeded."""
+        """Take a place from the client who holds the most; false where the one who asks has nearly as many."""
         counts = Counter(place.client for place in self._held)
         if not counts:
             return False
         holder, most = counts.most_common(1)[0]
-        if counts[client] + 1 > most - 1:
+        if counts[client] > most - LEAST_LEAD:
             return False
         newest = next(place for place in reversed(self._held) if place.client == holder)
         self._held.remove(newest)

@@ -61,7 +61,6 @@ class Service:
         admission: judges what pictures cost.
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
-        live_places: places of the live connections.
         stopping: whether it is stopping.
         run_id: changes with each start: the same inputs may give other pixels after an update.
     """
@@ -77,7 +76,6 @@ class Service:
     admission: Admission
     frame_cache: FrameCache
     metrics: Metrics
-    live_places: LivePlaces
     stopping: Stopping = field(default_factory=Stopping)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))
 
@@ -114,20 +112,12 @@ class Service:
         lanes = Lanes.start(settings, pool, note_finished)
         metrics.watch(lanes)
         frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
-        return cls(
-            settings,
-            store,
-            trash,
-            quarantine,
-            quotas,
-            pool,
-            caches,
-            lanes,
-            admission,
-            frame_cache,
-            metrics,
-            LivePlaces(settings.max_viewers),
-        )
+        return cls(settings, store, trash, quarantine, quotas, pool, caches, lanes, admission, frame_cache, metrics)
+
+    @cached_property
+    def live_places(self) -> LivePlaces:
+        """The places of live connections."""
+        return LivePlaces(self.settings.max_viewers)
 
     @cached_property
     def long_exposures(self) -> LongExposures:

@@ -252,19 +252,27 @@ def read_record(folder: Path, shot_id: str) -> ShotRecord | None:
     Args:
         folder: of the shot.
         shot_id: its id.
+
+    Raises:
+        OSError: the disk fails.
     """
     try:
         fields = _RecordFile.model_validate_json((folder / RECORD).read_bytes())
-        created_at = fields.created_at if fields.created_at.tzinfo else fields.created_at.replace(tzinfo=UTC)
-        created_at = created_at.astimezone(UTC)  # no time zone of pydantic's own, which workers may not be sent
-        return ShotRecord(
-            shot_id, fields.name, folder, fields.root, created_at, fields.size_bytes, fields.file_count, fields.project
-        )
+        return ShotRecord(shot_id, folder=folder, **fields.model_dump() | {"created_at": _in_utc(fields.created_at)})
     except (FileNotFoundError, NotADirectoryError):
         return None
     except (IsADirectoryError, ValueError, OverflowError) as error:  # edited by hand; the other shots stay listed
         log.error("the record of shot %s cannot be read and is left out: %r", shot_id, error)
         return None
+
+
+def _in_utc(time: datetime) -> datetime:
+    """Convert a time to UTC; one without a zone counts as UTC. Pydantic's own time zones may not be sent to workers.
+
+    Raises:
+        OverflowError: it is before the year 1 or after 9999.
+    """
+    return (time if time.tzinfo else time.replace(tzinfo=UTC)).astimezone(UTC)
 
 
 def not_found(shot_id: str) -> NotFoundError:

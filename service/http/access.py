@@ -2,12 +2,13 @@
 
 A router or route declares its scope by ``dependencies=READS`` (or `EDITS`, `RENDERS`, `ADMINISTERS`). A route that needs to know
 the sender takes a `PrincipalDep`. A route with a shot in its path answers 404 to those who may not see the project of that shot,
-as if there were none.
+as if there were none. FastAPI receives the body of a request before it calls a route's dependencies: a route that takes a body is
+a `service.http.bodies.BodyRoute`, which looks at the scopes earlier.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Annotated
 
 from fastapi import Depends, Security
@@ -75,18 +76,31 @@ def _check(
         ServiceError: 401 or 403.
         NotFoundError: there is no such shot, as far as the sender may know.
     """
-    if principal is NOBODY:
-        raise unauthorized("This needs a key: send it as `Authorization: Bearer KEY`.")
-    for scope in needed.scopes:
-        if scope not in principal.scopes:
-            held = ", ".join(sorted(principal.scopes)) or "none"
-            detail = f"This needs the scope {scope!r}; {principal.label} has {held}."
-            raise ServiceError(403, "missing_scope", detail, path=scope)
+    check_scopes(principal, needed.scopes)
     shot_id = connection.path_params.get("shot")
     if shot_id is None or principal.project == ALL_PROJECTS:
         return
     if not principal.sees(service.store.get(shot_id).project):
         raise not_found(shot_id)
+
+
+def check_scopes(principal: Principal, needed: Iterable[str]) -> None:
+    """Refuse a sender without scopes.
+
+    Args:
+        principal: the sender.
+        needed: names of the scopes.
+
+    Raises:
+        ServiceError: 401 or 403.
+    """
+    if principal is NOBODY:
+        raise unauthorized("This needs a key: send it as `Authorization: Bearer KEY`.")
+    for scope in needed:
+        if scope not in principal.scopes:
+            held = ", ".join(sorted(principal.scopes)) or "none"
+            detail = f"This needs the scope {scope!r}; {principal.label} has {held}."
+            raise ServiceError(403, "missing_scope", detail, path=scope)
 
 
 def unauthorized(detail: str, reason: str = "") -> ServiceError:

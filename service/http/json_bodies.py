@@ -1,37 +1,10 @@
-"""Reads JSON bodies as RFC 8259 has them: in UTF-8, with no NaN, and no key twice in an object.
-
-A router whose routes take JSON is made with ``route_class=JsonRoute``.
-"""
+"""Reads JSON as RFC 8259 has it: in UTF-8, with no NaN, and no key twice in an object."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Coroutine
 from typing import Any
-
-from fastapi import Request, Response
-from fastapi.routing import APIRoute
-
-
-class JsonRoute(APIRoute):
-    """Route whose body is read by `read_json`."""
-
-    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        """Return the function that answers a request."""
-        answer = super().get_route_handler()
-
-        async def answer_json(request: Request) -> Response:
-            return await answer(_JsonRequest(request.scope, request.receive))
-
-        return answer_json
-
-
-class _JsonRequest(Request):
-    async def json(self) -> Any:
-        if not hasattr(self, "_json"):
-            self._json = read_json(await self.body())
-        return self._json
 
 
 def read_json(content: bytes) -> Any:

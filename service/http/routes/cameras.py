@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from service.http.access import EDITS, READS
-from service.http.json_bodies import JsonRoute
+from service.http.bodies import BodyRoute
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import Service, ServiceDep
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceQuery, PlaceReadout, Readout
@@ -16,7 +16,7 @@ from service.picture.calls import frames
 from service.stage.calls import cameras
 from service.storage.store import ShotRecord
 
-router = APIRouter(tags=["cameras"], route_class=JsonRoute, responses=problems(404, 423, 503), dependencies=READS)
+router = APIRouter(tags=["cameras"], route_class=BodyRoute, responses=problems(404, 423, 503), dependencies=READS)
 EDITED = problems(412)
 
 

@@ -7,13 +7,14 @@ from typing import Annotated
 from fastapi import APIRouter, File, Query, Response, UploadFile
 
 from service.http.access import EDITS, READS
+from service.http.bodies import BodyRoute
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import GapPolicy, ImportCurve
 from service.models.curve import CURVE_EXAMPLE, CurveFile, CurveFileFormat, ImportedCurve
 from service.stage.calls import curves
 
-router = APIRouter(tags=["focus"], responses=problems(404, 423, 503), dependencies=READS)
+router = APIRouter(tags=["focus"], route_class=BodyRoute, responses=problems(404, 423, 503), dependencies=READS)
 
 CURVE_TYPES: dict[CurveFileFormat, str] = {
     "json": "application/json",

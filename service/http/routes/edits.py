@@ -9,9 +9,9 @@ from fastapi import APIRouter, Header, Response
 from render.model.edit_history import revision_of
 from service.edit_context import EditContext, edits_tag
 from service.http.access import EDITS, READS
+from service.http.bodies import BodyRoute
 from service.http.errors import ServiceError
 from service.http.frame_cache import matches
-from service.http.json_bodies import JsonRoute
 from service.http.links import edit_links
 from service.http.routes.parameters import EditContextDep, IfMatch, ShotId, problems, set_etag
 from service.http.service import Service, ServiceDep
@@ -23,7 +23,7 @@ from service.picture.calls import frames
 from service.stage.calls import edits
 from service.storage.store import ShotRecord
 
-router = APIRouter(tags=["edits"], route_class=JsonRoute, dependencies=READS)
+router = APIRouter(tags=["edits"], route_class=BodyRoute, dependencies=READS)
 
 
 @router.get(

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Response
 
 from service.http.access import EDITS, READS
-from service.http.json_bodies import JsonRoute
+from service.http.bodies import BodyRoute
 from service.http.links import point_links
 from service.http.routes.parameters import (
     AspectQuery,
@@ -31,7 +31,7 @@ from service.models.focus import (
 )
 from service.stage.calls import focus_points
 
-router = APIRouter(tags=["focus"], route_class=JsonRoute, responses=problems(404, 423, 503), dependencies=READS)
+router = APIRouter(tags=["focus"], route_class=BodyRoute, responses=problems(404, 423, 503), dependencies=READS)
 EDITED = problems(412)
 
 AttributeInPath = Annotated[KeyedAttribute, Path(description="The keyed attribute.", examples=["weight"])]

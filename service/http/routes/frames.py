@@ -7,10 +7,10 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Query, Response
 
 from service.http.access import RENDERS
+from service.http.bodies import BodyRoute
 from service.http.clients import present_client
 from service.http.frame_cache import matches
 from service.http.frame_requests import frame_request, tag_of_frame
-from service.http.json_bodies import JsonRoute
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import Service, ServiceDep
 from service.models.focus import Pick
@@ -21,7 +21,7 @@ from service.picture.calls import frames
 from service.storage.store import ShotRecord
 from service.workers.calls import call
 
-router = APIRouter(tags=["frames"], route_class=JsonRoute, dependencies=RENDERS)
+router = APIRouter(tags=["frames"], route_class=BodyRoute, dependencies=RENDERS)
 
 MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg", "exr": "image/x-exr"}
 BINARY = {"schema": {"type": "string", "format": "binary"}}

@@ -9,9 +9,9 @@ from fastapi import APIRouter, Path, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from service.http.access import ADMINISTERS, SESSION_COOKIE, PrincipalDep, unauthorized
+from service.http.bodies import BodyRoute
 from service.http.clients import present_client
 from service.http.identity import IdentityDep
-from service.http.json_bodies import JsonRoute
 from service.http.routes.parameters import problems
 from service.http.service import ServiceDep
 from service.identity.principal import NOBODY
@@ -19,7 +19,7 @@ from service.identity.roles import scopes_of
 from service.identity.sessions import SESSION_S
 from service.models.identity import KeyList, KeyRequest, KeySummary, NewKey, SignIn, Who
 
-router = APIRouter(tags=["identity"], route_class=JsonRoute)
+router = APIRouter(tags=["identity"], route_class=BodyRoute)
 
 KeyId = Annotated[str, Path(alias="key", max_length=80, description="A key's id.", examples=["3f2a9c51d07b"])]
 

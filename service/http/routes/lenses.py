@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, File, Path, Response, UploadFile
 
 from service.http.access import EDITS, READS
+from service.http.bodies import BodyRoute
 from service.http.routes.parameters import (
     DRAWING_MAX_AGE_S,
     SHEET,
@@ -24,7 +25,7 @@ from service.models.changes import MountLensFile
 from service.models.lenses import Lens, LensList
 from service.stage.calls import cameras, lenses
 
-router = APIRouter(tags=["lenses"], dependencies=READS)
+router = APIRouter(tags=["lenses"], route_class=BodyRoute, dependencies=READS)
 
 SVG = "image/svg+xml"
 

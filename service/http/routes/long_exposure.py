@@ -7,14 +7,14 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Response
 
 from service.http.access import RENDERS
-from service.http.json_bodies import JsonRoute
+from service.http.bodies import BodyRoute
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.models.long_exposure import LongExposureBegin, LongExposureEdit, LongExposureState
 from service.models.picture_size import check_pixels
 
-router = APIRouter(tags=["long exposures"], route_class=JsonRoute, dependencies=RENDERS)
+router = APIRouter(tags=["long exposures"], route_class=BodyRoute, dependencies=RENDERS)
 
 Format = Annotated[
     Literal["png", "jpeg", "exr"],

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Response
 
 from service.http.access import EDITS, READS
-from service.http.json_bodies import JsonRoute
+from service.http.bodies import BodyRoute
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import KeySetting, SetExposure, SetFilm, UnkeySetting
@@ -16,7 +16,7 @@ from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEd
 from service.models.focus import KeyEdit
 from service.stage.calls import photography
 
-router = APIRouter(tags=["cameras"], route_class=JsonRoute, responses=problems(404, 423, 503), dependencies=READS)
+router = APIRouter(tags=["cameras"], route_class=BodyRoute, responses=problems(404, 423, 503), dependencies=READS)
 EDITED = problems(412)
 
 _KEYED = "The keyed setting, in the unit of its name."

@@ -10,6 +10,7 @@ from starlette.concurrency import run_in_threadpool
 
 from service.edit_context import EditContext, edits_tag
 from service.http.access import EDITS, READS, PrincipalDep
+from service.http.bodies import BodyRoute
 from service.http.errors import ServiceError
 from service.http.links import shot_links
 from service.http.quarantine import REASONS
@@ -24,7 +25,7 @@ from service.stage.calls import shots
 from service.storage.store import ShotRecord, size_of
 from service.workers.errors import BLAMED, WorkerDiedError
 
-router = APIRouter(tags=["shots"], dependencies=READS)
+router = APIRouter(tags=["shots"], route_class=BodyRoute, dependencies=READS)
 
 
 @router.get("/shots", operation_id="listShots")

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Response
 
 from service.http.access import EDITS, READS
-from service.http.json_bodies import JsonRoute
+from service.http.bodies import BodyRoute
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import KeySetting, MakeRack, SetFocus, UnkeySetting
@@ -15,7 +15,7 @@ from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
 from service.stage.calls import solving
 
-router = APIRouter(tags=["focus"], route_class=JsonRoute, responses=problems(404, 423, 503), dependencies=READS)
+router = APIRouter(tags=["focus"], route_class=BodyRoute, responses=problems(404, 423, 503), dependencies=READS)
 EDITED = problems(412)
 
 AttributeInPath = Annotated[

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import socket
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 
@@ -18,6 +19,7 @@ from tests.service.conftest import Running, running, send
 from tests.service.kits.calls import CALLS, PUBLIC, scopes_of
 
 ORIGIN = "Origin"
+WITH_BODY = [(method, path, call) for method, path, call in CALLS if "requestBody" in call and path not in PUBLIC]
 
 
 @pytest.fixture(scope="module")
@@ -56,11 +58,29 @@ def test_each_route_needs_a_key_with_its_scope(locked, method, path, call):
     needed = scopes_of(call)
     for missing in needed:
         held = SCOPES - {missing}
-        # Bodies are read before scopes are checked; an empty one is none.
         answer = locked.client.request(
             method, filled(path), headers=key(locked, *held, project="*" if "admin" in held else "default")
         )
         assert (answer.status_code, answer.json()["code"]) == (403, "missing_scope"), missing
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "call"), WITH_BODY, ids=[f"{method} {path}" for method, path, _ in WITH_BODY]
+)
+def test_no_body_is_received_from_a_sender_without_scopes(locked, method, path, call):
+    needed = scopes_of(call)
+    kind = next(iter(call["requestBody"]["content"]))
+    for missing, status in [("all", 401), *((scope, 403) for scope in needed)]:
+        head = {"Host": locked.client.base_url.netloc.decode(), "Content-Length": "1000", "Content-Type": kind}
+        if missing != "all":
+            held = SCOPES - {missing}
+            head |= key(locked, *held, project="*" if "admin" in held else "default")
+        lines = "".join(f"{name}: {value}\r\n" for name, value in head.items())
+        with socket.create_connection((locked.client.base_url.host, locked.client.base_url.port), timeout=10) as sender:
+            sender.sendall(
+                f"{method.upper()} {filled(path)} HTTP/1.1\r\n{lines}\r\n".encode()
+            )  # and nothing of the body
+            assert sender.recv(100).startswith(f"HTTP/1.1 {status} ".encode()), missing
 
 
 @pytest.mark.parametrize("path", ["/livez", "/version", "/docs", "/openapi.json", "/"])

@@ -1,0 +1,41 @@
+"""Bodies of requests: received only from those who may send them, and JSON read as RFC 8259 has it.
+
+A router with routes that take a body is made with ``route_class=BodyRoute``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+from fastapi import Request, Response
+from fastapi.params import Security
+from fastapi.routing import APIRoute
+
+from service.http.access import check_scopes, principal_of
+from service.http.json_bodies import read_json
+
+
+class BodyRoute(APIRoute):
+    """Route that looks at the scopes of the sender before it receives the body, and reads JSON by `read_json`."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Return the function that answers a request."""
+        answer = super().get_route_handler()
+        scopes = [
+            scope for needed in self.dependencies if isinstance(needed, Security) for scope in needed.scopes or ()
+        ]
+
+        async def answer_sender(request: Request) -> Response:
+            if scopes:
+                check_scopes(principal_of(request), scopes)
+            return await answer(_JsonRequest(request.scope, request.receive))
+
+        return answer_sender
+
+
+class _JsonRequest(Request):
+    async def json(self) -> Any:
+        if not hasattr(self, "_json"):
+            self._json = read_json(await self.body())
+        return self._json

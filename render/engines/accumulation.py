@@ -27,6 +27,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from render.engines.base import Engine
+from render.engines.shared.cost import PictureWork, accumulated_cost_s
 from render.engines.shared.layer_scale import traced_scale
 from render.engines.shared.request import DrawRequest
 from render.errors import SettingsError
@@ -46,7 +47,6 @@ class AccumulationEngine(Engine):
     summary = "renders the scene once for each ray, as a slow reference"
     rank = 60
     has_rays = True
-    draws_each_ray = True
 
     def __init__(self, device: Device) -> None:
         from render.trace.accumulator import Accumulator
@@ -67,6 +67,11 @@ class AccumulationEngine(Engine):
                 f"engine accumulation can show a plane of focus alone, and camera {camera.path} has a focal surface that is "
                 "none: use engine lens"
             )
+
+    @classmethod
+    def cost_s(cls, work: PictureWork) -> float:
+        """Estimate the processor time of a picture, s."""
+        return accumulated_cost_s(work)
 
     def draw(self, request: DrawRequest) -> FloatArray:
         """Accumulate the request's part of the views."""

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal
 
+from render.engines.shared.cost import PictureWork, traced_cost_s
 from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -37,7 +38,6 @@ class Engine:
         summary: one phrase for help texts, without a full stop.
         rank: place in lists of engines; lower comes first, and equal ranks are sorted by name.
         has_rays: True where the picture is a mean over lens rays, so that a part of them can be drawn by itself.
-        draws_each_ray: True where the scene is drawn anew for each ray, which is what the picture's time goes into.
         traces_lens: True where rays are weighted by the lens's transmittance. Otherwise it is applied to the finished picture.
         is_sharp: True where the picture is that of a pinhole, whatever the camera's f-number.
         uses_image_space: True where a data sheet's errors are applied to the finished picture, since the engine traces no
@@ -54,7 +54,6 @@ class Engine:
     summary: ClassVar[str]
     rank: ClassVar[int] = 100
     has_rays: ClassVar[bool] = False
-    draws_each_ray: ClassVar[bool] = False
     traces_lens: ClassVar[bool] = False
     is_sharp: ClassVar[bool] = False
     uses_image_space: ClassVar[bool] = False
@@ -70,6 +69,17 @@ class Engine:
     @classmethod
     def check_camera(cls, camera: Camera) -> None:
         """Raise `SettingsError` where the engine cannot show the camera's lens. Called before the scene is loaded."""
+
+    @classmethod
+    def cost_s(cls, work: PictureWork) -> float:
+        """Estimate the processor time of a picture, with all its moments, s; see `render.engines.shared.cost`.
+
+        Unless the engine says otherwise, that of rays traced through layers.
+
+        Raises:
+            OverflowError: it is beyond all numbers.
+        """
+        return traced_cost_s(work, work.layers)
 
     def draw(self, request: DrawRequest) -> FloatArray:
         """Draw the loaded scene.

@@ -25,6 +25,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from render.engines.base import Engine
+from render.engines.shared.cost import PictureWork, blurred_cost_s
 from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 
@@ -49,6 +50,11 @@ class ImportanceEngine(Engine):
 
         super().__init__(device)
         self._blur = ImportanceBlur(device.graphics.ctx, device.programs, device.graphics.cancellation)
+
+    @classmethod
+    def cost_s(cls, work: PictureWork) -> float:
+        """Estimate the processor time of a picture, s."""
+        return blurred_cost_s(work, pixel_s=1e-5)
 
     def draw(self, request: DrawRequest) -> FloatArray:
         """Blur the view from the pupil's centre; a closed iris is traced, since nothing is blurred."""

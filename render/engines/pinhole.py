@@ -23,6 +23,7 @@ from collections.abc import Generator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from render.engines.base import Engine
+from render.engines.shared.cost import PictureWork, traced_cost_s
 from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 
@@ -43,6 +44,11 @@ class PinholeEngine(Engine):
     uses_image_space = True
     takes_velocities = True
     draws_mattes = True
+
+    @classmethod
+    def cost_s(cls, work: PictureWork) -> float:
+        """Estimate the processor time of a picture, s."""
+        return traced_cost_s(work, layers=1)
 
     def draw(self, request: DrawRequest) -> FloatArray:
         """Trace the request's part of the rays."""

@@ -35,7 +35,7 @@ READ_SLOTS = 2
 CHECK_SLOTS = 2
 CORES_PER_PICTURE, CORES_PER_PREVIEW = 4, 1.4
 """Cores that a picture and a preview keep busy, where the processor draws them."""
-LONG_S = 10.0
+LONG_S = 60.0
 """Expected processor time from which on a frame takes long, s."""
 DESCRIPTORS = 512
 PROCESSES = 256

@@ -53,10 +53,8 @@ class Quotas:
 
     def note_finished(self, finished: Finished) -> None:
         """Charge work that was done to whom it was done for."""
-        # The processor time of a worker that has ended is not known.
-        cpu_s = finished.cpu_s if finished.error is None else max(finished.cpu_s, finished.ran_s)
         if finished.client.principal and self._cpu_s:
-            self.cpu.charge(finished.client.principal, cpu_s)
+            self.cpu.charge(finished.client.principal, finished.used_s)
 
     @contextmanager
     def receiving(self, project: str) -> Iterator[Reception]:

@@ -70,6 +70,11 @@ class Finished:
     worker: int = 0
     steps: tuple[Step, ...] = ()
 
+    @property
+    def used_s(self) -> float:
+        """Processor time of the worker, s; that of a worker that has ended is not known, and counts as long as it ran."""
+        return self.cpu_s if self.error is None else max(self.cpu_s, self.ran_s)
+
 
 Observer = Callable[[Finished], None]
 

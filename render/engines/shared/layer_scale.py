@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 from render.engines.shared.request import Part
@@ -20,7 +22,36 @@ OFFSETS = 4
 """Offsets of the layers of moments: successive moments share one, so that what stands still is not peeled at each."""
 
 
-def traced_scale(settings: FrameSettings, moments: int = 1) -> float:
+class Sampling(Protocol):
+    """Settings that the resolution of layers follows from, as of `FrameSettings`."""
+
+    @property
+    def width(self) -> int:
+        """Pixels."""
+        ...
+
+    @property
+    def height(self) -> float:
+        """Pixels."""
+        ...
+
+    @property
+    def rays(self) -> int:
+        """Rays per pixel."""
+        ...
+
+    @property
+    def noise(self) -> float:
+        """Wanted error in place of rays, or 0."""
+        ...
+
+    @property
+    def supersample(self) -> float:
+        """Requested layer pixels per picture pixel along each axis, or 0."""
+        ...
+
+
+def traced_scale(settings: Sampling, moments: int = 1) -> float:
     """Layer pixels per picture pixel of a picture that is traced.
 
     Args:
@@ -36,7 +67,7 @@ def traced_scale(settings: FrameSettings, moments: int = 1) -> float:
     return float(max(COARSE_SCALE, min(wanted, MOST_LINES // min(settings.width, settings.height))))
 
 
-def blurred_scale(settings: FrameSettings) -> float:
+def blurred_scale(settings: Sampling) -> float:
     """Pixels per picture pixel of a single image that is blurred."""
     return settings.supersample or COARSE_SCALE
 

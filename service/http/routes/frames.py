@@ -65,13 +65,13 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
     request = frame_request(service, record, edits, query)
     client = present_client()
     group = (client, query.client, record.id) if query.client else None
-    estimate_s = service.admission.check(record.id, query)
-    picture = await service.lanes.frame_lane(estimate_s).result(
+    estimate = service.admission.check(record.id, query)
+    picture = await service.lanes.frame_lane(estimate.expected_s).result(
         call(frames.render_frame, request, query.format, live),
         service.place_of(record),
         client,
         group=group,
-        estimate_s=estimate_s,
+        estimate_s=estimate.ordinary_s,
     )
     service.frame_cache.put(tag, picture)
     service.metrics.frames.labels("rendered").inc()

@@ -80,7 +80,7 @@ def asked_service(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Run
         requests_per_s=0,
         max_waiting=8,
         max_picture_px=30_000,
-        max_picture_s=2,
+        max_picture_s=4,
         max_curve_frames=200,
     )
     with running(settings) as service:

@@ -7,13 +7,15 @@ import dataclasses
 import json
 import sys
 import tempfile
+from collections import Counter
 from contextlib import nullcontext
 from pathlib import Path
 from statistics import median
 
+from tests.hostile.asking import ask_all, ask_briefly
 from tests.hostile.bystander import Bystander
 from tests.hostile.corpus import controls, corpus
-from tests.hostile.runner import Verdict, peak_memory, run_cases
+from tests.hostile.runner import Verdict, finished_in, peak_memory, run_cases
 from tests.hostile.trace import Tried, read_trace, traced
 from tests.hostile.world import hostile_world
 
@@ -25,21 +27,23 @@ CACHES = ".cache/pullfocus-service"
 def main() -> int:
     """Run the corpus; 1 where a case is bad, or a request of somebody else fails."""
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
-    parser.add_argument("--all", action="store_true", help="all cases, not every tenth")
+    parser.add_argument("--all", action="store_true", help="all cases, which takes hours; as --every 1")
+    parser.add_argument("--every", type=int, default=10, metavar="N", help="every Nth case (default: 10)")
+    parser.add_argument("--brief", action="store_true", help="ask for data and frames alone: no live or long pictures")
     parser.add_argument("--only", default="", help="cases whose names contain this")
     parser.add_argument("--json", action="store_true", help="one line of JSON for each case")
     parser.add_argument("--trace", action="store_true", help="show by strace what the workers tried")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, hostile_world(Path(folder)) as world:
         cases = [case for case in corpus(world.canaries) if options.only in case.name]
-        cases = cases[:: 1 if options.all or options.only else 10]
-        verdicts = []
+        cases = cases[:: 1 if options.all or options.only else options.every]
+        verdicts, ask = [], ask_briefly if options.brief else ask_all
         bystander, trace = Bystander(world.client.base_url, next(controls())), Path(folder) / "trace"
         with traced(world.template(), trace) if options.trace else nullcontext(), bystander:
-            for verdict in run_cases(world.client, cases, world.canaries, world.places):
+            for verdict in run_cases(world.client, cases, world.canaries, world.places, ask):
                 verdicts.append(verdict)
                 print(json.dumps(dataclasses.asdict(verdict)) if options.json else _row(verdict), flush=True)
-        peaks = peak_memory(world.client)
+        peaks, finished = peak_memory(world.client), finished_in(world.client)
         tried = read_trace(trace.open(errors="replace")) if options.trace else None
         inside = (*world.places, sys.base_prefix, str(Path.cwd()), str(Path.home() / CACHES))
     bad = [verdict for verdict in verdicts if not verdict.is_good]
@@ -48,6 +52,8 @@ def main() -> int:
     print(
         f"{len(verdicts)} files, {len(bad)} bad, slowest {slowest:.1f} s; peak memory, MiB: {memory}", file=sys.stderr
     )
+    statuses = Counter(status for verdict in verdicts for status in verdict.statuses)
+    print(f"answers by status: {dict(sorted(statuses.items()))}; work by lane: {finished}", file=sys.stderr)
     for kind, delay_s in bystander.delays_s().items():
         alone, beside = (median(times[kind]) for times in (bystander.alone_s, bystander.beside_s))
         count, line = len(bystander.beside_s[kind]), f"seconds of another client's {kind}: median {alone:.2f} alone"

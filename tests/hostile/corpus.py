@@ -39,12 +39,14 @@ class Canaries:
         cube: a look-up table.
         variable: name of an environment variable.
         values: what must never be seen.
+        colour: of every pixel of a picture that the table grades, 0 to 255; None where it is not known.
     """
 
     text: Path
     cube: Path
     variable: str
     values: tuple[str, ...]
+    colour: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -273,6 +275,12 @@ def _image(kind: str) -> bytes:
         output.write_image(np.linspace(0, 1, 16 * 8 * 3, dtype=np.float32).reshape(8, 16, 3))
         output.close()
         return file.read_bytes()
+
+
+def graded_by_secret() -> Case:
+    """A shot that holds the secret look-up table itself, to learn what its pictures look like."""
+    config = OWN_CONFIG + LOOK_WITH_A_FILE.replace("FILE", "b.cube")
+    return Case("secret", "a.zip", graded(own__ocio=config, b__cube=secret_cube()))
 
 
 def secret_cube() -> str:

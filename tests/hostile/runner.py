@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
+import io
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import httpx
+import numpy as np
+from PIL import Image, UnidentifiedImageError
 from prometheus_client.parser import text_string_to_metric_families
 
+from tests.hostile.asking import PATIENCE_S, Answer, answer_of, ask_all
 from tests.hostile.corpus import Canaries, Case
 
-MAX_ANSWER_S = 60.0
-FRAME = "/frame?time=1&width=64&rays=8&layers=2"
-READS = (
-    "",
-    "/inspect",
-    "/cameras?time=1",
-    "/readout?time=1",
-    "/focus-curve",
-    FRAME,
-    f"{FRAME}&format=exr",
-    "/camera/grades?time=1",
-)
+Ask = Callable[[httpx.Client, str], Iterable[Answer]]
+
+COLOUR_STEPS = 6
+"""Of 255: how far a picture may be from a colour to count as it, after JPEG too."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,7 @@ class Verdict:
 
     Attributes:
         case: its name.
-        statuses: of the upload and, where it was taken, of the reads and of the deletion.
+        statuses: of the upload and, where it was taken, of what was asked for and of the deletion.
         seconds: time of all.
         leaks: canaries that were seen in an answer.
         peak_mib: largest memory of a worker so far, of those that have ended too.
@@ -52,7 +49,7 @@ class Verdict:
 
 
 def run_cases(
-    client: httpx.Client, cases: Iterable[Case], canaries: Canaries, places: tuple[str, ...]
+    client: httpx.Client, cases: Iterable[Case], canaries: Canaries, places: tuple[str, ...], ask: Ask = ask_all
 ) -> Iterator[Verdict]:
     """Run cases one after the other.
 
@@ -61,23 +58,51 @@ def run_cases(
         cases: what is sent.
         canaries: what must not be seen.
         places: folders of the machine, which must not be seen either.
+        ask: what is asked for of a shot that is taken.
     """
     for case in cases:
-        begun_s, answers = time.monotonic(), []
-        sent = client.post("/v1/shots", files={"file": (case.file, case.content)}, timeout=MAX_ANSWER_S * 3)
-        answers.append(sent)
-        if sent.status_code == 201:
-            shot = f"/v1/shots/{sent.json()['id']}"
-            answers += [client.get(shot + read, timeout=MAX_ANSWER_S * 3) for read in READS]
-            answers.append(client.delete(shot))
-        sent_by_us = case.content.decode("utf-8", "replace") + case.name
-        seen = [value for value in canaries.values if any(value.encode() in answer.content for answer in answers)]
-        texts = [answer.text for answer in answers if "json" in answer.headers.get("content-type", "")]
-        seen += [place for place in places if place not in sent_by_us and any(place in text for text in texts)]
-        statuses = tuple(answer.status_code for answer in answers)
+        begun_s = time.monotonic()
+        answers = send_and_ask(client, case, ask)
+        leaks = (*_leaked_text(case, answers, canaries, places), *_leaked_pixels(answers, canaries))
+        statuses = tuple(answer.status for answer in answers)
         seconds, peaks = time.monotonic() - begun_s, peak_memory(client).values()
         is_within = all(peak < limit for peak, limit in peaks)
-        yield Verdict(case.name, statuses, seconds, tuple(seen), max(peak for peak, _ in peaks), is_within)
+        yield Verdict(case.name, statuses, seconds, leaks, max(peak for peak, _ in peaks), is_within)
+
+
+def send_and_ask(client: httpx.Client, case: Case, ask: Ask) -> list[Answer]:
+    """Upload a file and, where it is taken, ask for something and delete the shot."""
+    sent = client.post("/v1/shots", files={"file": (case.file, case.content)}, timeout=PATIENCE_S)
+    answers = [answer_of(sent)]
+    if sent.status_code == 201:
+        shot_id = sent.json()["id"]
+        answers += ask(client, shot_id)
+        answers.append(answer_of(client.delete(f"/v1/shots/{shot_id}")))
+    return answers
+
+
+def _leaked_text(case: Case, answers: list[Answer], canaries: Canaries, places: tuple[str, ...]) -> Iterator[str]:
+    sent_by_us = case.content.decode("utf-8", "replace") + case.name
+    yield from (value for value in canaries.values if any(value.encode() in answer.content for answer in answers))
+    texts = [answer.content.decode("utf-8", "replace") for answer in answers if answer.is_text]
+    yield from (place for place in places if place not in sent_by_us and any(place in text for text in texts))
+
+
+def _leaked_pixels(answers: list[Answer], canaries: Canaries) -> Iterator[str]:
+    """Say where a picture has the one colour that the secret look-up table gives it."""
+    if canaries.colour is None:
+        return
+    for number, answer in enumerate(answers):
+        pixels = None if answer.is_text else picture_of(answer)
+        if pixels is not None and np.abs(pixels - np.asarray(canaries.colour)).max() <= COLOUR_STEPS:
+            yield f"the picture of answer {number} has the colour of the secret table"
+
+
+def picture_of(answer: Answer) -> np.ndarray | None:
+    """Pixels of an answer that is a PNG or JPEG, ``(height, width, 3)``, 0 to 255; None where it is something else."""
+    with suppress(UnidentifiedImageError):
+        return np.asarray(Image.open(io.BytesIO(answer.content)).convert("RGB"), np.int16)
+    return None
 
 
 def peak_memory(client: httpx.Client) -> dict[str, tuple[int, int]]:
@@ -88,3 +113,14 @@ def peak_memory(client: httpx.Client) -> dict[str, tuple[int, int]]:
             for sample in family.samples:
                 found.setdefault(sample.labels["worker"], []).append(int(sample.value) >> 20)
     return {worker: (peak, limit) for worker, (peak, limit) in found.items()}
+
+
+def finished_in(client: httpx.Client) -> dict[str, int]:
+    """For each lane, the number of requests that were worked on."""
+    families = text_string_to_metric_families(client.get("/metrics").text)
+    return {
+        sample.labels["lane"]: int(sample.value)
+        for family in families
+        for sample in family.samples
+        if sample.name == "pullfocus_lane_run_seconds_count"
+    }

@@ -10,9 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
+import numpy as np
 
 from service.http.settings import Settings
-from tests.hostile.corpus import Canaries, secret_cube
+from tests.hostile.asking import SMALL, answer_of
+from tests.hostile.corpus import Canaries, graded_by_secret, secret_cube
+from tests.hostile.runner import COLOUR_STEPS, picture_of
 from tests.service.conftest import running
 
 
@@ -46,9 +49,21 @@ def hostile_world(folder: Path) -> Iterator[World]:
             places = (str(folder / "data"), sys.prefix)
             yield World(
                 service.client,
-                Canaries(text, cube, variable, values),
+                Canaries(text, cube, variable, values, _secret_colour(service.client)),
                 places,
                 lambda: service.internal.pool.template.pid,
             )
     finally:
         del os.environ[variable]
+
+
+def _secret_colour(client: httpx.Client) -> tuple[float, ...]:
+    """Colour of a picture that the secret look-up table grades."""
+    case = graded_by_secret()
+    shot = f"/v1/shots/{client.post('/v1/shots', files={'file': (case.file, case.content)}).json()['id']}"
+    pixels = picture_of(answer_of(client.get(f"{shot}/frame", params=SMALL)))
+    client.delete(shot)
+    assert pixels is not None
+    colour = np.median(pixels, axis=(0, 1))
+    assert np.abs(pixels - colour).max() <= COLOUR_STEPS, "it is one colour"
+    return tuple(map(float, colour))

@@ -22,7 +22,23 @@ MAX_STATES = 200
 """States that are kept; the oldest go first."""
 
 MAX_PACKED_BYTES = 32 * 2**20
-"""Limit on all packed states together: a curve of many thousand keys is some hundred kilobytes."""
+"""Limit on all packed states together, which are kept in memory: a curve of many thousand keys is some hundred kilobytes."""
+
+MAX_HISTORY_BYTES = 256 * 2**20
+"""Limit on the text of all states together, as it is kept on the disk."""
+
+MAX_TEXT_BYTES = 64 * 2**20
+"""Limit on the text of one state."""
+
+
+def check_size(text: str) -> None:
+    """Raise `InputError` where the text of an edit layer is too large."""
+    if len(text.encode()) > MAX_TEXT_BYTES:
+        most = MAX_TEXT_BYTES >> 20
+        detail = (
+            f"the edits of the shot would take more than {most} MiB: import curves with fewer keys, or remove points"
+        )
+        raise InputError(detail, code="edits_too_large")
 
 
 def revision_of(text: str) -> str:
@@ -43,6 +59,7 @@ class EditState:
         revision: names the state.
         label: label of the edit that led to it, such as "set fStop"; empty for the first state.
         made_at: when.
+        size_bytes: size of the text.
         gesture: names the drag of a hand that the edit was part of; empty for none.
     """
 
@@ -50,6 +67,7 @@ class EditState:
     revision: str
     label: str
     made_at: datetime
+    size_bytes: int
     gesture: str = ""
 
     @classmethod
@@ -61,7 +79,8 @@ class EditState:
             label: label of the edit.
             gesture: names the drag of a hand that it was part of.
         """
-        return cls(zlib.compress(text.encode()), revision_of(text), label, datetime.now(UTC), gesture)
+        content = text.encode()
+        return cls(zlib.compress(content), revision_of(text), label, datetime.now(UTC), len(content), gesture)
 
     @property
     def text(self) -> str:
@@ -170,6 +189,11 @@ class EditHistory:
     def _bounded(self) -> EditHistory:
         """Without the oldest states where there are too many, or they are too large; the present one stays."""
         kept = self.states[-MAX_STATES:]
-        while len(kept) > 1 and sum(len(state.packed) for state in kept) > MAX_PACKED_BYTES:
+        while len(kept) > 1 and _are_too_large(kept):
             kept = kept[1:]
         return EditHistory(kept, len(kept) - 1)
+
+
+def _are_too_large(states: tuple[EditState, ...]) -> bool:
+    packed_bytes, text_bytes = sum(len(state.packed) for state in states), sum(state.size_bytes for state in states)
+    return packed_bytes > MAX_PACKED_BYTES or text_bytes > MAX_HISTORY_BYTES

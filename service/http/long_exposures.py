@@ -26,6 +26,7 @@ from service.workers.lane import Lane
 from service.workers.places import Place
 
 Reply = TypeVar("Reply")
+Check = Callable[[], None]
 
 BUSY_PAUSE_S = 0.5
 """Time before an interval is submitted again after the queue was full."""
@@ -43,6 +44,7 @@ class _Exposure:
         intervals: begin and end of each interval, USD time codes.
         client: who it is made for.
         progress: progress so far.
+        check: raises `ServiceError` where whoever has opened the shutter last may no longer have it open.
         is_open: whether the shutter is open.
         problem: why the exposure failed, or None.
         task: exposes the intervals while the shutter is open.
@@ -54,6 +56,7 @@ class _Exposure:
     request: LongExposureBegin
     intervals: list[tuple[float, float]]
     client: Client
+    check: Check
     progress: ExposureProgress = field(default_factory=ExposureProgress)
     is_open: bool = False
     problem: str | None = None
@@ -111,15 +114,21 @@ class LongExposures:
         self._max_px = max_px
         self._by_shot: dict[str, _Exposure] = {}
 
-    async def begin(self, record: ShotRecord, request: LongExposureBegin) -> LongExposureState:
+    async def begin(self, record: ShotRecord, request: LongExposureBegin, check: Check) -> LongExposureState:
         """Begin a long exposure with the shutter open, in place of the one that the shot had.
+
+        Args:
+            record: the shot.
+            request: what is asked for.
+            check: called before each interval; raises `ServiceError` where the sender may no longer use the service.
 
         Raises:
             PullfocusError: the request cannot be exposed.
             WorkerError: the picture process did not complete the call.
         """
         intervals = ShutterInterval(request.first, request.last, request.step).intervals()
-        exposure = _Exposure(secrets.token_hex(8), record, record.edit_text(), request, intervals, present_client())
+        key, client = secrets.token_hex(8), present_client()
+        exposure = _Exposure(key, record, record.edit_text(), request, intervals, client, check)
         frame = FrameRequest(
             record=record,
             edits=exposure.edits,
@@ -141,11 +150,20 @@ class LongExposures:
         """Return the progress of a shot's exposure. Raises `ServiceError` 404 where it has none."""
         return self._get(shot_id).state()
 
-    def set_shutter(self, shot_id: str, *, is_open: bool) -> LongExposureState:
-        """Open the shutter, or close it after the current interval. Raises `ServiceError` 404 where there is no exposure."""
+    def set_shutter(self, shot_id: str, check: Check, *, is_open: bool) -> LongExposureState:
+        """Open the shutter, or close it after the current interval.
+
+        Args:
+            shot_id: the shot.
+            check: as in `begin`, of the present sender.
+            is_open: what becomes of the shutter.
+
+        Raises:
+            ServiceError: 404, there is no exposure.
+        """
         exposure = self._get(shot_id)
         if is_open and not exposure.is_done:
-            exposure.problem = None
+            exposure.problem, exposure.check = None, check
             self._open(exposure)
         else:
             exposure.is_open = False
@@ -207,6 +225,7 @@ class LongExposures:
             begin, end = exposure.intervals[exposure.progress.intervals]
             interval = call(long_exposure.expose_interval, exposure.key, exposure.record, exposure.edits, begin, end)
             try:
+                exposure.check()
                 exposure.progress = await self._call(exposure, interval)
             except QueueFullError:
                 await asyncio.sleep(BUSY_PAUSE_S)

@@ -14,6 +14,7 @@ from service.http.settings import MEBIBYTE, Settings
 from service.identity.cpu_usage import CpuUsage
 from service.identity.principal import ALL_PROJECTS
 from service.models.identity import Amount, Usage
+from service.storage.edit_files import HISTORY
 from service.storage.store import ShotRecord, ShotStore
 from service.storage.trash import Trash
 from service.workers.jobs import Finished
@@ -145,8 +146,11 @@ class Reception:
 def _size_of_edits(record: ShotRecord) -> int:
     """Return the size of the files of a shot's edits, bytes. A worker wrote them: links are not followed."""
     total = 0
-    with suppress(OSError), os.scandir(record.edits_folder) as entries:
-        for entry in entries:
-            with suppress(OSError):
-                total += entry.stat(follow_symlinks=False).st_size
+    for folder in (record.edits_folder, record.edits_folder / HISTORY):
+        if folder.is_symlink():
+            continue
+        with suppress(OSError), os.scandir(folder) as entries:
+            for entry in entries:
+                with suppress(OSError):
+                    total += 0 if entry.is_dir(follow_symlinks=False) else entry.stat(follow_symlinks=False).st_size
     return total

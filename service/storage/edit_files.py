@@ -157,7 +157,8 @@ def _state(folder: Path, entry: dict[str, str]) -> EditState:
     if revision_of(text) != revision:
         raise ValueError(f"{revision}.usda is not what was written")
     made_at = datetime.fromisoformat(entry["madeAt"])
-    return EditState(zlib.compress(text.encode()), revision, entry["label"], made_at, entry["gesture"])
+    content = text.encode()
+    return EditState(zlib.compress(content), revision, entry["label"], made_at, len(content), entry["gesture"])
 
 
 def _file(folder: Path, revision: str) -> Path:

@@ -19,7 +19,7 @@ from tests.hostile.corpus import Canaries, Case
 Ask = Callable[[httpx.Client, str], Iterable[Answer]]
 
 COLOUR_STEPS = 6
-"""Of 255: how far a picture may be from a colour to count as it, after JPEG too."""
+"""Distance from a colour, of 255, within which a picture has that colour, after JPEG too."""
 
 
 @dataclass(frozen=True)

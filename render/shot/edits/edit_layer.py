@@ -16,7 +16,7 @@ from pxr import Sdf, Tf, Usd
 
 from render.errors import SettingsError, StageError
 from render.files import write_atomic
-from render.model.edit_history import EditHistory
+from render.model.edit_history import EditHistory, check_size
 from render.shot.edits.shot_files import check_not_own
 from render.stage import quiet_diagnostics
 from usd_schemas import SchemaError, keys
@@ -91,16 +91,21 @@ class Edits:
 
         Raises:
             SettingsError: in place of a `SchemaError`: a value, a name or a time is not allowed.
+            InputError: the edits are larger than `MAX_TEXT_BYTES`.
         """
         outer, self._labels = self._labels, []
+        text = ""
         try:
             with self._authoring():
                 yield
+                if outer is None:
+                    text = self.state()
+                    check_size(text)
             label = label or _join_labels(self._labels) or "edit"
         finally:
             self._labels = outer
         if outer is None:
-            self.history = self.history.after(self.state(), label, gesture)
+            self.history = self.history.after(text, label, gesture)
         else:
             outer.append(label)
 

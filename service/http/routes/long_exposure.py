@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 
-from service.http.access import RENDERS
+from service.http.access import RENDERS, unauthorized
 from service.http.bodies import BodyRoute
+from service.http.identity import IdentityDep
+from service.http.long_exposures import Check
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
@@ -22,16 +24,33 @@ Format = Annotated[
 ]
 
 
+def _sender_check(service: ServiceDep, identity: IdentityDep, request: Request) -> Check:
+    """Return a function that raises `ServiceError` once the sender of this request may no longer use the service."""
+
+    def check() -> None:
+        if not identity.is_valid(request.scope):
+            raise unauthorized("The key or the session has ended: sign in again.")
+        service.quotas.check_work()
+
+    return check
+
+
+CheckDep = Annotated[Check, Depends(_sender_check)]
+
+
 @router.post(
     "/shots/{shot}/long-exposure", operation_id="beginLongExposure", status_code=201, responses=problems(404, 423, 503)
 )
-async def begin_long_exposure(service: ServiceDep, shot: ShotId, begin: LongExposureBegin) -> LongExposureState:
+async def begin_long_exposure(
+    service: ServiceDep, check: CheckDep, shot: ShotId, begin: LongExposureBegin
+) -> LongExposureState:
     """Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
-    intervals are exposed between the pictures of other requests, and it is kept while the service runs."""
+    intervals are exposed between the pictures of other requests, and it is kept while the service runs. It fails once the key
+    or the session that opened the shutter has ended, or has used up its processor time."""
     check_pixels(begin.width, begin.height, service.settings.max_picture_px, "body.width")
     record = service.store.get(shot)
     service.admission.check(record.id, begin)
-    return await service.long_exposures.begin(record, begin)
+    return await service.long_exposures.begin(record, begin, check)
 
 
 @router.get("/shots/{shot}/long-exposure", operation_id="getLongExposure", responses=problems(404))
@@ -41,9 +60,11 @@ async def get_long_exposure(service: ServiceDep, shot: ShotId) -> LongExposureSt
 
 
 @router.patch("/shots/{shot}/long-exposure", operation_id="editLongExposure", responses=problems(404))
-async def edit_long_exposure(service: ServiceDep, shot: ShotId, edit: LongExposureEdit) -> LongExposureState:
+async def edit_long_exposure(
+    service: ServiceDep, check: CheckDep, shot: ShotId, edit: LongExposureEdit
+) -> LongExposureState:
     """Close the shutter, or reopen it and continue. The picture is the same as without the pause."""
-    return service.long_exposures.set_shutter(service.store.get(shot).id, is_open=edit.shutter == "open")
+    return service.long_exposures.set_shutter(service.store.get(shot).id, check, is_open=edit.shutter == "open")
 
 
 @router.get(

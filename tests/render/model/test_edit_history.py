@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import InputError, SettingsError
+from render.model import edit_history
 from render.model.edit_history import MAX_STATES, EditHistory, revision_of
 from render.shot import Shot
 from tests.render.kits.focus_shot import CAMERA, NEAR, write_shot
@@ -163,6 +164,25 @@ def test_the_oldest_states_go_first():
     assert len(history.states) == MAX_STATES
     assert history.present.text == str(MAX_STATES + 9)
     assert history.states[0].text == "10"
+
+
+def test_the_text_of_all_states_is_bounded(monkeypatch):
+    monkeypatch.setattr(edit_history, "MAX_HISTORY_BYTES", 1000)
+    history = EditHistory.beginning_with("")
+    for letter in "abcdef":
+        history = history.after(300 * letter, "write")
+    assert [state.text[0] for state in history.states] == ["d", "e", "f"]
+    history = history.after(2000 * "g", "write")
+    assert [state.text[0] for state in history.states] == ["g"], "the present one stays"
+
+
+def test_edits_that_are_too_large_are_refused_and_change_nothing(shot, monkeypatch):
+    shot.camera.set(CAMERA, f_stop=4.0)
+    before = shot.edits.history
+    monkeypatch.setattr(edit_history, "MAX_TEXT_BYTES", 10)
+    with pytest.raises(InputError, match="the edits of the shot would take more than"):
+        shot.camera.set(CAMERA, f_stop=8.0)
+    assert (stop_of(shot), shot.edits.history) == (4.0, before)
 
 
 STEPS = st.lists(st.sampled_from(["undo", "redo", "a", "b", "c", "d"]), max_size=40)

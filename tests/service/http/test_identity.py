@@ -15,7 +15,7 @@ from websockets.sync.client import connect
 from service.http.settings import Settings
 from service.identity.principal import SCOPES
 from service.identity.sessions import SESSION_S
-from tests.service.conftest import Running, running, send
+from tests.service.conftest import ROOM, Running, running, send, until
 from tests.service.kits.calls import CALLS, PUBLIC, scopes_of
 
 ORIGIN = "Origin"
@@ -81,6 +81,20 @@ def test_no_body_is_received_from_a_sender_without_scopes(locked, method, path, 
                 f"{method.upper()} {filled(path)} HTTP/1.1\r\n{lines}\r\n".encode()
             )  # and nothing of the body
             assert sender.recv(100).startswith(f"HTTP/1.1 {status} ".encode()), missing
+
+
+@pytest.mark.gl
+def test_a_long_exposure_ends_with_the_key_that_began_it(locked):
+    held, other = key(locked, "read", "edit", "render"), key(locked, "read", "render")
+    shot = locked.client.post("/v1/shots", files={"file": ("room.usda", ROOM)}, headers=held).json()["id"]
+    path = f"/v1/shots/{shot}/long-exposure"
+    begin = {"first": 1, "last": 10_000, "width": 16, "rays": 1}
+    assert locked.client.post(path, json=begin, headers=held, timeout=60).status_code == 201
+    locked.app.state.identity.keys.revoke(held["Authorization"].split("_")[1])
+    until(lambda: locked.client.get(path, headers=other).json()["shutter"] == "failed")
+    assert "The key or the session has ended" in locked.client.get(path, headers=other).json()["problem"]
+    assert locked.client.patch(path, json={"shutter": "open"}, headers=other).json()["shutter"] == "open"
+    assert locked.client.delete(path, headers=other).status_code == 204
 
 
 @pytest.mark.parametrize("path", ["/livez", "/version", "/docs", "/openapi.json", "/"])

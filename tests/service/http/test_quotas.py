@@ -88,6 +88,22 @@ def test_the_shots_of_other_projects_do_not_count(limited):
         assert refusal(send(service.client, "room.usda", ROOM.encode())) == (403, "quota_shots")
 
 
+def stored_mb(service) -> float:
+    """Size of the shots of the project ``default`` with their edits, MiB."""
+    return service.internal.quotas.usage("", "default").stored_mb.used
+
+
+def test_edits_and_their_history_count(limited):
+    with limited(quota_stored_mb=100) as service:
+        shot = send(service.client, "room.usda", ROOM.encode()).json()["id"]
+        before_mb = stored_mb(service)
+        assert service.client.patch(f"/v1/shots/{shot}/camera", json={"fStop": 2.8}).status_code == 200
+        edits = service.internal.store.get(shot).edits_folder
+        written = sum(file.stat().st_size for file in edits.rglob("*") if file.is_file())
+        assert len(list(edits.rglob("*.usda"))) >= 3, "the edits, and two states of their history"
+        assert stored_mb(service) - before_mb == pytest.approx(written / 2**20, abs=0.002)
+
+
 def test_work_is_refused_once_the_time_of_a_day_is_used_up(limited):
     with limited(quota_cpu_s_per_day=0.01, access="keys", requests_per_s=0) as service:
         keys = [service.app.state.identity.keys.create(name, SCOPES, "*")[1] for name in ("Mara", "Ida")]

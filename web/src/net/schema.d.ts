@@ -879,7 +879,8 @@ export interface paths {
         /**
          * Begin Long Exposure
          * @description Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
-         *     intervals are exposed between the pictures of other requests, and it is kept while the service runs.
+         *     intervals are exposed between the pictures of other requests, and it is kept while the service runs. It fails once the key
+         *     or the session that opened the shutter has ended, or has used up its processor time.
          */
         readonly post: operations["beginLongExposure"];
         /**

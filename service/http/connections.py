@@ -20,7 +20,9 @@ from service.http.settings import Settings
 HEAD_S = 20.0
 """Time that the head of a request may take, from when it could begin, s."""
 STALL_S = 60.0
-"""Time for which a body may stop coming, or an answer not be read, s."""
+"""Time in which the rest of a body has to come, or `LEAST_BYTES_PER_S` of it, and some of an answer has to be read, s."""
+LEAST_BYTES_PER_S = 1024
+"""Rate at which a body has to come, in each `STALL_S`."""
 
 Phase = Literal["head", "body", "rest"]
 
@@ -50,6 +52,8 @@ class ImpatientProtocol(H11Protocol):
     """A connection that is closed where its client neither sends what it has begun nor reads what it has asked for."""
 
     _phase: Phase | None = None
+    _came_bytes = 0
+    _was_paused = False
     _waiting: asyncio.TimerHandle | None = None
     _writing: asyncio.TimerHandle | None = None
 
@@ -66,6 +70,7 @@ class ImpatientProtocol(H11Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Take what the client has sent."""
+        self._came_bytes += len(data)
         super().data_received(data)
         self._wait()
 
@@ -100,19 +105,28 @@ class ImpatientProtocol(H11Protocol):
 
     def _enter(self, phase: Phase | None) -> None:
         """Begin to wait. A body has to go on coming; a head, and the rest of what was answered already, have to end in time."""
-        if phase == self._phase and phase != "body":
-            return
+        if phase != self._phase:
+            self._phase = phase
+            self._begin_time()
+
+    def _begin_time(self) -> None:
+        """Begin the time of the present phase."""
         if self._waiting is not None:
             self._waiting.cancel()
-        self._phase = phase
-        time_s = HEAD_S if phase == "head" else STALL_S
-        self._waiting = self.loop.call_later(time_s, self._give_up) if phase else None
+        time_s = HEAD_S if self._phase == "head" else STALL_S
+        self._waiting = self.loop.call_later(time_s, self._end_time) if self._phase else None
+        self._came_bytes, self._was_paused = 0, self._is_paused()
 
-    def _give_up(self) -> None:
-        if self._phase == "body" and self.flow.read_paused:  # it is the service that does not read
-            self._enter("body")
+    def _end_time(self) -> None:
+        """Close the connection, unless a body goes on coming or the service does not read it."""
+        may_go_on = self._was_paused or self._is_paused() or self._came_bytes >= STALL_S * LEAST_BYTES_PER_S
+        if self._phase == "body" and may_go_on:
+            self._begin_time()
         else:
             self.transport.abort()
+
+    def _is_paused(self) -> bool:
+        return self._phase == "body" and self.flow.read_paused
 
     def _wait_for_reader(self, unread: int | None = None) -> None:
         """Wait for the client to read.

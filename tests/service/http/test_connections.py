@@ -25,6 +25,7 @@ def impatient(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(connections, "HEAD_S", 0.5)
         patch.setattr(connections, "STALL_S", 0.5)
+        patch.setattr(connections, "LEAST_BYTES_PER_S", 6)
         static: Path = tmp_path_factory.mktemp("static")
         (static / "index.html").write_bytes(b"x" * (64 * MEBIBYTE))  # more than the buffers of a connection
         data = tmp_path_factory.mktemp("data")
@@ -60,14 +61,16 @@ def test_whoever_sends_half_a_request_is_disconnected(impatient: Running, sent: 
         assert is_closed(connection)
 
 
-@pytest.mark.parametrize("begin", [HEAD + b"X: ", REFUSED], ids=["head", "body of a refused request"])
-def test_whoever_drips_without_a_key_is_disconnected(impatient: Running, begin: bytes) -> None:
+@pytest.mark.parametrize(
+    ("begin", "pause_s"), [(HEAD + b"X: ", 0.1), (REFUSED, 0.1), (BODY, 0.4)], ids=["head", "refused body", "body"]
+)
+def test_whoever_drips_without_a_key_is_disconnected(impatient: Running, begin: bytes, pause_s: float) -> None:
     began_s = time.monotonic()
     with connect(impatient) as connection, suppress(ConnectionError):
         connection.sendall(begin)
         while time.monotonic() - began_s < 10:
             connection.sendall(b"x")
-            time.sleep(0.1)
+            time.sleep(pause_s)
     assert time.monotonic() - began_s < 8
 
 

@@ -11,6 +11,7 @@ from contextvars import ContextVar
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.http.addresses import network_of
 from service.http.guard import SAFE_METHODS
 from service.identity.principal import ANYONE
 from service.workers.jobs import NOBODY, Client
@@ -23,13 +24,12 @@ MAX_MESSAGES = 256
 
 
 def present_client() -> Client:
-    """Return who the present request or WebSocket comes from: its principal, or the address of one without a key."""
+    """Return who the present request or WebSocket comes from: its principal, or where one without a key is."""
     scope = _scope.get()
     if scope is None:
         return NOBODY
     principal = scope.get("state", {}).get("principal", ANYONE)
-    address = scope["client"][0] if scope.get("client") else ""
-    name = f"{ANYONE.id} at {address}" if principal == ANYONE else principal.id
+    name = f"{ANYONE.id} at {network_of(scope)}" if principal == ANYONE else principal.id
     return Client(name, name)
 
 

@@ -13,6 +13,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from service.http.access import SESSION_COOKIE, unauthorized
+from service.http.addresses import address_of, network_of
 from service.http.errors import ServiceError, answer_to
 from service.http.guard import SAFE_METHODS
 from service.http.request_context import request_id
@@ -70,15 +71,15 @@ class Identity:
         key_id = self.sessions.key_id(token) if token else None
         key = self.keys.find(key_id) if key_id else None
         if sent is not None and self._is_token(sent):
-            principal = await run_in_threadpool(self._token_holder, sent, _address(scope))
+            principal = await run_in_threadpool(self._token_holder, sent, network_of(scope))
         elif sent is not None:
-            principal = self.sign_in(sent, _address(scope)).principal()
+            principal = self.sign_in(sent, network_of(scope)).principal()
         elif key is not None:
             _check_origin(scope, headers)
             principal = self.in_session(key, token or "")
         else:
             principal = NOBODY if self._access == "keys" else ANYONE
-        self._limit(principal, _address(scope))
+        self._limit(principal, network_of(scope))
         if principal is NOBODY and _is_private(scope["path"]):
             raise unauthorized("This needs a key: send it as `Authorization: Bearer KEY`.")
         return principal
@@ -88,7 +89,7 @@ class Identity:
 
         Args:
             sent: the text of the key.
-            address: from where.
+            address: from where, as `network_of` tells it.
 
         Raises:
             ServiceError: 401, the key is wrong, expired or revoked; 429, too many such keys came from this address.
@@ -137,7 +138,7 @@ class Identity:
                 "request": request_id.get(),
                 "principal": principal.id,
                 "label": principal.label,
-                "address": _address(scope),
+                "address": address_of(scope),
                 "method": scope.get("method", "WEBSOCKET"),
                 "path": scope["path"][:MAX_AUDITED_PATH],
                 "status": status,
@@ -228,11 +229,6 @@ def _check_origin(scope: Scope, headers: Headers) -> None:
 def _is_private(path: str) -> bool:
     """Return whether nobody gets beyond the middleware without credentials; routes check scopes by themselves."""
     return path == "/metrics" or (path.startswith("/v1/") and path != SESSION_PATH)
-
-
-def _address(scope: Scope) -> str:
-    client = scope.get("client")
-    return client[0] if client else "unknown"
 
 
 def _too_many(detail: str, wait_s: int) -> ServiceError:

@@ -84,7 +84,7 @@ def test_no_body_is_received_from_a_sender_without_scopes(locked, method, path, 
 
 
 @pytest.mark.gl
-def test_a_long_exposure_ends_with_the_key_that_began_it(locked):
+def test_a_long_exposure_ends_with_the_key_that_began_it(locked, admin):
     held, other = key(locked, "read", "edit", "render"), key(locked, "read", "render")
     shot = locked.client.post("/v1/shots", files={"file": ("room.usda", ROOM)}, headers=held).json()["id"]
     path = f"/v1/shots/{shot}/long-exposure"
@@ -95,6 +95,7 @@ def test_a_long_exposure_ends_with_the_key_that_began_it(locked):
     assert "The key or the session has ended" in locked.client.get(path, headers=other).json()["problem"]
     assert locked.client.patch(path, json={"shutter": "open"}, headers=other).json()["shutter"] == "open"
     assert locked.client.delete(path, headers=other).status_code == 204
+    assert locked.client.delete(f"/v1/shots/{shot}", headers=admin).status_code == 204
 
 
 @pytest.mark.parametrize("path", ["/livez", "/version", "/docs", "/openapi.json", "/"])

@@ -1,6 +1,7 @@
 """Spans of a request: its answer, its wait in a lane, and the steps of its work, whose times a worker process tells.
 
-A worker has no network, so that this process makes its spans, too. Live connections, which stay open for hours, have none.
+A worker has no network, so that this process makes its spans, too. A live connection, which stays open for hours, has one for
+each time that a worker draws for it.
 """
 
 from __future__ import annotations
@@ -76,13 +77,31 @@ class RequestSpans:
             contexts.append(set_span_in_context(span))
             span.end(last_ns)
 
+    def add_live_job(self, scope: Scope, finished: Finished) -> None:
+        """Add the spans of a job that draws live pictures, below one of its own.
+
+        Args:
+            scope: of the live connection. The trace that its ``traceparent`` names is gone on with.
+            finished: the job.
+        """
+        span = self._tracer.start_span(
+            "live pictures",
+            _CONTEXT.extract(Headers(scope=scope)),
+            SpanKind.SERVER,
+            {"url.path": scope["path"], "url.scheme": scope["scheme"]},
+            start_time=finished.ended_ns - round(1e9 * (finished.ran_s + finished.waited_s)),
+        )
+        if span.is_recording():
+            self.add_job(set_span_in_context(span), finished)
+        span.end(finished.ended_ns)
+
     def close(self) -> None:
         """Send the last spans."""
         self._provider.shutdown()
 
 
 class SpanMiddleware:
-    """Makes a span of each HTTP request."""
+    """Makes a span of each HTTP request, and of each job of a WebSocket."""
 
     def __init__(self, app: ASGIApp, spans: RequestSpans) -> None:
         self.app = app
@@ -90,6 +109,13 @@ class SpanMiddleware:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
+        if scope["type"] == "websocket":
+            observed = observer.set(partial(self._spans.add_live_job, scope))
+            try:
+                await self.app(scope, receive, send)
+            finally:
+                observer.reset(observed)
+            return
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return

@@ -14,6 +14,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 from opentelemetry.proto.collector.trace.v1.trace_service_pb2 import ExportTraceServiceRequest
+from websockets.sync.client import connect
 
 from service.http.logs import JsonFormatter
 from service.http.settings import Settings
@@ -21,6 +22,7 @@ from service.workers.step_times import checked_steps
 from tests.service.conftest import ROOM, running, send
 
 TRACE = "0af7651916cd43dd8448eb211c80319c"
+LIVE_TRACE = "1bf7651916cd43dd8448eb211c80319d"
 CALLER = "b7ad6b7169203331"
 PICTURE = {"time": 1, "width": 32, "height": 18, "rays": 4}
 
@@ -90,6 +92,12 @@ def traced(collector, tmp_path_factory) -> tuple[str, list[dict]]:
         headers = {"traceparent": f"00-{TRACE}-{CALLER}-01"}
         answer = service.client.get(f"/v1/shots/{shot}/frame", params=PICTURE, headers=headers)
         assert answer.status_code == 200
+        address = f"ws://{service.client.base_url.host}:{service.client.base_url.port}/v1/shots/{shot}/live"
+        with connect(
+            address, additional_headers={"traceparent": f"00-{LIVE_TRACE}-{CALLER}-01"}, max_size=None
+        ) as live:
+            live.send(json.dumps(PICTURE | {"id": 1, "moving": True}))
+            live.recv(60)
     access.removeHandler(lines)
     return answer.headers["X-Request-ID"], lines.lines
 
@@ -119,6 +127,14 @@ def test_spans_lie_in_those_that_they_are_parts_of(collector, traced):
         assert outer.start_time_unix_nano <= span.start_time_unix_nano <= span.end_time_unix_nano
         # The answer may be on its way before the lane has noted the end of the work.
         assert span.end_time_unix_nano <= outer.end_time_unix_nano + 2e8
+
+
+def test_each_job_of_a_live_connection_is_traced(collector, traced):
+    spans = {span.name: span for span in collector.spans if span.trace_id.hex() == LIVE_TRACE}
+    live, wait, work = (spans[name] for name in ("live pictures", "wait in the lane", "stream_pictures"))
+    assert live.parent_span_id.hex() == CALLER
+    assert wait.parent_span_id == work.parent_span_id == live.span_id
+    assert attribute(work, "pullfocus.lane") == "live"
 
 
 def test_a_worker_has_another_process_id(collector, traced):

@@ -92,6 +92,8 @@ class WorkerPool:
         """
         idle, dead = self._take_idle(role, place, view)
         self._end(dead, "killed")
+        for process in dead:  # ended for a reason just before it was given back
+            self._blame(process)
         if idle is not None:
             _note(idle, view)
             return idle
@@ -163,11 +165,11 @@ class WorkerPool:
         with self._lock:
             idle = [process for process in full if process in self._idle]
             self._idle = [process for process in self._idle if process not in idle]
+            for process in self._busy.intersection(full):
+                process.kill("disk")
         self._end(idle, "disk")
         for process in idle:
             self._blame(process)
-        for process in full:
-            process.kill("disk")
 
     def end_greedy(self) -> None:
         """End the processes that use what nothing else limits: see `service.workers.greed`."""

@@ -113,6 +113,18 @@ def test_an_idle_worker_that_has_filled_the_disk_is_ended(shared):
     assert blamed == [("room", "disk")]
 
 
+def test_a_worker_that_is_ended_as_its_call_returns_is_blamed_too(shared):
+    blamed: list[tuple[str, str]] = []
+    with tally_pool(caches=shared, on_blame=lambda key, end: blamed.append((key, end))) as pool:
+        tally = role("tally", Tally, LIMITS)
+        process = pool.take(tally, ROOM)
+        process.kill("disk")
+        pool.give_back(process)
+        until(lambda: not process.is_alive())
+        pool.give_back(pool.take(tally, ROOM))
+    assert blamed == [("room", "disk")]
+
+
 def test_a_base_survives_its_service(tmp_path):
     for content in ("first", "second"):
         with closing(caches_in(tmp_path)) as made:

@@ -27,8 +27,8 @@ class FakeSocket implements Socket {
     this.onopen?.call(this as unknown as WebSocket, new Event("open"));
   }
 
-  lose(): void {
-    this.onclose?.call(this as unknown as WebSocket, new Event("close") as CloseEvent);
+  lose(code = 1006): void {
+    this.onclose?.call(this as unknown as WebSocket, { code } as CloseEvent);
   }
 
   say(data: unknown): void {
@@ -240,6 +240,18 @@ describe("a live connection that fails", () => {
 });
 
 describe("a lost live connection", () => {
+  it("says so where others needed its place, and nothing where the network failed", () => {
+    const { said, states, socket } = connected();
+    socket.open();
+    socket.lose(1013);
+    expect(states).toEqual([true, false]);
+    expect(said).toMatchObject([{ status: 503, code: "busy" }]);
+    const cut = connected();
+    cut.socket.open();
+    cut.socket.lose();
+    expect(cut.said).toEqual([]);
+  });
+
   it("is opened again once the person is admitted, and not at all where nobody signs in", async () => {
     let signIn = (): void => undefined;
     const { sockets, socket } = connected(() => new Promise<void>((resolve) => (signIn = resolve)));

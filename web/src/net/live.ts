@@ -13,6 +13,8 @@ export type Socket = Pick<WebSocket, "send" | "close" | "binaryType" | "onopen" 
 
 /** Wait before a lost connection is opened again, ms; it doubles each time, up to the most. */
 const RETRY_MS = { first: 500, most: 15_000 };
+/** Close of a connection whose place another client has taken (1013, try again later, in the registry of IANA). */
+const PLACE_TAKEN = 1013;
 /** Requests without an answer that may be sent before the link is busy. */
 const MOST_UNANSWERED = 2;
 
@@ -82,11 +84,12 @@ export class LiveSocket implements LiveLink {
     socket.onmessage = ({ data }) => {
       if (!this.#isClosed) this.#receive(data);
     };
-    socket.onclose = () => {
+    socket.onclose = ({ code }) => {
       this.#isOpen = false;
       if (this.#isClosed) return;
       this.#requests.clear();
       this.#answered = this.#newest;
+      if (code === PLACE_TAKEN) this.#listener.onError(placeTaken());
       this.#listener.onOpen(false);
       this.#openLater();
     };
@@ -155,6 +158,11 @@ export class LiveSocket implements LiveLink {
     for (const older of this.#requests.keys()) if (older < id) this.#requests.delete(older);
     return this.#requests.get(id);
   }
+}
+
+function placeTaken(): ServiceError {
+  const detail = "Others need the place of this live connection: until there is room, pictures follow a drag more slowly.";
+  return new ServiceError({ code: "busy", detail }, 503);
 }
 
 /** Splits a message into head and picture: the length of the head, the head, the picture. */

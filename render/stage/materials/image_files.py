@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
+import shutil
 import stat
 import tempfile
 from collections.abc import Iterator
@@ -123,14 +124,25 @@ def _identify(file: str) -> tuple[int, str, tuple[str, ...]]:
 
 @contextlib.contextmanager
 def _file_with_suffix(file: str, suffixes: tuple[str, ...]) -> Iterator[str]:
-    """A name by which OpenImageIO takes the right reader: it goes by the suffix, and takes what follows a ``?`` for options."""
+    """A name by which OpenImageIO takes the right reader: it goes by the suffix, and takes what follows a ``?`` for options.
+
+    The sandbox of a worker of the service allows no links: there, the file is copied.
+    """
     if Path(file).suffix.lower() in suffixes and "?" not in file:
         yield file
         return
-    with tempfile.TemporaryDirectory(prefix="pullfocus-") as folder:
-        link = Path(folder) / f"image{suffixes[0]}"
-        link.symlink_to(file)
-        yield str(link)
+    with contextlib.ExitStack() as kept:
+        try:
+            folder = kept.enter_context(tempfile.TemporaryDirectory(prefix="pullfocus-"))
+            named = Path(folder) / f"image{suffixes[0]}"
+            try:
+                named.symlink_to(file)
+            except PermissionError:
+                shutil.copyfile(file, named)
+        except OSError as error:
+            reason = error.strerror or "it cannot be copied"
+            raise TextureError(f"cannot be read under a name with another suffix: {reason}") from error
+        yield str(named)
 
 
 def _check_header(spec: oiio.ImageSpec, file_bytes: int) -> None:

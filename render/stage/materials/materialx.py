@@ -27,6 +27,8 @@ _RGB_INPUTS = {"base_color": "base_color"}
 _SCALAR_INPUTS = {"metalness": "metallic", "specular_roughness": "roughness"}
 _SCALAR_DEFAULTS = {"metalness": 0.0, "specular_roughness": 0.2}
 _GREY = (0.8, 0.8, 0.8)
+_MOST = 1e15
+"""Numbers beyond it are no colours or weights; products of two of them are kept in single precision."""
 
 
 class MaterialXFiles:
@@ -41,6 +43,7 @@ class MaterialXFiles:
     def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
         self._stage, self._textures, self._log = stage, textures, log
         self._documents: dict[str, ET.Element | None] = {}
+        self._names: dict[str, _Names] = {}
 
     def look(self, path: str) -> BoundMaterial | None:
         """Look of a material prim that a .mtlx reference should have provided; None where there is none."""
@@ -48,12 +51,13 @@ class MaterialXFiles:
         root = self._document(file) if file else None
         if file is None or root is None:
             return None
-        surface = _surface_of(root, Sdf.Path(path).name)
+        names = self._names.setdefault(str(file), _Names())
+        surface = _surface_of(root, Sdf.Path(path).name, names)
         if surface is None:
             return None
         message = f"MaterialX file {file.name} is approximated: base colour, metalness, roughness, normal and emission are read"
         self._log.add("materialx_approximated", file.name, message)
-        return _SurfaceReader(root, surface, file, path, self._textures, self._log).look()
+        return _SurfaceReader(root, names, surface, file, path, self._textures, self._log).look()
 
     def _file_for(self, path: Sdf.Path) -> Path | None:
         """The .mtlx file that the nearest existing ancestor of a path references."""
@@ -72,25 +76,49 @@ class MaterialXFiles:
         if key not in self._documents:
             try:
                 self._documents[key] = ET.parse(file).getroot()
-            except (OSError, ET.ParseError) as problem:
+            except (OSError, ET.ParseError, ValueError, LookupError) as problem:  # of XML and of its encodings
                 reason = "it is missing" if isinstance(problem, OSError) else str(problem)
                 self._log.add("materialx_unreadable", file.name, f"MaterialX file {file.name} cannot be read: {reason}")
                 self._documents[key] = None
         return self._documents[key]
 
 
-def _surface_of(root: ET.Element, name: str) -> ET.Element | None:
+class _Names:
+    """Elements of a document by their names, which may hold any letters."""
+
+    def __init__(self) -> None:
+        self._by_parent: dict[ET.Element, dict[tuple[str, str | None], ET.Element]] = {}
+
+    def find(self, parent: ET.Element, tag: str, name: str | None) -> ET.Element | None:
+        """The first child of a tag, or of any tag for ``*``, with a name; None where there is none."""
+        children = self._by_parent.get(parent)
+        if children is None:
+            children = self._by_parent[parent] = {}
+            for child in parent:
+                children.setdefault((child.tag, child.get("name")), child)
+                children.setdefault(("*", child.get("name")), child)
+        return None if name is None else children.get((tag, name))
+
+
+def _surface_of(root: ET.Element, name: str, names: _Names) -> ET.Element | None:
     """The standard_surface node of the surfacematerial of that name."""
-    material = root.find(f"surfacematerial[@name='{name}']")
-    link = material.find("input[@name='surfaceshader']") if material is not None else None
-    return root.find(f"standard_surface[@name='{link.get('nodename')}']") if link is not None else None
+    material = names.find(root, "surfacematerial", name)
+    link = names.find(material, "input", "surfaceshader") if material is not None else None
+    return names.find(root, "standard_surface", link.get("nodename")) if link is not None else None
 
 
 class _SurfaceReader:
     def __init__(
-        self, root: ET.Element, surface: ET.Element, file: Path, path: str, textures: TextureCache, log: FindingLog
+        self,
+        root: ET.Element,
+        names: _Names,
+        surface: ET.Element,
+        file: Path,
+        path: str,
+        textures: TextureCache,
+        log: FindingLog,
     ) -> None:
-        self._root, self._surface, self._file, self._path = root, surface, file, path
+        self._root, self._names, self._surface, self._file, self._path = root, names, surface, file, path
         self._textures, self._log = textures, log
         self._lookups: dict[str, TextureLookup] = {}
 
@@ -126,17 +154,21 @@ class _SurfaceReader:
         return float(self._numbers(theirs, (_SCALAR_DEFAULTS[theirs],))[0])
 
     def _numbers(self, name: str, default: tuple[float, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        element = self._surface.find(f"input[@name='{name}']")
+        element = self._names.find(self._surface, "input", name)
         text = element.get("value") if element is not None else None
         if text is None:
             return np.array(default)
-        values = [float(part) for part in re.findall(r"[-+0-9.eE]+", text)]
-        return np.array(values if len(values) == len(default) else default)
+        try:
+            values = [float(part) for part in re.findall(r"[-+0-9.eE]+", text)]
+        except ValueError:
+            return np.array(default)
+        is_usable = len(values) == len(default) and all(abs(value) <= _MOST for value in values)
+        return np.array(values if is_usable else default)
 
     def _texture(self, theirs: str, ours: str, purpose: str) -> None:
-        element = self._surface.find(f"input[@name='{theirs}']")
+        element = self._names.find(self._surface, "input", theirs)
         image = self._image_node(element) if element is not None else None
-        file_input = image.find("input[@name='file']") if image is not None else None
+        file_input = self._names.find(image, "input", "file") if image is not None else None
         if file_input is None:
             if element is not None and element.get("value") is None:
                 message = (
@@ -167,19 +199,19 @@ class _SurfaceReader:
         scope = self._root
         graph = source.get("nodegraph")
         if graph is not None:
-            element = self._root.find(f"nodegraph[@name='{graph}']")
+            element = self._names.find(self._root, "nodegraph", graph)
             if element is None:
                 return None
             scope = element
-            output = scope.find(f"output[@name='{source.get('output')}']")
+            output = self._names.find(scope, "output", source.get("output"))
             if output is None:
                 return None
             source = output
         for _ in range(8):
-            node = scope.find(f"*[@name='{source.get('nodename')}']")
+            node = self._names.find(scope, "*", source.get("nodename"))
             if node is None or node.tag in ("image", "tiledimage"):
                 return node
-            inner = node.find("input[@name='in']") if node.tag == "normalmap" else None
+            inner = self._names.find(node, "input", "in") if node.tag == "normalmap" else None
             if inner is None:
                 return None
             source = inner

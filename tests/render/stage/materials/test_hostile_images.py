@@ -11,6 +11,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+from render.stage.materials import image_files
 from render.stage.materials.image_files import TextureError
 from render.stage.materials.textures import read_pixels
 from tests.render.kits.hostile_images import IMAGE_BOMBS, file_name
@@ -76,6 +77,21 @@ def test_formats_of_pictures_are_read_by_their_content(kind: str, tmp_path: Path
         if kind != "tga":  # which has no mark of its own
             np.testing.assert_array_equal(read(file.rename(tmp_path / name)), expected)
             file = tmp_path / name
+
+
+def test_where_no_links_are_allowed_the_file_is_copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = write(tmp_path / "a.png")
+    assert file is not None
+    expected = read(file)
+
+    def refuse(*_: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(Path, "symlink_to", refuse)
+    np.testing.assert_array_equal(read(file.rename(tmp_path / "b.null")), expected)
+    monkeypatch.setattr(image_files.shutil, "copyfile", refuse)
+    with pytest.raises(TextureError, match="another suffix: Operation not permitted"):
+        read(tmp_path / "b.null")
 
 
 @pytest.mark.parametrize("name", ["x.null", "x.null?RES=100000x100000", "x.term", "x.png", "x.mp4", "x.tga"])

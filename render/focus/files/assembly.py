@@ -29,6 +29,8 @@ Gaps = Literal["refuse", "hold", "interpolate"]
 GAPS: tuple[Gaps, ...] = get_args(Gaps)
 
 MAX_FRAMES = 100_000
+MAX_CELLS = 4_000_000
+"""Focus points times frames of a curve."""
 """Frames of one curve: more is a slip, such as one frame number with too many digits."""
 
 MOST = 1e6
@@ -244,6 +246,9 @@ class _CurveFill:
     def curve(self, rows: Rows) -> FocusCurve:
         """The curve."""
         names = {name: None for row in self.rows for name in row.points}
+        if len(names) * len(self.times) > MAX_CELLS:
+            counts = f"{len(names):,} focus points over {len(self.times):,} frames"
+            raise InputError(f"{rows.what} has {counts}; at most {MAX_CELLS:,} cells can be read", code="bad_curve")
         columns = {c.attribute: self._column(c.attribute, follows=not c.drives and c is not COC_LIMIT) for c in COLUMNS}
         return FocusCurve(
             camera=rows.camera,

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from render.errors import InputError
 from render.focus.curve import FocusCurve
 from render.focus.files.columns import COLUMNS, FOCAL_LENGTH, FOCUS_DISTANCE, POINT_COLUMNS, Column
-from render.focus.files.rows import BadRowError, PointCell, Rates, Row, Rows, known_state, quote_value
+from render.focus.files.rows import BadRowError, PointCell, Rates, Row, Rows, are_rates, known_state, quote_value
 from render.focus.files.timing import snapped_rate
 
 TIMES = ("frame", "time_code", "seconds")
@@ -212,7 +212,7 @@ def _own_rates(layout: _Layout, body: Sequence[Sequence[str]], comma: bool) -> R
         return None
     first, last = times[0] if len(times) > 1 else [0.0, 0.0, 0.0], times[-1]
     frames, time_codes, seconds = (end - start for start, end in zip(first, last, strict=True))
-    if not (frames > 0 and time_codes > 0 and seconds > 0):
+    if not (frames > 0 and time_codes > 0 and seconds > 0 and are_rates(frames / seconds, time_codes / seconds)):
         return None
     return Rates(snapped_rate(frames / seconds), snapped_rate(time_codes / seconds))
 

@@ -28,11 +28,14 @@ from render.errors import InputError
 from render.focus.curve import FocusCurve, PointTrack
 from render.focus.files.columns import COLUMNS, FOCUS_DISTANCE, POINT_COLUMNS, Column
 from render.focus.files.rows import (
+    LEAST_RATE,
+    MOST_RATE,
     BadRowError,
     PointCell,
     Rates,
     Row,
     Rows,
+    are_rates,
     given_numbers,
     json_number,
     known_state,
@@ -139,12 +142,13 @@ def rates_of(data: dict[str, Any]) -> Rates:
     """Frame rate and time-code rate of a file, or of a sample of one.
 
     Raises:
-        BadRowError: a rate is missing or not above 0.
+        BadRowError: a rate is missing or out of range.
     """
     rates = [json_number(data.get(name), name) for name in ("framesPerSecond", "timeCodesPerSecond")]
-    if not all(math.isfinite(rate) and rate > 0 for rate in rates):
+    if not are_rates(*rates):
         raise BadRowError(
-            f"framesPerSecond and timeCodesPerSecond must be above 0, but they are {rates[0]} and {rates[1]}"
+            f"framesPerSecond and timeCodesPerSecond must be from {LEAST_RATE:g} to {MOST_RATE:g}, but they are {rates[0]:g} "
+            f"and {rates[1]:g}"
         )
     return Rates(*rates)
 

@@ -21,12 +21,15 @@ from render.errors import InputError
 from render.focus.curve import FAR_AWAY_M
 from render.focus.files.json_file import load_json, numbers_of, points_of, rates_of
 from render.focus.files.opentrackio_file import NAMESPACE, PROTOCOL
-from render.focus.files.rows import BadRowError, Rates, Row, Rows, given_numbers, json_number, quote_value
+from render.focus.files.rows import BadRowError, Rates, Row, Rows, are_rates, given_numbers, json_number, quote_value
 from render.focus.files.timing import Timecode, frames_a_day
 
 _WHAT = "the OpenTrackIO"
 _SAME = 1e-9
 """Relative: two numbers that differ by less are one number in two files."""
+
+_MOST_OF_RATIO = 2**32
+"""The protocol's numerators and denominators are below it."""
 
 _FOLLOWING = ("near_m", "far_m", "hyperfocal_m")
 _FIELDS = {
@@ -60,9 +63,10 @@ def rows_of_opentrackio(text: str, rates: Rates) -> Rows:
     )
     static = _part(first, "static")
     camera, lens, gate = _part(static, "camera"), _part(static, "lens"), None
-    size = camera.get("activeSensorPhysicalDimensions")
-    if isinstance(size, dict) and all(isinstance(size.get(side), int | float) for side in ("width", "height")):
-        gate = float(size["width"]), float(size["height"])
+    size = _part(camera, "activeSensorPhysicalDimensions")
+    width, height = _finite(size.get("width")), _finite(size.get("height"))
+    if width is not None and height is not None:
+        gate = width, height
     return Rows(
         what=_WHAT,
         rates=counted,
@@ -173,8 +177,9 @@ def _rates(samples: Sequence[Any], own: Sequence[dict[str, Any]]) -> Rates | Non
     given = sampled or coded
     if not given:
         return None
-    [(rate, _)] = Counter(given).most_common(1)
-    return Rates(float(rate), float(rate))
+    [(text, _)] = Counter(map(str, given)).most_common(1)  # hashes of numbers can be made to collide
+    most_common = float(Fraction(text))
+    return Rates(most_common, most_common)
 
 
 def _choose_clock(samples: Sequence[Any], own: Sequence[dict[str, Any]], rates: Rates) -> _Clock:
@@ -193,8 +198,9 @@ def _choose_clock(samples: Sequence[Any], own: Sequence[dict[str, Any]], rates: 
     )
     for name, scale, times in candidates:
         if _runs(times):
-            time_codes = tuple(math.nan if time is None else time * scale for time in times)
-            return _Clock(name, time_codes, is_shot_time=name == candidates[0][0])
+            time_codes = [math.nan if time is None else time * scale for time in times]
+            usable = tuple(time_code if math.isfinite(time_code) else math.nan for time_code in time_codes)
+            return _Clock(name, usable, is_shot_time=name == candidates[0][0])
     names = ", ".join(name for name, *_ in candidates)
     raise InputError(f"{_WHAT} samples say no time that runs: none of {names}", code="bad_curve")
 
@@ -227,7 +233,7 @@ def _timecode_seconds(timing: dict[str, Any]) -> float | None:
     code = _part(timing, "timecode")
     rate = _timecode_rate(code)
     parts = [code.get(name) for name in ("hours", "minutes", "seconds", "frames")]
-    hours, minutes, seconds, frames = (part if type(part) is int and part >= 0 else None for part in parts)
+    hours, minutes, seconds, frames = (part if type(part) is int and 0 <= part < 1000 else None for part in parts)
     if rate is None or hours is None or minutes is None or seconds is None or frames is None:
         return None
     return float(Timecode(hours, minutes, seconds, frames, code.get("dropFrame") is True).frame(rate) / rate)
@@ -253,8 +259,9 @@ def _ratio(value: Any) -> Fraction | None:
     if not isinstance(value, dict):
         return None
     num, denom = value.get("num"), value.get("denom")
-    if type(num) is int and type(denom) is int and num > 0 and denom > 0:
-        return Fraction(num, denom)
+    if type(num) is int and type(denom) is int and 0 < num < _MOST_OF_RATIO and 0 < denom < _MOST_OF_RATIO:
+        rate = Fraction(num, denom)
+        return rate if are_rates(float(rate)) else None
     return None
 
 

@@ -13,6 +13,15 @@ class BadRowError(ValueError):
     """A row cannot be used; the message is the end of a sentence that begins with the row's name."""
 
 
+LEAST_RATE, MOST_RATE = 1e-6, 1e6
+"""Frame rates and time-code rates that a file may have, 1/s."""
+
+
+def are_rates(*rates: float) -> bool:
+    """Whether numbers can be frame rates or time-code rates, 1/s."""
+    return all(LEAST_RATE <= rate <= MOST_RATE for rate in rates)
+
+
 @dataclass(frozen=True)
 class Rates:
     """Frame rate and time-code rate.

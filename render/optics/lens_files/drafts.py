@@ -103,6 +103,8 @@ def finish(draft: Draft) -> Prescription:
     if all(surface.glass.abbe == 0 and surface.glass.sellmeier_b is None for surface in surfaces):
         draft.notes.append("The file has no Abbe numbers, so the lens has no chromatic aberration.")
     group = draft.focus_group
+    if group is not None and not all(any(each is surface for surface in surfaces) for each in group):
+        raise text.error("the group that moves to focus begins or ends with a plane of air outside the glass")
     return Prescription(
         tuple(_in_mm(surface, draft) for surface in surfaces),
         focus_group=None if group is None else (_place(surfaces, group[0]), _place(surfaces, group[1])),

@@ -90,11 +90,13 @@ def _measure(file: IO[bytes], name: str, settings: Settings) -> int:
 
 
 class _Budget:
-    """Limit of the bytes that an archive may unpack to."""
+    """Limit of the bytes and the folders that an archive may unpack to."""
 
     def __init__(self, archive_bytes: int, name: str, settings: Settings) -> None:
         self._name = name
         self._total = 0
+        self._folders: set[PurePosixPath] = set()
+        self._most_folders = settings.max_archive_entries
         self._limit = settings.max_unpacked_mb * MEBIBYTE
         self._ratio_limit = max(RATIO_FLOOR_BYTES, archive_bytes * settings.max_archive_ratio)
 
@@ -106,6 +108,15 @@ class _Budget:
             detail = f"{self._name} unpacks to more than the {reached} MiB that it may; stopped at {entry}."
             raise ServiceError(413, "archive_too_large", detail, path=entry)
 
+    def make_folder(self, path: PurePosixPath, entry: str) -> None:
+        """Count a folder and those that it lies in. Raises `ServiceError` 413 where they are too many."""
+        while path.parts and path not in self._folders:
+            self._folders.add(path)
+            path = path.parent
+        if len(self._folders) > self._most_folders:
+            detail = f"{self._name} unpacks to more than {self._most_folders} folders; stopped at {entry}."
+            raise ServiceError(413, "archive_too_large", detail, path=entry)
+
 
 def _unpack_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, budget: _Budget) -> None:
     path = safe_path(entry)
@@ -113,6 +124,7 @@ def _unpack_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path
         return
     target = folder / path
     try:
+        budget.make_folder(path if entry.is_dir() else path.parent, entry.filename)
         if entry.is_dir():
             target.mkdir(parents=True, exist_ok=True)
             return

@@ -110,6 +110,14 @@ def test_too_many_entries_are_refused(tmp_path):
     assert files_in(tmp_path) == {}
 
 
+def test_too_many_folders_are_refused(tmp_path):
+    limits = replace(LIMITS, max_archive_entries=20)
+    deep = [(f"{letter}/" + "/".join(f"{letter}{depth}" for depth in range(9)) + "/f.txt", b"") for letter in "abc"]
+    error = refused(zipped(*deep), tmp_path, limits)
+    assert (error.status, error.code, error.path) == (413, "archive_too_large", deep[2][0])
+    assert len([path for path in tmp_path.rglob("*") if path.is_dir()]) <= 20
+
+
 def test_a_list_of_entries_that_would_fill_the_memory_is_not_read(tmp_path, monkeypatch):
     monkeypatch.setattr(zipfile.ZipFile, "__init__", lambda *_: pytest.fail("the list of entries was read"))
     end = struct.pack("<4s4H2LH", b"PK\x05\x06", 0, 0, 1, 1, 400_000_000, 0, 0)

@@ -1,12 +1,14 @@
 """Spans of a request: its answer, its wait in a lane, and the steps of its work, whose times a worker process tells.
 
-A worker has no network, so that this process makes its spans, too. A live connection, which stays open for hours, has one for
-each time that a worker draws for it.
+A worker has no network, so that this process makes its spans, too. A live connection has a span from beginning to end, and in it
+those of one job a second: a drag asks for many.
 """
 
 from __future__ import annotations
 
+import math
 import os
+import time
 from functools import partial
 
 from opentelemetry.context import Context
@@ -21,10 +23,13 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.metrics import METHODS
 from service.http.request_context import HEADER, trace_id
-from service.workers.jobs import Finished, observer
+from service.workers.jobs import Finished, Observer, observer
 
 EXPORT_S = 5.0
 """Time that a collector has to take spans."""
+LIVE_PAUSE_S = 1.0
+"""Least time between two jobs of one live connection that are traced."""
+WEBSOCKET = "WEBSOCKET"
 _CONTEXT = TraceContextTextMapPropagator()
 
 
@@ -43,7 +48,8 @@ class RequestSpans:
 
     def begin(self, scope: Scope) -> Span:
         """Begin the span of a request, in the trace that its header ``traceparent`` names (W3C Trace Context)."""
-        method = scope["method"] if scope["method"] in METHODS else "_OTHER"
+        method = scope.get("method", WEBSOCKET)
+        method = method if method in (WEBSOCKET, *METHODS) else "_OTHER"
         return self._tracer.start_span(
             method,
             _CONTEXT.extract(Headers(scope=scope)),
@@ -77,31 +83,13 @@ class RequestSpans:
             contexts.append(set_span_in_context(span))
             span.end(last_ns)
 
-    def add_live_job(self, scope: Scope, finished: Finished) -> None:
-        """Add the spans of a job that draws live pictures, below one of its own.
-
-        Args:
-            scope: of the live connection. The trace that its ``traceparent`` names is gone on with.
-            finished: the job.
-        """
-        span = self._tracer.start_span(
-            "live pictures",
-            _CONTEXT.extract(Headers(scope=scope)),
-            SpanKind.SERVER,
-            {"url.path": scope["path"], "url.scheme": scope["scheme"]},
-            start_time=finished.ended_ns - round(1e9 * (finished.ran_s + finished.waited_s)),
-        )
-        if span.is_recording():
-            self.add_job(set_span_in_context(span), finished)
-        span.end(finished.ended_ns)
-
     def close(self) -> None:
         """Send the last spans."""
         self._provider.shutdown()
 
 
 class SpanMiddleware:
-    """Makes a span of each HTTP request, and of each job of a WebSocket."""
+    """Makes a span of each HTTP request and of each WebSocket."""
 
     def __init__(self, app: ASGIApp, spans: RequestSpans) -> None:
         self.app = app
@@ -109,14 +97,7 @@ class SpanMiddleware:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
-        if scope["type"] == "websocket":
-            observed = observer.set(partial(self._spans.add_live_job, scope))
-            try:
-                await self.app(scope, receive, send)
-            finally:
-                observer.reset(observed)
-            return
-        if scope["type"] != "http":
+        if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
         span = self._spans.begin(scope)
@@ -124,14 +105,15 @@ class SpanMiddleware:
 
         async def send_and_note(message: Message) -> None:
             nonlocal status
-            if message["type"] == "http.response.start":
+            if message["type"] == "websocket.accept":
+                status = 101
+            elif message["type"] in ("http.response.start", "websocket.http.response.start"):
                 status = message["status"]
                 span.set_attribute("pullfocus.request_id", Headers(raw=message["headers"]).get(HEADER, ""))
             await send(message)
 
         named = trace_id.set(format_trace_id(span.get_span_context().trace_id))
-        add_job = partial(self._spans.add_job, set_span_in_context(span)) if span.is_recording() else None
-        observed = observer.set(add_job)
+        observed = observer.set(self._observer_of(span, scope))
         try:
             await self.app(scope, receive, send_and_note)
         finally:
@@ -139,11 +121,32 @@ class SpanMiddleware:
             trace_id.reset(named)
             _end(span, scope, status)
 
+    def _observer_of(self, span: Span, scope: Scope) -> Observer | None:
+        """Return what adds the jobs of a request to its span; None where it is not sampled."""
+        if not span.is_recording():
+            return None
+        add = partial(self._spans.add_job, set_span_in_context(span))
+        return add if scope["type"] == "http" else _seldom(add)
+
+
+def _seldom(tell: Observer) -> Observer:
+    """Return an observer that tells of one job in `LIVE_PAUSE_S`."""
+    told_s = -math.inf
+
+    def tell_seldom(finished: Finished) -> None:
+        nonlocal told_s
+        now_s = time.monotonic()
+        if now_s - told_s >= LIVE_PAUSE_S:
+            told_s = now_s
+            tell(finished)
+
+    return tell_seldom
+
 
 def _end(span: Span, scope: Scope, status: int) -> None:
     route = getattr(scope.get("route"), "path", None)
     if route is not None:
-        span.update_name(f"{scope['method']} {route}")
+        span.update_name(f"{scope.get('method', WEBSOCKET)} {route}")
         span.set_attribute("http.route", route)
     span.set_attribute("http.response.status_code", status)
     if status >= 500:

@@ -16,6 +16,7 @@ import pytest
 from opentelemetry.proto.collector.trace.v1.trace_service_pb2 import ExportTraceServiceRequest
 from websockets.sync.client import connect
 
+from service.http import spans
 from service.http.logs import JsonFormatter
 from service.http.settings import Settings
 from service.workers.step_times import checked_steps
@@ -119,22 +120,34 @@ def test_a_trace_goes_from_the_caller_to_the_worker(collector, traced):
 
 
 def test_spans_lie_in_those_that_they_are_parts_of(collector, traced):
-    spans = {span.span_id: span for span in collector.spans if span.trace_id.hex() == TRACE}
-    parts = [span for span in spans.values() if span.parent_span_id in spans]
+    by_id = {span.span_id: span for span in collector.spans if span.trace_id.hex() == TRACE}
+    parts = [span for span in by_id.values() if span.parent_span_id in by_id]
     assert len(parts) > 6
     for span in parts:
-        outer = spans[span.parent_span_id]
+        outer = by_id[span.parent_span_id]
         assert outer.start_time_unix_nano <= span.start_time_unix_nano <= span.end_time_unix_nano
         # The answer may be on its way before the lane has noted the end of the work.
         assert span.end_time_unix_nano <= outer.end_time_unix_nano + 2e8
 
 
-def test_each_job_of_a_live_connection_is_traced(collector, traced):
-    spans = {span.name: span for span in collector.spans if span.trace_id.hex() == LIVE_TRACE}
-    live, wait, work = (spans[name] for name in ("live pictures", "wait in the lane", "stream_pictures"))
+def test_a_live_connection_is_traced(collector, traced):
+    by_name = {span.name: span for span in collector.spans if span.trace_id.hex() == LIVE_TRACE}
+    live, wait, work = (
+        by_name[name] for name in ("WEBSOCKET /v1/shots/{shot}/live", "wait in the lane", "stream_pictures")
+    )
     assert live.parent_span_id.hex() == CALLER
+    assert attribute(live, "http.response.status_code") == 101
     assert wait.parent_span_id == work.parent_span_id == live.span_id
     assert attribute(work, "pullfocus.lane") == "live"
+
+
+def test_of_many_jobs_of_a_live_connection_one_a_second_is_traced(monkeypatch):
+    now_s, told = 100.0, []
+    monkeypatch.setattr(spans.time, "monotonic", lambda: now_s)
+    tell = spans._seldom(told.append)
+    for now_s in (100.0, 100.4, 100.9, 101.1, 101.2, 103.0):
+        tell(now_s)
+    assert told == [100.0, 101.1, 103.0]
 
 
 def test_a_worker_has_another_process_id(collector, traced):

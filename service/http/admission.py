@@ -23,8 +23,8 @@ SHAPE = 9 / 16
 """Height over width of a picture that takes the shape of the film gate."""
 MEASURABLE_S = 2.0
 """Pictures of a lower estimate say nothing about their shot: opening it and drawing it once is what they cost."""
-LEAST_FACTOR, MAX_FACTOR = 0.5, 8.0
-"""Limits of what a shot costs beside others. A picture that cost less was drawn from kept layers: it says nothing of others."""
+MAX_FACTOR = 8.0
+"""Limit of what a shot costs beside others. It costs no less than others: a picture from kept layers would not tell of others."""
 MAX_SHOTS = 1000
 """Shots whose cost is remembered."""
 
@@ -101,16 +101,20 @@ class Admission:
         return Estimate(ordinary_s, expected_s)
 
     def learn(self, finished: Finished) -> None:
-        """Learn from a finished picture how much its shot costs; from one that took too long, that it costs as much at least."""
+        """Learn from a picture how much its shot costs: more than others, or as much.
+
+        One that a worker had no time for counts as twice what it had used. The first one of a process says nothing, since it
+        includes opening the shot.
+        """
         shot_id, error = finished.place.key, finished.error
-        took_too_long = isinstance(error, WorkerDiedError) and error.end in ("timeout", "cpu")
-        if shot_id is None or finished.estimate_s < MEASURABLE_S or not (error is None or took_too_long):
+        had_no_time = isinstance(error, WorkerDiedError) and error.end in ("timeout", "cpu")
+        if shot_id is None or finished.estimate_s < MEASURABLE_S or not (error is None or had_no_time):
             return
-        ratio = min(finished.used_s / finished.estimate_s, MAX_FACTOR)
-        if ratio < LEAST_FACTOR:
+        if finished.has_started_process and not had_no_time:
             return
+        ratio = min(max((2 if had_no_time else 1) * finished.cpu_s / finished.estimate_s, 1.0), MAX_FACTOR)
         with self._lock:
             before = self._factors.pop(shot_id, 1.0)
-            self._factors[shot_id] = max(before, ratio) if took_too_long else (before + ratio) / 2
+            self._factors[shot_id] = max(before, ratio) if had_no_time else (before + ratio) / 2
             if len(self._factors) > MAX_SHOTS:
                 self._factors.popitem(last=False)

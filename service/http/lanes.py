@@ -112,13 +112,13 @@ class Lanes:
         """Iterate over the lanes."""
         return iter((self.check, self.stage, self.read, self.live, self.final, self.long, self.exposure))
 
-    def frame_lane(self, estimate_s: float) -> Lane[state.PictureWorkerState]:
+    def frame_lane(self, expected_s: float) -> Lane[state.PictureWorkerState]:
         """Return the lane of a frame that is requested over HTTP.
 
         Args:
-            estimate_s: processor time that it is expected to take, s.
+            expected_s: processor time that it is expected to take, s.
         """
-        return self.final if estimate_s < LONG_S else self.long
+        return self.final if expected_s < LONG_S else self.long
 
     def close(self) -> None:
         """Fail the work that waits and that runs."""

@@ -17,7 +17,9 @@ from service.models.identity import Amount, Usage
 from service.storage.edit_files import HISTORY
 from service.storage.store import ShotRecord, ShotStore
 from service.storage.trash import Trash
-from service.workers.jobs import Finished
+from service.workers.jobs import Client, Finished
+
+Stamp = tuple[int, ...]
 
 
 class Quotas:
@@ -40,10 +42,18 @@ class Quotas:
         self._lock = threading.Lock()
         self._coming_shots: Counter[str] = Counter()
         self._coming_bytes: Counter[str] = Counter()
+        self._edits: dict[str, tuple[Stamp, int]] = {}
 
-    def check_work(self) -> None:
-        """Refuse work for a sender who has used up the processor time of a day. Raises `ServiceError` 429."""
-        sender = present_client().principal
+    def check_work(self, client: Client | None = None) -> None:
+        """Refuse work for a client who has used up the processor time of a day.
+
+        Args:
+            client: whose work it is; None for the client of the present request.
+
+        Raises:
+            ServiceError: 429, the time is used up.
+        """
+        sender = (client or present_client()).principal
         wait_s = self.cpu.wait_s(sender, self._cpu_s) if sender and self._cpu_s else 0
         if wait_s:
             detail = (
@@ -55,7 +65,7 @@ class Quotas:
     def note_finished(self, finished: Finished) -> None:
         """Charge work that was done to whom it was done for."""
         if finished.client.principal and self._cpu_s:
-            self.cpu.charge(finished.client.principal, finished.used_s)
+            self.cpu.charge(finished.client.principal, finished.cpu_s)
 
     @contextmanager
     def receiving(self, project: str) -> Iterator[Reception]:
@@ -117,8 +127,19 @@ class Quotas:
     def _taken(self, project: str) -> tuple[int, int]:
         """Return the number of the shots of a project and their size, bytes, with those in the trash."""
         records = (*self._store.list(), *(entry.record for entry in self._trash.entries()))
-        sizes = [record.size_bytes + _size_of_edits(record) for record in records if record.project == project]
+        self._edits = {
+            name: kept for name, kept in self._edits.items() if name in {str(each.folder) for each in records}
+        }
+        sizes = [record.size_bytes + self._size_of_edits(record) for record in records if record.project == project]
         return len(sizes), sum(sizes)
+
+    def _size_of_edits(self, record: ShotRecord) -> int:
+        """Return the size of the files of a shot's edits, bytes; measured anew where files have come or gone."""
+        stamp, name = _stamp_of_edits(record), str(record.folder)
+        known = self._edits.get(name)
+        if known is None or known[0] != stamp:
+            known = self._edits[name] = stamp, size_of_edits(record)
+        return known[1]
 
 
 class Reception:
@@ -143,7 +164,15 @@ class Reception:
         self.size_bytes += size_bytes
 
 
-def _size_of_edits(record: ShotRecord) -> int:
+def _stamp_of_edits(record: ShotRecord) -> Stamp:
+    stamps = []
+    for folder in (record.edits_folder, record.edits_folder / HISTORY):
+        with suppress(OSError):
+            stamps.append(folder.lstat().st_mtime_ns)
+    return tuple(stamps)
+
+
+def size_of_edits(record: ShotRecord) -> int:
     """Return the size of the files of a shot's edits, bytes. A worker wrote them: links are not followed."""
     total = 0
     for folder in (record.edits_folder, record.edits_folder / HISTORY):

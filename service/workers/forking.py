@@ -34,10 +34,12 @@ class Exit:
     Attributes:
         signal: the signal that ended it, 0 for none.
         peak_bytes: the most memory that it held.
+        cpu_s: processor time that it used, s.
     """
 
     signal: int = 0
     peak_bytes: int = 0
+    cpu_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,7 @@ class Template:
                     self._end()
                     return None
                 status = answer["status"]
-                return Exit(os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0, answer["peak_bytes"])
+                return Exit(os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0, answer["peak_bytes"], answer["cpu_s"])
         return None
 
     def close(self) -> None:

@@ -56,6 +56,7 @@ class Finished:
         ended_ns: time at which it ended, ns since 1970.
         worker: process id of its worker; 0 where there was none.
         steps: times of the call and its parts in the worker, where an observer asked for them.
+        has_started_process: whether its process had to start and open the shot for it.
     """
 
     lane: str
@@ -69,11 +70,7 @@ class Finished:
     ended_ns: int = 0
     worker: int = 0
     steps: tuple[Step, ...] = ()
-
-    @property
-    def used_s(self) -> float:
-        """Processor time of the worker, s; that of a worker that has ended is not known, and counts as long as it ran."""
-        return self.cpu_s if self.error is None else max(self.cpu_s, self.ran_s)
+    has_started_process: bool = False
 
 
 Observer = Callable[[Finished], None]

@@ -308,7 +308,7 @@ class Lane(Generic[State]):
         try:
             is_complete, cpu_s = self._run_in_worker(job)
         except Exception as cause:
-            error = cause
+            error, cpu_s = cause, job.cpu_s()
             if isinstance(error, WorkerDiedError):
                 log.error("%s (%s)", error, error.end)
             with suppress(InvalidStateError):
@@ -358,6 +358,7 @@ class Lane(Generic[State]):
             ended_ns=time.time_ns(),
             worker=job.worker,
             steps=job.steps,
+            has_started_process=job.starts_process,
         )
         for tell in (self._on_finished, job.observer):
             with suppress(Exception):

@@ -129,7 +129,8 @@ class WorkerPool:
                 self._idle.append(process)
                 unused += self._surplus()
         self._end(unused)
-        self._blame(process)
+        for each in unused:
+            self._blame(each)
 
     def close_place(self, key: str, role: Role[Any] | None = None) -> None:
         """End the processes of a shot, all or those of one role: those that are busy, after their call."""
@@ -165,11 +166,12 @@ class WorkerPool:
         with self._lock:
             idle = [process for process in full if process in self._idle]
             self._idle = [process for process in self._idle if process not in idle]
-            for process in self._busy.intersection(full):
-                process.kill("disk")
+            busy = self._busy.intersection(full)
         self._end(idle, "disk")
         for process in idle:
             self._blame(process)
+        for process in busy:
+            process.kill("disk")
 
     def end_greedy(self) -> None:
         """End the processes that use what nothing else limits: see `service.workers.greed`."""

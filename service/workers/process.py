@@ -113,6 +113,7 @@ class WorkerProcess(Generic[State]):
         self._ending: End | None = None
         self._is_reaped = False
         self._peak_bytes = 0
+        self._ended_cpu_s = 0.0
         self._lock = threading.Lock()
         self._oom_kills = _count_oom_kills()
         try:
@@ -145,7 +146,9 @@ class WorkerProcess(Generic[State]):
         return []
 
     def cpu_s(self) -> float:
-        """Processor time that the worker has used, s; 0 where it has ended."""
+        """Processor time that the worker has used, s."""
+        if self.end is not None:
+            return self._ended_cpu_s
         fields = self._stat()
         return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S if fields else 0.0
 
@@ -286,6 +289,7 @@ class WorkerProcess(Generic[State]):
                 self._pipe.close()
                 found = self._template.reap(self._forked)
                 self._peak_bytes = found.peak_bytes if found is not None else 0
+                self._ended_cpu_s = found.cpu_s if found is not None else 0.0
                 self.end = self._ending or _judge(found, self.role, _count_oom_kills() - self._oom_kills)
             return self.end
 

@@ -7,7 +7,7 @@ Run as ``python -m service.workers.template CONTROL PRELOAD``: the descriptor of
 prepares all workers. The service sends JSON:
 
 - ``{"do": "fork"}``, with the descriptors of a pipe and of a `Signals`, is answered by ``{"pid": 7}``;
-- ``{"do": "reap", "pid": 7}`` waits for the end of a worker and is answered by its ``status`` and ``peak_bytes``;
+- ``{"do": "reap", "pid": 7}`` waits for the end of a worker and is answered by its ``status``, ``peak_bytes`` and ``cpu_s``;
 - ``{"do": "try"}`` forks a process that ends at once, and is answered by ``{}``, or by ``error`` where none can be forked.
 
 A worker ends with the template, and the template with the service, however these end.
@@ -54,7 +54,11 @@ def main(control_fd: int, preload: str) -> None:
                 answer = _try_fork()
             else:
                 _, status, usage = os.wait4(request["pid"], 0)
-                answer = {"status": status, "peak_bytes": usage.ru_maxrss * 1024}
+                answer = {
+                    "status": status,
+                    "peak_bytes": usage.ru_maxrss * 1024,
+                    "cpu_s": usage.ru_utime + usage.ru_stime,
+                }
             control.send(json.dumps(answer).encode())
 
 

@@ -73,23 +73,42 @@ def test_a_full_hd_picture_of_all_but_the_baselines_is_admitted(engine):
     Admission(Settings().max_picture_s).check("shot", picture)
 
 
-def test_pictures_from_kept_layers_do_not_admit_much_dearer_ones():
+def finished(shot: str, cpu_s: float, estimate_s: float, error: Exception | None = None, **more: bool) -> Finished:
+    """A picture that was made."""
+    return Finished("final", NOBODY, Place(shot), 0.0, 1.0, cpu_s, estimate_s, error, **more)
+
+
+def test_pictures_from_kept_layers_make_no_shot_cheap():
     admission = Admission(600)
     for _ in range(20):
-        admission.learn(Finished("final", NOBODY, Place("kept"), 0.0, 1.0, 0.1, 10.0, None))
+        admission.learn(finished("kept", 0.1, 10.0))
     ordinary_s, expected_s = admission.check("kept", query())
     assert expected_s == ordinary_s
 
 
-def test_pictures_that_take_too_long_make_their_shot_dearer():
+def test_cheaper_pictures_make_a_dear_shot_cheap_again():
     admission = Admission(600)
-    ended = UnfitError("This takes longer.", "timeout")
-    admission.learn(Finished("final", NOBODY, Place("slow"), 0.0, 300.0, 0.0, 100.0, ended))
-    crashed = UnfitError("The worker crashed.", "crash")
-    admission.learn(Finished("final", NOBODY, Place("broken"), 0.0, 300.0, 0.0, 100.0, crashed))
-    ordinary_s = estimate_s(query())
-    assert admission.check("slow", query()).expected_s == pytest.approx(3 * ordinary_s)
-    assert admission.check("broken", query()).expected_s == ordinary_s
+    for cpu_s in (80.0, *[4.0] * 20):
+        admission.learn(finished("once", cpu_s, 10.0))
+    ordinary_s, expected_s = admission.check("once", query())
+    assert expected_s == pytest.approx(ordinary_s, rel=0.01)
+
+
+def test_opening_a_shot_is_not_held_against_its_pictures():
+    admission = Admission(600)
+    admission.learn(finished("new", 80.0, 10.0, has_started_process=True))
+    ordinary_s, expected_s = admission.check("new", query())
+    assert expected_s == ordinary_s
+
+
+def test_what_a_worker_had_no_time_for_is_refused_next_time():
+    estimated_s = estimate_s(query())
+    admission = Admission(1.5 * estimated_s)
+    admission.learn(finished("slow", estimated_s, estimated_s, UnfitError("This takes longer.", "timeout")))
+    admission.learn(finished("broken", estimated_s, estimated_s, UnfitError("The worker crashed.", "crash")))
+    with pytest.raises(ServiceError, match="expected to take"):
+        admission.check("slow", query())
+    assert admission.check("broken", query()).expected_s == estimated_s
 
 
 @pytest.mark.parametrize("dearer", [{"wavelengths": 30, "noise": 0.002}, {"engine": "flag", "rays": 4096}])

@@ -14,7 +14,8 @@ from statistics import median
 
 from tests.hostile.asking import ask_all, ask_briefly
 from tests.hostile.bystander import Bystander
-from tests.hostile.corpus import controls, corpus
+from tests.hostile.corpus import controls
+from tests.hostile.families import all_cases
 from tests.hostile.runner import Verdict, finished_in, peak_memory, run_cases
 from tests.hostile.trace import Tried, read_trace, traced
 from tests.hostile.world import hostile_world
@@ -35,7 +36,7 @@ def main() -> int:
     parser.add_argument("--trace", action="store_true", help="show by strace what the workers tried")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, hostile_world(Path(folder)) as world:
-        cases = [case for case in corpus(world.canaries) if options.only in case.name]
+        cases = [case for case in all_cases(world.canaries) if options.only in case.name]
         cases = cases[:: 1 if options.all or options.only else options.every]
         verdicts, ask = [], ask_briefly if options.brief else ask_all
         bystander, trace = Bystander(world.client.base_url, next(controls())), Path(folder) / "trace"

@@ -36,6 +36,13 @@ READS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("/frame", SMALL | {"format": "exr"}),
 )
 PICTURES: tuple[tuple[str, dict[str, Any]], ...] = (("/frame", SMALL | {"engine": "flag"}), ("/frame", LONG))
+SIDE_READS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("/camera", {"time": 1}),
+    ("/readout", {"time": 1}),
+    ("/focus-curve", {}),
+    ("/frame", SMALL),
+)
+"""Questions whose answers a curve or a lens may change."""
 STATUS_OF_CLOSE = {1008: 422, 1013: 503}
 """Statuses that mean the same as codes of closed WebSockets; all others are faults of the service."""
 
@@ -96,7 +103,7 @@ def watch_live(client: httpx.Client, shot: str) -> Iterator[Answer]:
             socket.send(json.dumps(SMALL | {"id": 1}))
             end_s = time.monotonic() + PATIENCE_S
             while True:
-                received = socket.recv(end_s - time.monotonic())
+                received = socket.recv(max(0.0, end_s - time.monotonic()))
                 if isinstance(received, str):
                     message = json.loads(received)
                     yield Answer(message.get("status", 200), received.encode(), is_text=True)
@@ -129,7 +136,9 @@ def expose_long(client: httpx.Client, shot: str) -> Iterator[Answer]:
         if time.monotonic() > end_s:
             raise TimeoutError(f"the shutter of {shot} stays open")
         time.sleep(0.02)
-        state = client.get(path)
+        state = client.get(path, timeout=PATIENCE_S)
+        if state.status_code != 200:
+            break
     yield answer_of(state)
     yield answer_of(client.get(f"{path}/picture", timeout=PATIENCE_S))
-    yield answer_of(client.delete(path))
+    yield answer_of(client.delete(path, timeout=PATIENCE_S))

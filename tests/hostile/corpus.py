@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Literal
 
 from tests.hostile.absurd_numbers import absurd_numbers
 from tests.hostile.stage_attacks import stage_attacks
@@ -28,6 +29,9 @@ CDL = (
     '<ColorCorrection id="a"><SOPNode><Slope>1 1 1</Slope><Offset>0 0 0</Offset><Power>1 1 1</Power></SOPNode>'
     "</ColorCorrection>"
 )
+
+
+Kind = Literal["shot", "curve", "lens"]
 
 
 @dataclass(frozen=True)
@@ -57,11 +61,13 @@ class Case:
         name: of the attack, such as ``usdc/flip-12``.
         file: name of the file that is sent.
         content: its bytes.
+        kind: ``shot``, or what it is to a shot: ``curve`` or ``lens``.
     """
 
     name: str
     file: str
     content: bytes
+    kind: Kind = "shot"
 
 
 def packed(files: dict[str, bytes | str]) -> bytes:
@@ -109,6 +115,7 @@ def controls() -> Iterator[Case]:
     yield Case(
         "good/ocio", "a.zip", graded(own__ocio=OWN_CONFIG + LOOK_WITH_A_FILE.replace("FILE", "b.cube"), b__cube=CUBE)
     )
+    yield Case("good/suffix", "a.zip", textured("a.null", _image("png")))
     yield Case("good/cdl", "a.zip", graded(a__cc=CDL))
 
 

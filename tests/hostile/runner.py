@@ -13,11 +13,14 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 from prometheus_client.parser import text_string_to_metric_families
 
-from tests.hostile.asking import PATIENCE_S, Answer, answer_of, ask_all
-from tests.hostile.corpus import Canaries, Case
+from tests.hostile.asking import PATIENCE_S, SIDE_READS, Answer, answer_of, ask_all
+from tests.hostile.corpus import Canaries, Case, controls
 
 Ask = Callable[[httpx.Client, str], Iterable[Answer]]
 
+SIDE_PATHS = {"curve": "focus-curve", "lens": "camera/lens"}
+NO_ANSWER = 599
+"""Status that stands for no answer in time."""
 COLOUR_STEPS = 6
 """Distance from a colour, of 255, within which a picture has that colour, after JPEG too."""
 
@@ -60,9 +63,10 @@ def run_cases(
         places: folders of the machine, which must not be seen either.
         ask: what is asked for of a shot that is taken.
     """
+    host = HostShot(client)
     for case in cases:
         begun_s = time.monotonic()
-        answers = send_and_ask(client, case, ask)
+        answers = send_and_ask(client, case, ask) if case.kind == "shot" else host.send(case)
         leaks = (*_leaked_text(case, answers, canaries, places), *_leaked_pixels(answers, canaries))
         statuses = tuple(answer.status for answer in answers)
         seconds, peaks = time.monotonic() - begun_s, peak_memory(client).values()
@@ -76,9 +80,41 @@ def send_and_ask(client: httpx.Client, case: Case, ask: Ask) -> list[Answer]:
     answers = [answer_of(sent)]
     if sent.status_code == 201:
         shot_id = sent.json()["id"]
-        answers += ask(client, shot_id)
-        answers.append(answer_of(client.delete(f"/v1/shots/{shot_id}")))
+        try:
+            for answer in ask(client, shot_id):
+                answers.append(answer)
+        except (httpx.HTTPError, TimeoutError) as error:
+            answers.append(Answer(NO_ANSWER, repr(error).encode(), is_text=True))
+        answers.append(answer_of(client.delete(f"/v1/shots/{shot_id}", timeout=PATIENCE_S)))
     return answers
+
+
+class HostShot:
+    """A harmless shot that files are sent to which are no shots by themselves.
+
+    Args:
+        client: of the service.
+    """
+
+    def __init__(self, client: httpx.Client) -> None:
+        self._client = client
+        self._shot: str | None = None
+
+    def send(self, case: Case) -> list[Answer]:
+        """Send a curve or a lens to the shot and, where it is taken, ask for what follows from it and take it back."""
+        if self._shot is None:
+            good = next(controls())
+            sent = self._client.post("/v1/shots", files={"file": (good.file, good.content)}, timeout=PATIENCE_S)
+            self._shot = f"/v1/shots/{sent.json()['id']}"
+        path = f"{self._shot}/{SIDE_PATHS[case.kind]}"
+        files = {"file": (case.file, case.content)}
+        sent = self._client.put(path, files=files, timeout=PATIENCE_S)
+        answers = [answer_of(sent)]
+        if sent.status_code < 300:
+            for read, query in SIDE_READS:
+                answers.append(answer_of(self._client.get(self._shot + read, params=query, timeout=PATIENCE_S)))
+            answers.append(answer_of(self._client.post(f"{self._shot}/edits/undo", timeout=PATIENCE_S)))
+        return answers
 
 
 def _leaked_text(case: Case, answers: list[Answer], canaries: Canaries, places: tuple[str, ...]) -> Iterator[str]:

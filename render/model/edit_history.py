@@ -31,9 +31,17 @@ MAX_TEXT_BYTES = 64 * 2**20
 """Limit on the text of one state."""
 
 
-def check_size(text: str) -> None:
-    """Raise `InputError` where the text of an edit layer is too large."""
-    if len(text.encode()) > MAX_TEXT_BYTES:
+def check_size(text: str, before_bytes: int) -> None:
+    """Refuse an edit that makes its layer too large.
+
+    Args:
+        text: of the layer after the edit.
+        before_bytes: size of its text before. One that is too large already may shrink.
+
+    Raises:
+        InputError: it is too large.
+    """
+    if len(text.encode()) > max(MAX_TEXT_BYTES, before_bytes):
         most = MAX_TEXT_BYTES >> 20
         detail = (
             f"the edits of the shot would take more than {most} MiB: import curves with fewer keys, or remove points"

@@ -17,8 +17,8 @@ def address_of(scope: Scope) -> str:
     return str(client[0]) if client else UNKNOWN
 
 
-def network_of(scope: Scope) -> str:
-    """Return whom a request counts for by where it comes from: its address, or its network for IPv6.
+def counted_address(scope: Scope) -> str:
+    """Return the address that a request counts for where it has no key; for IPv6, its /64 network.
 
     Whoever has an IPv6 network has 2^64 addresses, each of which would have a share and attempts of its own.
     """

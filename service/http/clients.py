@@ -11,7 +11,7 @@ from contextvars import ContextVar
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.http.addresses import network_of
+from service.http.addresses import counted_address
 from service.http.guard import SAFE_METHODS
 from service.identity.principal import ANYONE
 from service.workers.jobs import NOBODY, Client
@@ -24,12 +24,12 @@ MAX_MESSAGES = 256
 
 
 def present_client() -> Client:
-    """Return who the present request or WebSocket comes from: its principal, or where one without a key is."""
+    """Return who the present request or WebSocket comes from: its principal or, without a key, its `counted_address`."""
     scope = _scope.get()
     if scope is None:
         return NOBODY
     principal = scope.get("state", {}).get("principal", ANYONE)
-    name = f"{ANYONE.id} at {network_of(scope)}" if principal == ANYONE else principal.id
+    name = f"{ANYONE.id} at {counted_address(scope)}" if principal == ANYONE else principal.id
     return Client(name, name)
 
 

@@ -20,9 +20,9 @@ from service.http.settings import Settings
 HEAD_S = 20.0
 """Time that the head of a request may take, from when it could begin, s."""
 STALL_S = 60.0
-"""Time in which the rest of a body has to come, or `LEAST_BYTES_PER_S` of it, and some of an answer has to be read, s."""
+"""Length of a window, s. In each, a body that is not complete has to bring `LEAST_BYTES_PER_S` in the mean, and some of an answer
+has to be read. The rest of a body that was answered early has to come within one."""
 LEAST_BYTES_PER_S = 1024
-"""Rate at which a body has to come, in each `STALL_S`."""
 
 Phase = Literal["head", "body", "rest"]
 
@@ -73,6 +73,7 @@ class ImpatientProtocol(H11Protocol):
         self._came_bytes += len(data)
         super().data_received(data)
         self._wait()
+        self._was_paused |= self._is_paused()
 
     def on_response_complete(self) -> None:
         """Wait for the rest of a request that was answered before it was there as a whole."""
@@ -119,7 +120,7 @@ class ImpatientProtocol(H11Protocol):
 
     def _end_time(self) -> None:
         """Close the connection, unless a body goes on coming or the service does not read it."""
-        may_go_on = self._was_paused or self._is_paused() or self._came_bytes >= STALL_S * LEAST_BYTES_PER_S
+        may_go_on = self._was_paused or self._came_bytes >= STALL_S * LEAST_BYTES_PER_S
         if self._phase == "body" and may_go_on:
             self._begin_time()
         else:

@@ -13,7 +13,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from service.http.access import SESSION_COOKIE, unauthorized
-from service.http.addresses import address_of, network_of
+from service.http.addresses import address_of, counted_address
 from service.http.errors import ServiceError, answer_to
 from service.http.guard import SAFE_METHODS
 from service.http.request_context import request_id
@@ -71,15 +71,15 @@ class Identity:
         key_id = self.sessions.key_id(token) if token else None
         key = self.keys.find(key_id) if key_id else None
         if sent is not None and self._is_token(sent):
-            principal = await run_in_threadpool(self._token_holder, sent, network_of(scope))
+            principal = await run_in_threadpool(self._token_holder, sent, counted_address(scope))
         elif sent is not None:
-            principal = self.sign_in(sent, network_of(scope)).principal()
+            principal = self.sign_in(sent, counted_address(scope)).principal()
         elif key is not None:
             _check_origin(scope, headers)
             principal = self.in_session(key, token or "")
         else:
             principal = NOBODY if self._access == "keys" else ANYONE
-        self._limit(principal, network_of(scope))
+        self._limit(principal, counted_address(scope))
         if principal is NOBODY and _is_private(scope["path"]):
             raise unauthorized("This needs a key: send it as `Authorization: Bearer KEY`.")
         return principal
@@ -89,7 +89,7 @@ class Identity:
 
         Args:
             sent: the text of the key.
-            address: from where, as `network_of` tells it.
+            address: from where, as `counted_address` tells it.
 
         Raises:
             ServiceError: 401, the key is wrong, expired or revoked; 429, too many such keys came from this address.

@@ -18,7 +18,7 @@ class LivePlace:
     """Place of one live connection.
 
     Attributes:
-        client: whose it is: the key or, without one, the address.
+        client: whose it is: the key or, without one, the counted address.
         taken: set once another client has taken the place.
     """
 

@@ -26,7 +26,7 @@ from service.workers.lane import Lane
 from service.workers.places import Place
 
 Reply = TypeVar("Reply")
-Check = Callable[[], None]
+SenderCheck = Callable[[], None]
 
 BUSY_PAUSE_S = 0.5
 """Time before an interval is submitted again after the queue was full."""
@@ -42,9 +42,9 @@ class _Exposure:
         edits: text of the edit layer when the exposure began.
         request: the client's request.
         intervals: begin and end of each interval, USD time codes.
-        client: who it is made for.
+        client: who it is made for: the one who opened the shutter last.
         progress: progress so far.
-        check: raises `ServiceError` where whoever has opened the shutter last may no longer have it open.
+        check: raises `ServiceError` once the sender who opened the shutter last is no longer let in.
         is_open: whether the shutter is open.
         problem: why the exposure failed, or None.
         task: exposes the intervals while the shutter is open.
@@ -56,7 +56,7 @@ class _Exposure:
     request: LongExposureBegin
     intervals: list[tuple[float, float]]
     client: Client
-    check: Check
+    check: SenderCheck
     progress: ExposureProgress = field(default_factory=ExposureProgress)
     is_open: bool = False
     problem: str | None = None
@@ -114,7 +114,7 @@ class LongExposures:
         self._max_px = max_px
         self._by_shot: dict[str, _Exposure] = {}
 
-    async def begin(self, record: ShotRecord, request: LongExposureBegin, check: Check) -> LongExposureState:
+    async def begin(self, record: ShotRecord, request: LongExposureBegin, check: SenderCheck) -> LongExposureState:
         """Begin a long exposure with the shutter open, in place of the one that the shot had.
 
         Args:
@@ -150,7 +150,7 @@ class LongExposures:
         """Return the progress of a shot's exposure. Raises `ServiceError` 404 where it has none."""
         return self._get(shot_id).state()
 
-    def set_shutter(self, shot_id: str, check: Check, *, is_open: bool) -> LongExposureState:
+    def set_shutter(self, shot_id: str, check: SenderCheck, *, is_open: bool) -> LongExposureState:
         """Open the shutter, or close it after the current interval.
 
         Args:
@@ -163,7 +163,8 @@ class LongExposures:
         """
         exposure = self._get(shot_id)
         if is_open and not exposure.is_done:
-            exposure.problem, exposure.check = None, check
+            if not exposure.is_open:
+                exposure.problem, exposure.check, exposure.client = None, check, present_client()
             self._open(exposure)
         else:
             exposure.is_open = False

@@ -100,7 +100,7 @@ class Edits:
                 yield
                 if outer is None:
                     text = self.state()
-                    check_size(text)
+                    check_size(text, self.history.present.size_bytes)
             label = label or _join_labels(self._labels) or "edit"
         finally:
             self._labels = outer

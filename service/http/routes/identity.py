@@ -9,7 +9,7 @@ from fastapi import APIRouter, Path, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from service.http.access import ADMINISTERS, SESSION_COOKIE, PrincipalDep, unauthorized
-from service.http.addresses import network_of
+from service.http.addresses import counted_address
 from service.http.bodies import BodyRoute
 from service.http.clients import present_client
 from service.http.identity import IdentityDep
@@ -28,7 +28,7 @@ KeyId = Annotated[str, Path(alias="key", max_length=80, description="A key's id.
 @router.post("/session", operation_id="signIn", responses=problems())
 async def sign_in(request: Request, response: Response, identity: IdentityDep, sent: SignIn) -> Who:
     """Exchange a key for a session: a cookie that the page's scripts cannot read. Programs send the key itself instead."""
-    key = identity.sign_in(sent.key.strip(), network_of(request.scope))
+    key = identity.sign_in(sent.key.strip(), counted_address(request.scope))
     request.state.principal = key.principal()
     token = identity.sessions.begin(key.id)
     response.set_cookie(

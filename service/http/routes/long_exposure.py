@@ -8,8 +8,9 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from service.http.access import RENDERS, unauthorized
 from service.http.bodies import BodyRoute
+from service.http.clients import present_client
 from service.http.identity import IdentityDep
-from service.http.long_exposures import Check
+from service.http.long_exposures import SenderCheck
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
@@ -24,18 +25,20 @@ Format = Annotated[
 ]
 
 
-def _sender_check(service: ServiceDep, identity: IdentityDep, request: Request) -> Check:
+def _sender_check(service: ServiceDep, identity: IdentityDep, request: Request) -> SenderCheck:
     """Return a function that raises `ServiceError` once the sender of this request may no longer use the service."""
+
+    client = present_client()
 
     def check() -> None:
         if not identity.is_valid(request.scope):
-            raise unauthorized("The key or the session has ended: sign in again.")
-        service.quotas.check_work()
+            raise unauthorized("The key, token or session has ended: sign in again, and open the shutter to go on.")
+        service.quotas.check_work(client)
 
     return check
 
 
-CheckDep = Annotated[Check, Depends(_sender_check)]
+CheckDep = Annotated[SenderCheck, Depends(_sender_check)]
 
 
 @router.post(
@@ -45,8 +48,8 @@ async def begin_long_exposure(
     service: ServiceDep, check: CheckDep, shot: ShotId, begin: LongExposureBegin
 ) -> LongExposureState:
     """Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
-    intervals are exposed between the pictures of other requests, and it is kept while the service runs. It fails once the key
-    or the session that opened the shutter has ended, or has used up its processor time."""
+    intervals are exposed between the pictures of other requests, and it is kept while the service runs. It fails once the key,
+    token or session that opened the shutter has ended, or its owner has used up the processor time of a day."""
     check_pixels(begin.width, begin.height, service.settings.max_picture_px, "body.width")
     record = service.store.get(shot)
     service.admission.check(record.id, begin)

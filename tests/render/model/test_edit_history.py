@@ -181,8 +181,10 @@ def test_edits_that_are_too_large_are_refused_and_change_nothing(shot, monkeypat
     before = shot.edits.history
     monkeypatch.setattr(edit_history, "MAX_TEXT_BYTES", 10)
     with pytest.raises(InputError, match="the edits of the shot would take more than"):
-        shot.camera.set(CAMERA, f_stop=8.0)
+        shot.camera.set(CAMERA, f_stop=8.0, focal_length_mm=35.0)
     assert (stop_of(shot), shot.edits.history) == (4.0, before)
+    shot.camera.set(CAMERA, f_stop=2.0)
+    assert stop_of(shot) == 2.0, "it is no larger than before"
 
 
 STEPS = st.lists(st.sampled_from(["undo", "redo", "a", "b", "c", "d"]), max_size=40)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from service.http.addresses import address_of, network_of
+from service.http.addresses import address_of, counted_address
 
 
 @pytest.mark.parametrize(
@@ -19,5 +19,5 @@ from service.http.addresses import address_of, network_of
     ],
 )
 def test_ipv6_clients_count_by_their_network(client, counts_for):
-    assert network_of({"client": client}) == counts_for
+    assert counted_address({"client": client}) == counts_for
     assert address_of({"client": client}) == (client[0] if client else "unknown")

@@ -24,8 +24,8 @@ def impatient(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     """A service that needs keys, and waits for half a second."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(connections, "HEAD_S", 0.5)
-        patch.setattr(connections, "STALL_S", 0.5)
-        patch.setattr(connections, "LEAST_BYTES_PER_S", 6)
+        patch.setattr(connections, "STALL_S", 1.0)
+        patch.setattr(connections, "LEAST_BYTES_PER_S", 5)
         static: Path = tmp_path_factory.mktemp("static")
         (static / "index.html").write_bytes(b"x" * (64 * MEBIBYTE))  # more than the buffers of a connection
         data = tmp_path_factory.mktemp("data")
@@ -77,9 +77,9 @@ def test_whoever_drips_without_a_key_is_disconnected(impatient: Running, begin: 
 def test_a_body_may_come_slowly(impatient: Running) -> None:
     with connect(impatient) as connection:
         connection.sendall(BODY)
-        for byte in b'{"key": "wrong"}':
-            time.sleep(0.1)  # 1.6 s for all of them
-            connection.sendall(bytes([byte]))
+        for part in range(8):
+            time.sleep(0.2)  # 1.6 s for all of them
+            connection.sendall(b'{"key": "wrong"}'[2 * part : 2 * part + 2])
         connection.sendall(b" " * (100 - 16))
         assert connection.recv(65536).startswith(b"HTTP/1.1 401")
 

@@ -161,8 +161,7 @@ export class LiveSocket implements LiveLink {
 }
 
 function placeTaken(): ServiceError {
-  const detail =
-    "Others need the place of this live connection: until there is room, pictures follow a drag more slowly.";
+  const detail = "Another viewer took this live connection. Until one is free, pictures follow a drag more slowly.";
   return new ServiceError({ code: "busy", detail }, 503);
 }
 

@@ -849,8 +849,8 @@ export interface paths {
          *     of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
          *
          *     When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
-         *     open at a time are shared by keys, or by addresses where there are no keys: once all are open, a client with at least two fewer
-         *     than whoever has the most takes the newest one of those, which is closed with the code 1013.
+         *     open at a time are shared by keys or, where there are no keys, by addresses (/64 networks of IPv6): once all are open, a client with
+         *     at least two fewer than whoever has the most takes the newest one of those, which is closed with the code 1013.
          *
          *     Browsers may connect only from the service's own page: the `Origin` has to match the `Host`.
          */
@@ -879,8 +879,8 @@ export interface paths {
         /**
          * Begin Long Exposure
          * @description Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
-         *     intervals are exposed between the pictures of other requests, and it is kept while the service runs. It fails once the key
-         *     or the session that opened the shutter has ended, or has used up its processor time.
+         *     intervals are exposed between the pictures of other requests, and it is kept while the service runs. It fails once the key,
+         *     token or session that opened the shutter has ended, or its owner has used up the processor time of a day.
          */
         readonly post: operations["beginLongExposure"];
         /**

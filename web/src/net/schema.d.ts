@@ -849,7 +849,7 @@ export interface paths {
          *     of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
          *
          *     When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
-         *     open at a time are shared by keys or, where there are no keys, by addresses (/64 networks of IPv6): once all are open, a client with
+         *     open at a time are shared by keys or, where there are none, by addresses (/64 networks of IPv6): once all are open, a client with
          *     at least two fewer than whoever has the most takes the newest one of those, which is closed with the code 1013.
          *
          *     Browsers may connect only from the service's own page: the `Origin` has to match the `Host`.

@@ -151,24 +151,7 @@ def _liars(canary: Path) -> Iterator[Image]:
     """Files whose suffix says another kind than they are, and lists that name other files."""
     good = good_images()
     picture = exr(16, 8)
-    for suffix in (
-        "png",
-        "jpg",
-        "tif",
-        "hdr",
-        "gif",
-        "webp",
-        "tga",
-        "tx",
-        "exr",
-        "usda",
-        "usdz",
-        "mp4",
-        "svg",
-        "term",
-        "null",
-        "pic",
-    ):
+    for suffix in SUFFIXES:
         yield f"liar/exr-as-{suffix}", f"a.{suffix}", picture
         yield f"liar/text-as-{suffix}", f"a.{suffix}", f"{canary}\n/etc/passwd\n".encode()
         yield f"liar/tga-as-{suffix}", f"a.{suffix}", good["tga"]

@@ -60,6 +60,7 @@ class ImpatientProtocol(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for the first request."""
         super().connection_made(transport)
+        transport.set_write_buffer_limits(high=0)  # the client has to read until nothing is left to send
         self._wait()
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -75,11 +76,15 @@ class ImpatientProtocol(H11Protocol):
         self._wait()
         self._was_paused |= self._is_paused()
 
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        """Hand the connection over, with the usual limits of what waits to be sent."""
+        self.transport.set_write_buffer_limits()
+        super().handle_websocket_upgrade(event)
+
     def on_response_complete(self) -> None:
-        """Wait for the rest of a request that was answered before it was there as a whole."""
+        """Wait for the next request, or the rest of one that was answered before it was there as a whole."""
         super().on_response_complete()
-        if self.conn.their_state is h11.SEND_BODY:
-            self._wait()
+        self._wait()
 
     def pause_writing(self) -> None:
         """Wait for the client to read."""

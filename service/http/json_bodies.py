@@ -31,9 +31,9 @@ def _refuse_constant(name: str) -> Any:
 
 
 def _to_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in found if names.count(name) > 1)
-        raise json.JSONDecodeError(f"the key {twice[:80]!r} stands there twice", twice, 0)
+    found: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in found:
+            raise json.JSONDecodeError(f"the key {name[:80]!r} stands there twice", name, 0)
+        found[name] = value
     return found

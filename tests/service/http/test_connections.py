@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import time
 from collections.abc import Iterator
@@ -9,6 +10,9 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+import uvicorn
+from starlette.responses import Response
+from uvicorn.server import ServerState
 
 from service.http import connections
 from service.http.settings import MEBIBYTE, Settings
@@ -41,7 +45,8 @@ def connect(service: Running) -> socket.socket:
 
 
 def is_closed(connection: socket.socket) -> bool:
-    """Whether the other side closes a connection within ten seconds."""
+    """Whether the other side closes a connection within four seconds; uvicorn itself closes idle ones after five."""
+    connection.settimeout(4)
     try:
         while connection.recv(65536):
             pass
@@ -95,6 +100,30 @@ def test_whoever_does_not_read_an_answer_is_disconnected(impatient: Running) -> 
         except ConnectionResetError:
             pass
         assert received < 64 * MEBIBYTE
+
+
+def test_the_end_of_an_answer_has_to_be_read_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connections, "STALL_S", 0.3)
+    size, unread = 100 << 10, 20 << 10  # some of it in the buffer of the socket, some in that of the transport
+
+    async def read_most() -> int:
+        loop, received = asyncio.get_running_loop(), 0
+        ours, theirs = socket.socketpair()
+        ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 8192)
+        theirs.setblocking(False)
+        config = uvicorn.Config(Response(b"x" * size), log_config=None, lifespan="off")
+        config.load()
+        await loop.create_connection(lambda: connections.ImpatientProtocol(config, ServerState(), {}), sock=ours)
+        await loop.sock_sendall(theirs, HEAD + b"\r\n")
+        while received < size - unread:
+            received += len(await loop.sock_recv(theirs, size - unread - received))
+        await asyncio.sleep(1)
+        with theirs, suppress(ConnectionResetError):
+            while content := await asyncio.wait_for(loop.sock_recv(theirs, size), 10):
+                received += len(content)
+        return received
+
+    assert asyncio.run(read_most()) < size
 
 
 def test_whoever_reads_slowly_gets_the_whole_answer(impatient: Running) -> None:

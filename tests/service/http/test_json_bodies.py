@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from fastapi.routing import iter_route_contexts
 
 from service.http.app import create_app
 from service.http.bodies import BodyRoute
+from service.http.json_bodies import read_json
 from service.http.settings import Settings
 
 CAMERA = "/v1/shots/{}/camera"
@@ -74,6 +76,12 @@ def test_a_query_is_text_and_takes_numbers_as_text(client, room):
 
 def test_a_path_that_is_no_utf8_is_not_found(client):
     assert client.get("/v1/shots/%ff%fe").status_code == 404
+
+
+def test_a_key_that_ends_a_long_object_is_found_twice_soon():
+    names = ",".join(f'"{number}": 0' for number in range(200_000))  # a search of all keys for each takes a quarter of an hour
+    with pytest.raises(json.JSONDecodeError, match="'199999' stands there twice"):
+        read_json(f'{{{names}, "199999": 1}}'.encode())
 
 
 def test_every_route_with_a_body_is_a_body_route():

@@ -1,18 +1,20 @@
 """Admission of pictures: one whose estimated cost is beyond the limit is refused before any work begins.
 
 The estimate is processor time on two cores of a common machine with Mesa's rasteriser, as each engine states it
-(`Engine.cost_s`). How much a shot costs beside others is learned from its pictures.
+(`Engine.cost_s`). How much a shot costs beside others is learned from its frames over HTTP.
 """
 
 from __future__ import annotations
 
 import math
 import threading
+from bisect import bisect_right
 from collections import OrderedDict
 from typing import NamedTuple
 
 from render.engines import all_engines
 from render.engines.shared.cost import PictureWork
+from render.pictures.long_exposure import MAX_MOMENTS, MIN_RAYS
 from service.http.errors import ServiceError
 from service.models.frames import PictureQuery
 from service.models.long_exposure import LongExposureBegin
@@ -24,7 +26,8 @@ SHAPE = 9 / 16
 MEASURABLE_S = 2.0
 """Pictures of a lower estimate say nothing about their shot: opening it and drawing it once is what they cost."""
 MAX_FACTOR = 8.0
-"""Limit of what a shot costs beside others. It costs no less than others: a picture from kept layers would not tell of others."""
+"""Greatest factor by which a shot is taken to cost more than an ordinary one. The least is 1: a picture from layers that were
+kept is cheap, and the next one may not be."""
 MAX_SHOTS = 1000
 """Shots whose cost is remembered."""
 
@@ -43,22 +46,28 @@ class Estimate(NamedTuple):
     expected_s: float
 
 
-def estimate_s(picture: PictureSettings) -> float:
+def estimate_s(picture: PictureSettings, height: int | None = None) -> float:
     """Estimate the processor time of a picture of an ordinary shot, s; infinite where it is beyond all numbers.
+
+    An interval of a long exposure that chooses its moments counts as one of the most moments, with the rays that they take.
 
     Args:
         picture: its settings.
+        height: px, in place of the picture's own.
     """
+    motion, rays = picture.motion, picture.rays
+    if isinstance(picture, LongExposureBegin) and motion == 1:
+        motion, rays = MAX_MOMENTS, max(rays, MIN_RAYS * MAX_MOMENTS)
     engine = next(engine for engine in all_engines() if engine.name == picture.engine)
     work = PictureWork(
         width=picture.width,
-        height=picture.height or SHAPE * picture.width,
-        rays=picture.rays,
+        height=height or picture.height or SHAPE * picture.width,
+        rays=rays,
         layers=picture.layers,
         supersample=picture.supersample,
         noise=picture.noise,
         wavelengths=picture.wavelengths,
-        motion=picture.motion,
+        motion=motion,
         motion_by=picture.motion_by,
     )
     try:
@@ -84,7 +93,7 @@ class Admission:
 
         Args:
             shot_id: the shot.
-            picture: its settings.
+            picture: its settings. One without a height is taken for 16:9; `most_px` bounds the height that its camera gives it.
 
         Raises:
             ServiceError: 422, the picture is expected to take longer than the limit.
@@ -97,14 +106,30 @@ class Admission:
                 f"This picture is expected to take {expected_s:,.0f} s of processor time; at most {self._limit_s:,.0f} s are "
                 "given. Ask for fewer rays, pixels, moments, layers, less supersampling or another engine."
             )
-            raise ServiceError(422, "too_costly", detail, path="query")
+            path = "body" if isinstance(picture, LongExposureBegin) else "query"
+            raise ServiceError(422, "too_costly", detail, path=path)
         return Estimate(ordinary_s, expected_s)
+
+    def most_px(self, shot_id: str, picture: PictureSettings, limit_px: int) -> int:
+        """Return the most pixels that a picture may have: where its camera chooses the height, those that its cost allows too.
+
+        Args:
+            shot_id: the shot.
+            picture: its settings.
+            limit_px: limit of width times height of any picture.
+        """
+        if picture.height is not None:
+            return limit_px
+        with self._lock:
+            most_s = self._limit_s / self._factors.get(shot_id, 1.0)
+        heights = range(1, limit_px // picture.width + 1)
+        return picture.width * bisect_right(heights, most_s, key=lambda height: estimate_s(picture, height))
 
     def learn(self, finished: Finished) -> None:
         """Learn from a picture how much its shot costs: more than others, or as much.
 
-        One that a worker had no time for counts as twice what it had used. The first one of a process says nothing, since it
-        includes opening the shot.
+        One that a worker had no time for counts as twice what it had used. Any other that is the first of its process is left
+        out, since its time includes opening the shot.
         """
         shot_id, error = finished.place.key, finished.error
         had_no_time = isinstance(error, WorkerDiedError) and error.end in ("timeout", "cpu")

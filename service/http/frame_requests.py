@@ -22,15 +22,22 @@ def tag_of_frame(service: Service, record: ShotRecord, edits: str, query: FrameQ
     return frame_tag(parameters | shot | {"run": service.run_id})
 
 
-def frame_request(service: Service, record: ShotRecord, edits: str, query: PictureQuery) -> FrameRequest:
-    """Return a query as the picture process takes it."""
+def frame_request(record: ShotRecord, edits: str, query: PictureQuery, max_px: int) -> FrameRequest:
+    """Return a query as the picture process takes it.
+
+    Args:
+        record: the shot.
+        edits: text of its edit layer.
+        query: what is asked for.
+        max_px: limit of width times height.
+    """
     return FrameRequest(
         record=record,
         edits=edits,
         camera=query.camera,
         time=query.time,
         height=query.height,
-        max_px=service.settings.max_picture_px,
+        max_px=max_px,
         settings=query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH}),
         finish=query.model_dump(include=FINISH),
     )

@@ -137,7 +137,8 @@ class LiveConnection:
     async def _start(self, pending: _Request) -> None:
         """Start a stream of pictures, in place of the one before, or send the final picture from the cache."""
         request = pending.request
-        check_pixels(request.width, request.height, self._service.settings.max_picture_px)
+        max_px = self._service.settings.max_picture_px
+        check_pixels(request.width, request.height, max_px)
         record = self._service.store.get(self._shot_id)
         edits = await run_in_threadpool(record.edit_text)
         if pending.number < self._oldest_valid:  # stopped meanwhile
@@ -152,7 +153,8 @@ class LiveConnection:
                 return
         if not request.moving:  # else one preview is drawn, in the time that is asked for
             self._service.admission.check(record.id, request)
-        frame = frame_request(self._service, record, edits, request)
+            max_px = self._service.admission.most_px(record.id, request, max_px)
+        frame = frame_request(record, edits, request, max_px)
         self._job = self._service.lanes.live.submit_stream(
             stream_call(live.stream_pictures, frame, request.changes, request.budget_ms, request.moving),
             self._service.place_of(record),

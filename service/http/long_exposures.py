@@ -100,26 +100,26 @@ class LongExposures:
     Args:
         lane: of the workers that hold them.
         place_of: returns what a worker that serves a shot may see.
-        max_px: limit of width times height of a picture.
     """
 
     def __init__(
         self,
         lane: Lane[picture_state.PictureWorkerState],
         place_of: Callable[[ShotRecord], Place],
-        max_px: int,
     ) -> None:
         self._lane = lane
         self._place_of = place_of
-        self._max_px = max_px
         self._by_shot: dict[str, _Exposure] = {}
 
-    async def begin(self, record: ShotRecord, request: LongExposureBegin, check: SenderCheck) -> LongExposureState:
+    async def begin(
+        self, record: ShotRecord, request: LongExposureBegin, max_px: int, check: SenderCheck
+    ) -> LongExposureState:
         """Begin a long exposure with the shutter open, in place of the one that the shot had.
 
         Args:
             record: the shot.
             request: what is asked for.
+            max_px: limit of width times height of the picture.
             check: called before each interval; raises `ServiceError` where the sender may no longer use the service.
 
         Raises:
@@ -135,7 +135,7 @@ class LongExposures:
             camera=request.camera,
             time=request.first,
             height=request.height,
-            max_px=self._max_px,
+            max_px=max_px,
             settings=request.model_dump(exclude={"camera", "first", "last", "step", "nd_stops", "height", "film"}),
             finish={"film": request.film, "display": None, "view": None, "look": None},
         )

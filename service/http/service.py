@@ -122,7 +122,7 @@ class Service:
     @cached_property
     def long_exposures(self) -> LongExposures:
         """The long exposures of all shots."""
-        return LongExposures(self.lanes.exposure, self.place_of, self.settings.max_picture_px)
+        return LongExposures(self.lanes.exposure, self.place_of)
 
     def close(self) -> None:
         """End the workers and release the data folder."""

@@ -8,7 +8,7 @@ import json
 import sys
 import tempfile
 from collections import Counter
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from statistics import median
 
@@ -26,7 +26,7 @@ CACHES = ".cache/pullfocus-service"
 
 
 def main() -> int:
-    """Run the corpus; 1 where a case is bad, or a request of somebody else fails."""
+    """Run the corpus until its end or Ctrl+C; 1 where a case is bad, or a request of somebody else fails."""
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
     parser.add_argument("--all", action="store_true", help="all cases, which takes hours; as --every 1")
     parser.add_argument("--every", type=int, default=10, metavar="N", help="every Nth case (default: 10)")
@@ -40,7 +40,8 @@ def main() -> int:
         cases = cases[:: 1 if options.all or options.only else options.every]
         verdicts, ask = [], ask_briefly if options.brief else ask_all
         bystander, trace = Bystander(world.client.base_url, next(controls())), Path(folder) / "trace"
-        with traced(world.template(), trace) if options.trace else nullcontext(), bystander:
+        tracing = traced(world.template(), trace) if options.trace else nullcontext()
+        with tracing, bystander, suppress(KeyboardInterrupt):  # what was found until then is shown
             for verdict in run_cases(world.client, cases, world.canaries, world.places, ask):
                 verdicts.append(verdict)
                 print(json.dumps(dataclasses.asdict(verdict)) if options.json else _row(verdict), flush=True)

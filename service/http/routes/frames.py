@@ -62,10 +62,11 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
         service.metrics.frames.labels("cache").inc()
         return cached
     live = query.live and query.format != "exr"  # an EXR holds scene-linear light, which has no film or grade
-    request = frame_request(service, record, edits, query)
     client = present_client()
     group = (client, query.client, record.id) if query.client else None
     estimate = service.admission.check(record.id, query)
+    max_px = service.admission.most_px(record.id, query, service.settings.max_picture_px)
+    request = frame_request(record, edits, query, max_px)
     picture = await service.lanes.frame_lane(estimate.expected_s).result(
         call(frames.render_frame, request, query.format, live),
         service.place_of(record),

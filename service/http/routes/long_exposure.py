@@ -53,7 +53,8 @@ async def begin_long_exposure(
     check_pixels(begin.width, begin.height, service.settings.max_picture_px, "body.width")
     record = service.store.get(shot)
     service.admission.check(record.id, begin)
-    return await service.long_exposures.begin(record, begin, check)
+    max_px = service.admission.most_px(record.id, begin, service.settings.max_picture_px)
+    return await service.long_exposures.begin(record, begin, max_px, check)
 
 
 @router.get("/shots/{shot}/long-exposure", operation_id="getLongExposure", responses=problems(404))

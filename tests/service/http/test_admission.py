@@ -9,6 +9,7 @@ from service.http.admission import Admission, estimate_s
 from service.http.errors import ServiceError
 from service.http.settings import Settings
 from service.models.frames import FrameQuery
+from service.models.long_exposure import LongExposureBegin
 from service.workers.errors import UnfitError
 from service.workers.jobs import NOBODY, Finished
 from service.workers.places import Place
@@ -129,6 +130,28 @@ def test_a_cost_beyond_all_numbers_is_refused(beyond):
         Admission(600).check("shot", query(**beyond))
 
 
+@pytest.mark.parametrize("width", [16, 960, 8192])
+def test_a_height_that_the_camera_gives_is_bounded_by_its_cost(width):
+    admission, picture = Admission(600), FrameQuery(time=1, width=width, rays=4000)
+    most = admission.most_px("shot", picture, 2**25) // width
+    assert estimate_s(picture, most) <= 600 < estimate_s(picture, most + 1)
+    assert admission.most_px("shot", query(), 2**25) == 2**25
+
+
+def test_rest_refuses_a_camera_that_makes_a_picture_dear(service, client, room, monkeypatch):
+    monkeypatch.setattr(service.internal.admission, "most_px", lambda shot_id, picture, limit_px: 100)
+    frame = client.get(f"/v1/shots/{room}/frame", params={"time": 1, "width": 16, "rays": 1})
+    exposure = client.post(f"/v1/shots/{room}/long-exposure", json={"first": 1, "last": 2, "width": 16, "rays": 1})
+    assert [(answer.status_code, answer.json()["code"]) for answer in (frame, exposure)] == [
+        (422, "too_many_pixels")
+    ] * 2
+
+
+def test_moments_that_an_exposure_chooses_count_at_their_most():
+    choosing, stated = (LongExposureBegin(first=1, last=2, width=960, motion=motion) for motion in (1, 32))
+    assert estimate_s(choosing) >= estimate_s(stated)
+
+
 def test_a_shot_that_costs_more_than_others_is_judged_by_it():
     admission = Admission(600)
     picture = query(rays=10_000)
@@ -142,9 +165,8 @@ def test_a_shot_that_costs_more_than_others_is_judged_by_it():
 
 def test_rest_refuses_an_absurd_frame_before_it_works(service, client, room):
     before = dict(service.internal.pool.starts)
-    for path, options in (("frame", {"params": {"time": 1, "rays": 10**9}}),):
-        answer = client.get(f"/v1/shots/{room}/{path}", **options)
-        assert (answer.status_code, answer.json()["code"]) == (422, "too_costly")
+    answer = client.get(f"/v1/shots/{room}/frame", params={"time": 1, "rays": 10**9})
+    assert (answer.status_code, answer.json()["code"]) == (422, "too_costly")
     answer = client.post(f"/v1/shots/{room}/long-exposure", json={"first": 1, "last": 2, "rays": 10**9})
     assert (answer.status_code, answer.json()["code"]) == (422, "too_costly")
     assert service.internal.pool.starts == before

@@ -79,7 +79,9 @@ def test_a_path_that_is_no_utf8_is_not_found(client):
 
 
 def test_a_key_that_ends_a_long_object_is_found_twice_soon():
-    names = ",".join(f'"{number}": 0' for number in range(200_000))  # a search of all keys for each takes a quarter of an hour
+    names = ",".join(
+        f'"{number}": 0' for number in range(200_000)
+    )  # a search of all keys for each takes a quarter of an hour
     with pytest.raises(json.JSONDecodeError, match="'199999' stands there twice"):
         read_json(f'{{{names}, "199999": 1}}'.encode())
 

@@ -130,7 +130,7 @@ def test_what_cannot_be_exposed_is_refused_at_once(client, room, fields, progres
 
 def test_too_many_pixels_by_the_film_gates_height_are_refused(client, room):
     for height in (8192, None):
-        answer = client.post(address(room), json=SMALL | {"width": 8192, "height": height})
+        answer = client.post(address(room), json=SMALL | {"width": 8192, "height": height, "motion": 2})
         assert (answer.status_code, answer.json()["code"], answer.json()["path"]) == (
             422,
             "too_many_pixels",

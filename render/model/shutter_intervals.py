@@ -12,6 +12,10 @@ from itertools import pairwise
 from render.errors import SettingsError
 from render.model.frame_spec import MAX_FRAMES
 
+MAX_MOMENTS = 32
+"""Most moments of an interval whose number of moments is measured."""
+MIN_RAYS = 4
+"""Fewest rays of such a moment: with fewer, a trail shows beads however close its moments are."""
 MAX_ND_STOPS = 40
 """Strongest filter, in stops. More than any glass takes: solar filters take 17."""
 

@@ -17,7 +17,7 @@ from render.model.camera import Camera
 from render.model.limits import MAX_RAYS
 from render.model.moment import Moment
 from render.model.shutter import GLOBAL_SHUTTER
-from render.model.shutter_intervals import MAX_ND_STOPS
+from render.model.shutter_intervals import MAX_MOMENTS, MAX_ND_STOPS, MIN_RAYS
 from render.pictures.moving import check_shutter
 from render.pictures.picture import Picture, develop_picture, expose_frame
 from render.pictures.travel import make_moment, measure_travel_px
@@ -29,10 +29,6 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
 
     from render.frame import FrameRenderer, FrameSettings
 
-MAX_MOMENTS = 32
-"""Most moments of an interval whose number of moments is measured."""
-MIN_RAYS = 4
-"""Fewest rays of such a moment: with fewer, a trail shows beads however close its moments are."""
 _SEEDS = 2**31
 
 

@@ -8,6 +8,8 @@ WIDTH, MOST_RAYS = 1920, 4096
 LESS = 0.8
 """Rays of the next attempt over those that were refused."""
 REFUSED_WITHIN_S = 1.0
+LEAVES_AFTER_S = 1.0
+"""Time after which the client of an absurd picture has left, s."""
 
 
 def absurd_path(shot: str, rays: int, seed: int) -> str:

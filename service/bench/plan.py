@@ -13,6 +13,8 @@ Drag = Literal["focus", "time", "mixed"]
 
 VIEWERS, SECONDS, PHASE_S, WIDTH, RATE = 50, 20.0, 10.0, 480, 30.0
 MOST_VIEWERS = 1000
+MOST_WIDTH = 4096
+"""Of a 16:9 picture that the service renders with its default limits, pixels."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +71,8 @@ def plan_from_arguments(arguments: argparse.Namespace) -> LoadPlan:
     """
     if not 1 <= arguments.viewers <= MOST_VIEWERS:
         raise SettingsError(f"--viewers must be from 1 to {MOST_VIEWERS}, got {arguments.viewers}")
-    if not 16 <= arguments.width <= 8192:
-        raise SettingsError(f"--width must be from 16 to 8192, got {arguments.width}")
+    if not 16 <= arguments.width <= MOST_WIDTH:
+        raise SettingsError(f"--width must be from 16 to {MOST_WIDTH}, got {arguments.width}")
     for name, value in (("--seconds", arguments.seconds), ("--phase", arguments.phase), ("--rate", arguments.rate)):
         if not 0 < value <= 3600:
             raise SettingsError(f"{name} must be more than 0 and at most 3600, got {value:g}")

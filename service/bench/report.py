@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from statistics import median
 
 from render.lab.bench.progress import goal_lines
+from service.bench.absurd import LEAVES_AFTER_S, WIDTH
 from service.bench.results import ServiceBench, Spread, ViewersFound
 
 _MOST_REASONS = 5
@@ -25,11 +26,12 @@ def _head(found: ServiceBench) -> Iterator[str]:
 
 
 def _viewers(found: ServiceBench) -> Iterator[str]:
+    plan = found.plan
     yield (
-        f"{found.running.viewers} live viewers drag ({found.drag}) for {found.seconds:g} s; pictures {found.width} px wide, "
-        f"{found.rate:g} requests a second each"
+        f"{found.running.viewers} live viewers drag ({plan.drag}) for {plan.seconds:g} s; pictures {plan.width} px wide, "
+        f"{plan.rate:g} requests a second each"
     )
-    compiled = ", its shaders not compiled" if found.first else ""
+    compiled = ", its shaders not compiled" if plan.first else ""
     yield f"  a service that has just started{compiled}:"
     yield from _pictures(found.at_start)
     yield "  the same service right afterwards:"
@@ -53,10 +55,11 @@ def _pictures(each: ViewersFound) -> Iterator[str]:
 
 
 def _delays(found: ServiceBench) -> Iterator[str]:
-    refused = "none" if found.rays_refused is None else f"{found.rays_refused:,}"
+    absurd = found.absurd
+    refused = "none" if absurd.rays_refused is None else f"{absurd.rays_refused:,}"
     yield (
-        f"Beside {found.beside} viewers: a GET of 1920 px with {found.rays_admitted:,} rays for {found.phase_s:g} s, and one "
-        f"whose client left after 1 s. Refused with 422 from: {refused} rays"
+        f"Beside {found.beside} viewers: a GET of {WIDTH} px with {absurd.rays_admitted:,} rays for {found.plan.phase_s:g} s, "
+        f"and one whose client left after {LEAVES_AFTER_S:g} s. Refused with 422 from: {refused} rays"
     )
     yield f"{'seconds: median / longest':34}{'alone':>16}{'absurd GET':>16}{'client left':>16}{'delay':>9}{'left':>9}"
     for row in found.delays:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import http.client
 import itertools
 import json
+import select
 import socket
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from time import monotonic, sleep
 from typing import Any
@@ -59,6 +61,7 @@ def ask(
 
     Raises:
         OSError: the service cannot be reached, or does not answer.
+        HTTPException: its answer breaks off, or is none of HTTP.
     """
     connection = http.client.HTTPConnection("127.0.0.1", port, ANSWER_S, (address_of(client), 0))
     try:
@@ -117,7 +120,7 @@ def repeating(requests: Mapping[str, Callable[[], str]]) -> Iterator[dict[str, R
             began_s = monotonic()
             try:
                 wrong = requests[name]()
-            except OSError as error:
+            except (OSError, http.client.HTTPException) as error:
                 wrong = f"{type(error).__name__}: {error}"
             found[name].seconds.append(monotonic() - began_s)
             if wrong:
@@ -147,11 +150,21 @@ class Abandoned:
         self._socket.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
 
     def status_within(self, seconds: float) -> int | None:
-        """Return the status of the answer, or None where it does not come within a time, s."""
-        self._socket.settimeout(seconds)
-        with suppress(TimeoutError):
-            return int(self._socket.recv(64).split()[1])
-        return None
+        """Return the status of the answer, or None where it does not come within a time, s.
+
+        Raises:
+            OSError: the service closes the connection without an answer.
+        """
+        if not self.has_answer(seconds):
+            return None
+        begin = self._socket.recv(64)
+        if not begin:
+            raise ConnectionResetError(errno.ECONNRESET, "the service closes the connection without an answer")
+        return int(begin.split()[1])
+
+    def has_answer(self, seconds: float = 0.0) -> bool:
+        """Whether the answer begins, or the connection ends, within a time, s."""
+        return bool(select.select([self._socket], [], [], seconds)[0])
 
     def leave(self) -> None:
         """Close the connection."""

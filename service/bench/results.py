@@ -8,6 +8,7 @@ from math import ceil
 from statistics import median
 
 from render.lab.bench.results import Goal
+from service.bench.plan import LoadPlan
 
 MOST_RATIO, MOST_DELAY_S = 2.0, 2.0
 
@@ -109,46 +110,50 @@ class DelayRow:
 
 
 @dataclass(frozen=True)
+class AbsurdFound:
+    """The absurd GET.
+
+    Attributes:
+        rays_refused: rays of a picture that was answered 422; None where none was.
+        rays_admitted: rays of the absurd GET.
+        was_busy: whether it was worked on until the end of its phase; else the others had nothing to wait for.
+    """
+
+    rays_refused: int | None
+    rays_admitted: int
+    was_busy: bool
+
+
+@dataclass(frozen=True)
 class ServiceBench:
     """All of it.
 
     Attributes:
         machine: what it ran on.
-        seconds: time that the viewers dragged, s.
-        phase_s: time of each phase of the second part, s.
-        width: of their pictures, pixels.
-        rate: requests of each viewer a second.
-        drag: what they dragged.
-        first: whether the service started for the first time on its machine, with no shader compiled.
+        plan: of the measurements.
         at_start: what they got of a service that has just started.
         running: what they got right afterwards.
         beside: viewers of the second part.
-        rays_refused: rays of a 1920 px picture that was answered 422; None where none was.
-        rays_admitted: rays of the absurd GET.
+        absurd: the absurd GET.
         delays: rows by kind of request.
         goals: goals and whether they are met.
     """
 
     machine: Machine
-    seconds: float
-    phase_s: float
-    width: int
-    rate: float
-    drag: str
-    first: bool
+    plan: LoadPlan
     at_start: ViewersFound
     running: ViewersFound
     beside: int
-    rays_refused: int | None
-    rays_admitted: int
+    absurd: AbsurdFound
     delays: list[DelayRow]
     goals: list[Goal]
 
 
 def goals_of(
-    at_start: ViewersFound, running: ViewersFound, rays_refused: int | None, delays: Sequence[DelayRow]
+    at_start: ViewersFound, running: ViewersFound, absurd: AbsurdFound, delays: Sequence[DelayRow]
 ) -> list[Goal]:
     """Judge what was found."""
+    was_refused = absurd.rays_refused is not None
     failures = sum(len(row.failures) for row in delays)
     worst = {
         "an absurd GET": max(row.delay_s for row in delays),
@@ -157,9 +162,8 @@ def goals_of(
     return [
         *_fairness(at_start, "at the start: "),
         *_fairness(running, ""),
-        Goal(
-            "pictures above the limit refused with 422, at least", 1, rays_refused is not None, rays_refused is not None
-        ),
+        Goal("pictures above the limit refused with 422, at least", 1, was_refused, was_refused),
+        Goal("absurd GETs worked on until their phase ends, at least", 1, absurd.was_busy, absurd.was_busy),
         *(
             Goal(f"longest delay of others by {name}, s, at most", MOST_DELAY_S, delay, delay <= MOST_DELAY_S)
             for name, delay in worst.items()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import http.client
 import json
 import os
 import platform
@@ -22,11 +23,11 @@ from render.errors import PullfocusError
 from render.gl.context import GraphicsContext
 from render.lab.bench.progress import check_file, say
 from render.lab.bench.soak.shot import write_soak_shot
-from service.bench.absurd import absurd_path, admitted_rays
+from service.bench.absurd import LEAVES_AFTER_S, absurd_path, admitted_rays
 from service.bench.plan import LoadPlan, plan_from_arguments
 from service.bench.report import report
 from service.bench.requests import FIRST_CLIENT, Abandoned, Repeated, ask, leave_after, repeating, usual_requests
-from service.bench.results import DelayRow, Machine, ServiceBench, ViewersFound, goals_of, spread_of
+from service.bench.results import AbsurdFound, DelayRow, Machine, ServiceBench, ViewersFound, goals_of, spread_of
 from service.bench.server import running_service
 from service.bench.viewers import Viewer, ViewersBeside, drag_for
 
@@ -34,7 +35,6 @@ BESIDE = 4
 """Viewers who go on while delays are measured."""
 SETTLE_S = 2.0
 """Time before a phase: whatever begins anew has begun."""
-LEAVES_AFTER_S = 1.0
 ABSURD_CLIENT = FIRST_CLIENT + 10
 PICTURES = "live pictures: time between two"
 PACKAGES = ("pullfocus", "uvicorn", "websockets", "fastapi", "usd-core")
@@ -65,29 +65,17 @@ def measure(plan: LoadPlan) -> ServiceBench:
         GraphicsError: there is no device to draw on.
     """
     machine = _machine()
-    with (
-        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name,
-        running_service(Path(name), first=plan.first) as port,
-    ):
-        at_start, running = (_found(asyncio.run(drag_for(port, "demo", plan, plan.viewers))) for _ in range(2))
-        other_shot = _upload(port, write_soak_shot(Path(name)))
-        refused, admitted, delays = _delays(port, plan, other_shot)
-    return ServiceBench(
-        machine,
-        plan.seconds,
-        plan.phase_s,
-        plan.width,
-        plan.rate,
-        plan.drag,
-        plan.first,
-        at_start,
-        running,
-        BESIDE,
-        refused,
-        admitted,
-        delays,
-        goals_of(at_start, running, refused, delays),
-    )
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name, running_service(Path(name), plan) as port:
+        try:
+            at_start, running = (_found(asyncio.run(drag_for(port, "demo", plan, plan.viewers))) for _ in range(2))
+            other_shot = _upload(port, write_soak_shot(Path(name)))
+            absurd, delays = _delays(port, plan, other_shot)
+        except (OSError, http.client.HTTPException) as error:
+            raise PullfocusError(
+                f"the service of the bench does not answer: {type(error).__name__}: {error}"
+            ) from error
+    goals = goals_of(at_start, running, absurd, delays)
+    return ServiceBench(machine, plan, at_start, running, BESIDE, absurd, delays, goals)
 
 
 def _found(viewers: Sequence[Viewer]) -> ViewersFound:
@@ -105,7 +93,7 @@ def _found(viewers: Sequence[Viewer]) -> ViewersFound:
     )
 
 
-def _delays(port: int, plan: LoadPlan, other_shot: str) -> tuple[int | None, int, list[DelayRow]]:
+def _delays(port: int, plan: LoadPlan, other_shot: str) -> tuple[AbsurdFound, list[DelayRow]]:
     """Measure how long others wait: alone, beside an absurd request, and after the client of one has left."""
     requests = usual_requests(port, "demo", other_shot)
     phases: list[dict[str, Repeated]] = []
@@ -114,10 +102,10 @@ def _delays(port: int, plan: LoadPlan, other_shot: str) -> tuple[int | None, int
             request()
 
         def phase() -> None:
-            counts = beside.counts()
+            end_phase = beside.begin_phase()
             with repeating(requests) as found:
                 sleep(plan.phase_s)
-            phases.append(found | {PICTURES: Repeated(beside.gaps_since(counts) or [plan.phase_s])})
+            phases.append(found | {PICTURES: Repeated(*end_phase())})
 
         beside.wait_for_pictures()
         sleep(SETTLE_S)
@@ -126,11 +114,13 @@ def _delays(port: int, plan: LoadPlan, other_shot: str) -> tuple[int | None, int
         sleep(SETTLE_S)
         absurd = Abandoned(port, ABSURD_CLIENT, absurd_path("demo", admitted, seed=2))
         phase()
+        was_busy = not absurd.has_answer()
         absurd.leave()
         sleep(SETTLE_S)
         leave_after(LEAVES_AFTER_S, Abandoned(port, ABSURD_CLIENT, absurd_path("demo", admitted, seed=3)))
         phase()
-    return refused, admitted, [_row(name, [found[name] for found in phases]) for name in phases[0]]
+    rows = [_row(name, [found[name] for found in phases]) for name in phases[0]]
+    return AbsurdFound(refused, admitted, was_busy), rows
 
 
 def _row(name: str, phases: Sequence[Repeated]) -> DelayRow:

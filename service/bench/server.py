@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import http.client
 import json
 import re
 import subprocess
@@ -15,18 +14,23 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from render.errors import PullfocusError
+from service.bench.plan import LoadPlan
+from service.bench.requests import FIRST_CLIENT, ask
+from service.http.settings import Settings
 
 START_S, STOP_S, PAUSE_S = 120.0, 30.0, 0.5
 
 
 @contextmanager
-def running_service(folder: Path, *, first: bool) -> Iterator[int]:
+def running_service(folder: Path, plan: LoadPlan) -> Iterator[int]:
     """Run `pullfocus serve` until the end of the context.
+
+    Unless the plan measures the first start on a machine, its cache is the user's, and it has compiled its shaders before the
+    context begins.
 
     Args:
         folder: where its data goes.
-        first: whether its cache begins empty, as at the first start on a machine. Else it is the user's, and the service has
-            compiled its shaders before the context begins.
+        plan: how many viewers come, and whether the cache begins empty.
 
     Yields:
         Its port on 127.0.0.1.
@@ -35,12 +39,15 @@ def running_service(folder: Path, *, first: bool) -> Iterator[int]:
         PullfocusError: it does not start.
     """
     configuration = folder / "serve.toml"
-    cache = 'cache = "cache"\n' if first else ""
-    configuration.write_text(f'data = "data"\n{cache}port = 0\n', encoding="utf-8")
+    cache = 'cache = "cache"\n' if plan.first else ""
+    most = max(plan.viewers, Settings.max_viewers)
+    configuration.write_text(f'data = "data"\n{cache}port = 0\nmax_viewers = {most}\n', encoding="utf-8")
     command = [sys.executable, "-m", "render.cli", "serve", "--log-format", "text", "--config", str(configuration)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         said: deque[str] = deque(maxlen=50)
+        late = threading.Timer(START_S, process.kill)  # which ends the loop below
+        late.start()
         try:
             address = None
             for line in process.stderr:
@@ -48,15 +55,16 @@ def running_service(folder: Path, *, first: bool) -> Iterator[int]:
                 address = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
                 if address:
                     break
+            late.cancel()
             if address is None:
                 raise PullfocusError("the service did not start: " + " ".join(said)[-500:])
             # Read on and dropped: a full pipe would stop the service.
             threading.Thread(target=said.extend, args=(process.stderr,), daemon=True).start()
             port = int(address[1])
-            while _is_warming(port) and not first:
-                time.sleep(PAUSE_S)
+            _wait_until_ready(port, may_warm=plan.first)
             yield port
         finally:
+            late.cancel()
             process.terminate()
             try:
                 process.wait(STOP_S)
@@ -64,13 +72,21 @@ def running_service(folder: Path, *, first: bool) -> Iterator[int]:
                 process.kill()
 
 
-def _is_warming(port: int) -> bool:
-    """Wait until the service is ready. Returns whether it is compiling shaders. Raises `PullfocusError`: it is not ready."""
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=START_S)
-    connection.request("GET", "/readyz")
-    answer = connection.getresponse()
-    detail = answer.read()
-    connection.close()
-    if answer.status != 200:
-        raise PullfocusError(f"the service is not ready: {detail.decode()[:500]}")
-    return bool(json.loads(detail)["warming"])
+def _wait_until_ready(port: int, *, may_warm: bool) -> None:
+    """Wait until the service is ready.
+
+    Args:
+        port: of the service.
+        may_warm: do not wait until it has compiled its shaders.
+
+    Raises:
+        PullfocusError: it is not ready in time.
+    """
+    until_s = time.monotonic() + START_S
+    while True:
+        status, detail = ask(port, FIRST_CLIENT, "GET", "/readyz")
+        if status == 200 and (may_warm or not json.loads(detail)["warming"]):
+            return
+        if time.monotonic() > until_s:
+            raise PullfocusError(f"the service is not ready: {detail.decode(errors='replace')[:500]}")
+        time.sleep(PAUSE_S)

@@ -6,7 +6,8 @@ import asyncio
 import json
 import struct
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from time import monotonic, sleep
 from typing import Any
@@ -36,6 +37,7 @@ class Viewer:
         first_s: time from the first request to the first picture, s; None without one.
         ages_s: time from each picture's request to its arrival, s.
         gaps_s: time between pictures, s; the first is since the first request, the last until the end.
+        last_s: time of the latest picture, or of the first request, by the clock of `monotonic`; None before.
     """
 
     number: int
@@ -44,6 +46,18 @@ class Viewer:
     first_s: float | None = None
     ages_s: list[float] = field(default_factory=list)
     gaps_s: list[float] = field(default_factory=list)
+    last_s: float | None = None
+
+    def gaps_since(self, count: int, began_s: float) -> list[float]:
+        """Return the times between pictures of a phase, s. The time since the latest picture counts where it is the longest.
+
+        Args:
+            count: number of `gaps_s` when the phase began.
+            began_s: time of its begin.
+        """
+        gaps = self.gaps_s[count:]
+        waited_s = monotonic() - max(began_s, self.last_s or 0.0)
+        return gaps if gaps and max(gaps) >= waited_s else [*gaps, waited_s]
 
 
 def address_of(number: int) -> str:
@@ -133,16 +147,21 @@ class ViewersBeside:
         until_s = monotonic() + OPEN_S
         while not all(viewer.pictures for viewer in self.viewers):
             if monotonic() > until_s:
-                raise PullfocusError(f"a viewer got no picture within {OPEN_S:g} s")
+                refusals = "; ".join({refusal for viewer in self.viewers for refusal in viewer.refusals})
+                raise PullfocusError(f"a viewer got no picture within {OPEN_S:g} s. {refusals[:500]}".rstrip())
             sleep(0.1)
 
-    def gaps_since(self, counts: Sequence[int]) -> list[float]:
-        """Return the times between pictures since each viewer had a number of them, s."""
-        return [gap for viewer, count in zip(self.viewers, counts, strict=True) for gap in viewer.gaps_s[count:]]
+    def begin_phase(self) -> Callable[[], tuple[list[float], list[str]]]:
+        """Begin a phase. Returns the function that ends it: the times between pictures in it, s, and what was refused."""
+        began_s = monotonic()
+        counts = [(len(viewer.gaps_s), len(viewer.refusals)) for viewer in self.viewers]
 
-    def counts(self) -> list[int]:
-        """Return the number of times between pictures of each viewer so far."""
-        return [len(viewer.gaps_s) for viewer in self.viewers]
+        def end_phase() -> tuple[list[float], list[str]]:
+            both = list(zip(self.viewers, counts, strict=True))
+            gaps = [gap for viewer, (count, _) in both for gap in viewer.gaps_since(count, began_s)]
+            return gaps, [refusal for viewer, (_, count) in both for refusal in viewer.refusals[count:]]
+
+        return end_phase
 
 
 async def _drag(port: int, shot: str, plan: LoadPlan, viewer: Viewer, stop: asyncio.Event) -> None:
@@ -150,7 +169,13 @@ async def _drag(port: int, shot: str, plan: LoadPlan, viewer: Viewer, stop: asyn
     local = (address_of(viewer.number), 0)
     try:
         async with connect(
-            address, compression=None, max_size=None, local_addr=local, open_timeout=OPEN_S, ping_interval=None
+            address,
+            compression=None,
+            max_size=None,
+            local_addr=local,
+            open_timeout=OPEN_S,
+            ping_interval=None,
+            proxy=None,
         ) as socket:
             await _drag_on(socket, plan, viewer, stop)
     except (InvalidHandshake, ConnectionClosed, OSError, TimeoutError) as error:
@@ -160,7 +185,7 @@ async def _drag(port: int, shot: str, plan: LoadPlan, viewer: Viewer, stop: asyn
 async def _drag_on(socket: ClientConnection, plan: LoadPlan, viewer: Viewer, stop: asyncio.Event) -> None:
     sent_s: list[float] = []
     receiving = asyncio.create_task(_receive(socket, viewer, sent_s))
-    began_s = monotonic()
+    began_s = viewer.last_s = monotonic()
     try:
         while not stop.is_set():
             number = len(sent_s)
@@ -168,11 +193,11 @@ async def _drag_on(socket: ClientConnection, plan: LoadPlan, viewer: Viewer, sto
             await socket.send(json.dumps(request_of(plan, viewer.number, number)))
             if receiving.done():
                 break
-            await asyncio.sleep(max(0.0, began_s + len(sent_s) / plan.rate - monotonic()))
+            with suppress(TimeoutError):
+                await asyncio.wait_for(stop.wait(), began_s + len(sent_s) / plan.rate - monotonic())
     finally:
         receiving.cancel()
-        last_s = began_s + sum(viewer.gaps_s)
-        viewer.gaps_s.append(monotonic() - last_s)
+        viewer.gaps_s.append(monotonic() - viewer.last_s)
 
 
 async def _receive(socket: ClientConnection, viewer: Viewer, sent_s: Sequence[float]) -> None:
@@ -185,7 +210,6 @@ async def _receive(socket: ClientConnection, viewer: Viewer, sent_s: Sequence[fl
 
 
 async def _receive_open(socket: ClientConnection, viewer: Viewer, sent_s: Sequence[float]) -> None:
-    last_s: float | None = None
     async for message in socket:
         now_s = monotonic()
         if isinstance(message, str):
@@ -199,6 +223,6 @@ async def _receive_open(socket: ClientConnection, viewer: Viewer, sent_s: Sequen
         viewer.ages_s.append(now_s - sent_s[head["id"]])
         if viewer.first_s is None:
             viewer.first_s = now_s - sent_s[0]
-        viewer.gaps_s.append(now_s - (sent_s[0] if last_s is None else last_s))
-        last_s = now_s
+        viewer.gaps_s.append(now_s - (viewer.last_s or sent_s[0]))
+        viewer.last_s = now_s
         await socket.send(json.dumps({"ack": head["picture"]}))

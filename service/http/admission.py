@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from render.engines import all_engines
 from render.engines.shared.cost import PictureWork
-from render.pictures.long_exposure import MAX_MOMENTS, MIN_RAYS
+from render.model.shutter_intervals import MAX_MOMENTS, MIN_RAYS
 from service.http.errors import ServiceError
 from service.models.frames import PictureQuery
 from service.models.long_exposure import LongExposureBegin

@@ -3,7 +3,7 @@
 A router or route declares its scope by ``dependencies=READS`` (or `EDITS`, `RENDERS`, `ADMINISTERS`). A route that needs to know
 the sender takes a `PrincipalDep`. A route with a shot in its path answers 404 to those who may not see the project of that shot,
 as if there were none. FastAPI receives the body of a request before it calls a route's dependencies: a route that takes a body is
-a `service.http.bodies.BodyRoute`, which looks at the scopes earlier.
+a `service.http.bodies.BodyRoute`, which looks at the scopes and the shot earlier.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from fastapi.security.base import SecurityBase
 from starlette.requests import HTTPConnection
 
 from service.http.errors import ServiceError
-from service.http.service import ServiceDep
+from service.http.service import Service, ServiceDep
 from service.identity.principal import ALL_PROJECTS, NOBODY, Principal, ScopeName
 from service.storage.store import not_found
 
@@ -76,7 +76,23 @@ def _check(
         ServiceError: 401 or 403.
         NotFoundError: there is no such shot, as far as the sender may know.
     """
-    check_scopes(principal, needed.scopes)
+    check_access(connection, service, principal, needed.scopes)
+
+
+def check_access(connection: HTTPConnection, service: Service, principal: Principal, needed: Sequence[str]) -> None:
+    """Refuse a sender without scopes, or who may not see the shot of the path.
+
+    Args:
+        connection: the request or WebSocket.
+        service: the service.
+        principal: the sender.
+        needed: names of the scopes.
+
+    Raises:
+        ServiceError: 401 or 403.
+        NotFoundError: there is no such shot, as far as the sender may know.
+    """
+    check_scopes(principal, needed)
     shot_id = connection.path_params.get("shot")
     if shot_id is None or principal.project == ALL_PROJECTS:
         return

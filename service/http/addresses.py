@@ -8,7 +8,9 @@ from starlette.types import Scope
 
 UNKNOWN = "unknown"
 IPV6_PREFIX = 64
-"""Bits of an IPv6 address that name the network of one subscriber (RFC 6177), whose hosts take any of its addresses."""
+"""Bits of an IPv6 address that name a network (RFC 4291, section 2.5.4), whose hosts take any of its addresses. A subscriber may
+have several (RFC 6177): with a /56, 256 shares. Counting by /56 would make one client of 256 customers of a host that gives
+each a /64."""
 
 
 def address_of(scope: Scope) -> str:

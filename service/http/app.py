@@ -28,7 +28,7 @@ from service.http.routes import (
     edits,
     focus,
     frames,
-    identity,
+    keys,
     lenses,
     libraries,
     live,
@@ -122,7 +122,7 @@ def create_app(settings: Settings) -> FastAPI:
         focus,
         solving,
         curves,
-        identity,
+        keys,
     ):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
     app.include_router(system.router)

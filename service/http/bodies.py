@@ -11,13 +11,15 @@ from typing import Any
 from fastapi import Request, Response
 from fastapi.params import Security
 from fastapi.routing import APIRoute
+from starlette.concurrency import run_in_threadpool
 
-from service.http.access import check_scopes, principal_of
+from service.http.access import check_access, principal_of
 from service.http.json_bodies import read_json
+from service.http.service import service_of
 
 
 class BodyRoute(APIRoute):
-    """Route that looks at the scopes of the sender before it receives the body, and reads JSON by `read_json`."""
+    """Route that looks at the sender's scopes, and at the shot, before it receives the body. It reads JSON by `read_json`."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Return the function that answers a request."""
@@ -28,7 +30,7 @@ class BodyRoute(APIRoute):
 
         async def answer_sender(request: Request) -> Response:
             if scopes:
-                check_scopes(principal_of(request), scopes)
+                await run_in_threadpool(check_access, request, service_of(request), principal_of(request), scopes)
             return await answer(_JsonRequest(request.scope, request.receive))
 
         return answer_sender

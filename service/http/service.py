@@ -234,10 +234,11 @@ def _record_among(arguments: Sequence[object]) -> ShotRecord | None:
     return first if isinstance(first, ShotRecord) else None
 
 
-def _service(connection: HTTPConnection) -> Service:
+def service_of(connection: HTTPConnection) -> Service:
+    """Return the service that a request or WebSocket is sent to."""
     service = connection.app.state.service
     assert isinstance(service, Service)
     return service
 
 
-ServiceDep = Annotated[Service, Depends(_service)]
+ServiceDep = Annotated[Service, Depends(service_of)]

@@ -68,19 +68,30 @@ def test_each_route_needs_a_key_with_its_scope(locked, method, path, call):
     ("method", "path", "call"), WITH_BODY, ids=[f"{method} {path}" for method, path, _ in WITH_BODY]
 )
 def test_no_body_is_received_from_a_sender_without_scopes(locked, method, path, call):
-    needed = scopes_of(call)
+    assert status_without_body(locked, method, path, call, {}) == 401
+    for missing in scopes_of(call):
+        held = SCOPES - {missing}
+        credentials = key(locked, *held, project="*" if "admin" in held else "default")
+        assert status_without_body(locked, method, path, call, credentials) == 403, missing
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "call"), [each for each in WITH_BODY if "{shot}" in each[1]], ids=lambda word: str(word)[:60]
+)
+def test_no_body_is_received_for_a_shot_of_others(locked, method, path, call):
+    held = key(locked, *SCOPES - {"admin"})
+    assert status_without_body(locked, method, path, call, held) == 404
+
+
+def status_without_body(locked: Running, method: str, path: str, call: dict, credentials: dict[str, str]) -> int:
+    """The status of the answer to the head of a request."""
     kind = next(iter(call["requestBody"]["content"]))
-    for missing, status in [("all", 401), *((scope, 403) for scope in needed)]:
-        head = {"Host": locked.client.base_url.netloc.decode(), "Content-Length": "1000", "Content-Type": kind}
-        if missing != "all":
-            held = SCOPES - {missing}
-            head |= key(locked, *held, project="*" if "admin" in held else "default")
-        lines = "".join(f"{name}: {value}\r\n" for name, value in head.items())
-        with socket.create_connection((locked.client.base_url.host, locked.client.base_url.port), timeout=10) as sender:
-            sender.sendall(
-                f"{method.upper()} {filled(path)} HTTP/1.1\r\n{lines}\r\n".encode()
-            )  # and nothing of the body
-            assert sender.recv(100).startswith(f"HTTP/1.1 {status} ".encode()), missing
+    address = locked.client.base_url
+    head = {"Host": address.netloc.decode(), "Content-Length": "1000", "Content-Type": kind} | credentials
+    lines = "".join(f"{name}: {value}\r\n" for name, value in head.items())
+    with socket.create_connection((address.host, address.port), timeout=10) as sender:
+        sender.sendall(f"{method.upper()} {filled(path)} HTTP/1.1\r\n{lines}\r\n".encode())
+        return int(sender.recv(100).split()[1])
 
 
 @pytest.mark.gl

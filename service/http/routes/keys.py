@@ -18,7 +18,7 @@ from service.http.service import ServiceDep
 from service.identity.principal import NOBODY
 from service.identity.roles import scopes_of
 from service.identity.sessions import SESSION_S
-from service.models.identity import KeyList, KeyRequest, KeySummary, NewKey, SignIn, Who
+from service.models.keys import KeyList, KeyRequest, KeySummary, NewKey, SignIn, Who
 
 router = APIRouter(tags=["identity"], route_class=BodyRoute)
 

@@ -14,7 +14,7 @@ Drag = Literal["focus", "time", "mixed"]
 VIEWERS, SECONDS, PHASE_S, WIDTH, RATE = 50, 20.0, 10.0, 480, 30.0
 MOST_VIEWERS = 1000
 MOST_WIDTH = 4096
-"""Of a 16:9 picture that the service renders with its default limits, pixels."""
+"""Width of a 16:9 picture that the service renders with its default limits, pixels."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from fastapi import WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
@@ -67,7 +67,7 @@ class LiveConnection:
         self._unsent_picture: tuple[_Request, LivePicture] | None = None
         self._sent_count = self._acknowledged_count = 0
         self._request_count = 0
-        self._unstarted: _Request | None = None
+        self._unstarted: _Message | None = None
         self._to_start = asyncio.Event()
         self._oldest_valid = (
             0  # number of the oldest request that may still send: earlier ones were overtaken or stopped
@@ -116,21 +116,22 @@ class LiveConnection:
             self._stop()
         else:
             self._request_count += 1
-            self._unstarted = _Request(LiveRequest.model_validate(fields), self._request_count)
+            self._unstarted = _Message(fields, self._request_count, time.perf_counter())
             self._to_start.set()
 
     async def _start_all(self) -> None:
-        """Start the newest request, again and again."""
+        """Start the newest request, again and again. Those that it overtakes are not even validated."""
         while True:
             await self._to_start.wait()
             self._to_start.clear()
-            pending, self._unstarted = self._unstarted, None
-            if pending is None:  # stopped
+            newest, self._unstarted = self._unstarted, None
+            if newest is None:  # stopped
                 continue
             try:
-                await self._start(pending)
+                request = LiveRequest.model_validate(newest.fields)
+                await self._start(_Request(request, newest.number, newest.received_s))
             except Exception as error:
-                self._report_problem(pending.request.id, error)
+                self._report_problem(newest.fields.get("id"), error)
             if self._service.lanes.live.waiting > CROWD:
                 await asyncio.sleep(CROWDED_S)
 
@@ -249,25 +250,40 @@ class LiveConnection:
         self._job = None
 
 
+class _Message(NamedTuple):
+    """A request as it was received.
+
+    Attributes:
+        fields: of its JSON.
+        number: counts the requests of the connection.
+        received_s: time of its arrival, by `time.perf_counter`.
+    """
+
+    fields: dict[str, Any]
+    number: int
+    received_s: float
+
+
 class _Request:
     """A request and the best picture of it so far.
 
     Args:
-        request: as it was received.
+        request: what is asked for.
         number: counts the requests of the connection.
+        received_s: time of its arrival, by `time.perf_counter`.
     """
 
-    def __init__(self, request: LiveRequest, number: int) -> None:
+    def __init__(self, request: LiveRequest, number: int, received_s: float) -> None:
         self.request = request
         self.number = number
         self.tag: str | None = None
         self.best: LivePicture | None = None
         self.answered_ms = 0.0
-        self._began_s = time.perf_counter()
+        self._received_s = received_s
 
     def age_ms(self) -> float:
         """Return the time since the request was received."""
-        return 1e3 * (time.perf_counter() - self._began_s)
+        return 1e3 * (time.perf_counter() - self._received_s)
 
     def is_improved_by(self, picture: LivePicture) -> bool:
         """Return whether a picture is better than those before."""

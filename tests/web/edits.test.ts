@@ -1,5 +1,6 @@
 import { setAttribute, setFocus, setFocusMode, setKind, setLens, toggleKey, type Changes } from "@/model/changes";
 import type { Curve, CurveSample } from "@/model/curve";
+import type { Keyed } from "@/model/keys";
 import type { FocusSettings, Readout } from "@/model/shot";
 import { point } from "./points";
 import { FOCUS_DEFAULTS } from "@/model/settings.gen";
@@ -51,19 +52,28 @@ describe("changes", () => {
 
 describe("the lens", () => {
   it("a hand on the focus ring of a camera that points focus sets it for the whole shot", () => {
-    const change = setLens("focusDistanceM", 5, 10, readout, curve({}, { focusDistanceM: 4 }));
+    const change = setLens("focusDistanceM", 5, 10, readout, curve({}, { focusDistanceM: 4 }), {});
     expect(change).toEqual([{ type: "setCamera", values: { focusDistanceM: 5 } }]);
   });
 
   it("a still lens changes for the whole shot, a zoom gets a key", () => {
     const still: Changes = [{ type: "setCamera", values: { focalLengthMm: 35 } }];
-    expect(setLens("focalLengthMm", 35, 10, readout, curve({}, {}))).toEqual(still);
+    expect(setLens("focalLengthMm", 35, 10, readout, curve({}, {}), {})).toEqual(still);
     const zoom = curve({ focalLengthMm: 50 }, { focalLengthMm: 60 });
-    expect(setLens("focalLengthMm", 35, 10, readout, zoom)).toMatchObject([{ values: { time: 10 } }]);
+    expect(setLens("focalLengthMm", 35, 10, readout, zoom, {})).toMatchObject([{ values: { time: 10 } }]);
+  });
+
+  it("what is keyed gets a key, though its curve is even", () => {
+    const keys: Keyed = { fStop: [{ time: 1, value: 2, interpolation: "auto" }], focusDistanceM: [] };
+    const stop: Changes = [{ type: "setCamera", values: { fStop: 8, time: 50 } }];
+    expect(setLens("fStop", 8, 50, readout, curve({}, {}), keys)).toEqual(stop);
+    expect(setLens("fStop", 8, 50, readout, [], keys)).toEqual(stop);
+    const distance: Changes = [{ type: "setCamera", values: { focusDistanceM: 5 } }];
+    expect(setLens("focusDistanceM", 5, 50, readout, [], keys)).toEqual(distance);
   });
 
   it("infinity is the 0 that USD and the service write for it", () => {
-    const change = setLens("focusDistanceM", Infinity, 10, readout, []);
+    const change = setLens("focusDistanceM", Infinity, 10, readout, [], {});
     expect(change).toEqual([{ type: "setCamera", values: { focusDistanceM: 0 } }]);
   });
 

@@ -1,13 +1,18 @@
 /** A service whose answers a test sets, and which records what it is sent. */
 
 import type { Change, Changes } from "@/model/changes";
+import type { Curve } from "@/model/curve";
 import type { EditHistory } from "@/model/history";
+import type { Who } from "@/model/identity";
+import type { LensSummary } from "@/model/lens";
+import type { Libraries, Photography } from "@/model/photography";
 import type { Quality } from "@/model/quality";
-import type { FocusSettings, Readout, Shot } from "@/model/shot";
+import type { FocusPoint, FocusSettings, Pick, Readout, Shot, ShotSummary } from "@/model/shot";
 import { errorOf } from "@/net/errors";
 import type { LiveListener, LiveLink, LivePicture, PictureRequest } from "@/net/live_link";
 import type { Edit, EditResult, Service } from "@/net/service";
 import type { View } from "@/net/view";
+import { point } from "./points";
 
 export const SHOT: Shot = {
   id: "demo",
@@ -60,6 +65,11 @@ export class FakeService implements Partial<Service> {
   state: Omit<EditResult, "history"> | null = null;
   /** Called for each edit, before it is made; a test may hold it up. */
   gate: () => Promise<void> = () => Promise.resolve();
+  /** As `gate`, for each pick. */
+  pickGate: () => Promise<void> = () => Promise.resolve();
+  /** Whether there is something at each place of the picture; its anchor then has that place. */
+  hits = true;
+  points: FocusPoint[] = [];
 
   /** As the interface that the editor asks; what a test does not need is not there. */
   get service(): Service {
@@ -73,7 +83,8 @@ export class FakeService implements Partial<Service> {
 
   async edit(_: View, { label, changes }: Edit): Promise<EditResult> {
     await this.gate();
-    if (changes.some(({ type }) => type === this.failing)) throw new Error(`no ${String(this.failing)}`);
+    if (changes.some(({ type }) => type === this.failing))
+      throw errorOf(500, { code: "broken", detail: `no ${String(this.failing)}` });
     this.made.push(changes);
     this.#comeTo([...this.done, ...changes], label);
     const nothing = { points: null, readout: null, focusSettings: null, photography: null, curve: null };
@@ -118,6 +129,34 @@ export class FakeService implements Partial<Service> {
     return this.history();
   }
 
+  listen(): void {
+    // It asks for no key, and keeps nobody waiting.
+  }
+
+  whoAmI(): Promise<Who> {
+    return Promise.resolve({ id: "anyone", label: "anyone", scopes: ["edit", "render"], project: "*", endsAt: null });
+  }
+
+  shots(): Promise<ShotSummary[]> {
+    return Promise.resolve([SHOT]);
+  }
+
+  trash(): Promise<[]> {
+    return Promise.resolve([]);
+  }
+
+  lenses(): Promise<readonly LensSummary[]> {
+    return Promise.resolve([{ name: "fifty" } as LensSummary]);
+  }
+
+  libraries(): Promise<Libraries> {
+    return Promise.resolve({ films: [], bodies: [], shapes: [] });
+  }
+
+  open(): Promise<Shot> {
+    return Promise.resolve(SHOT);
+  }
+
   forget(): void {
     // It keeps no tags.
   }
@@ -152,8 +191,25 @@ export class FakeService implements Partial<Service> {
     return Promise.resolve({ keys: {} } as unknown as FocusSettings);
   }
 
-  focusPoints(): Promise<[]> {
+  focusPoints(): Promise<FocusPoint[]> {
+    return Promise.resolve(this.points);
+  }
+
+  async pick(_: View, _time: number, at: readonly [number, number]): Promise<Pick | null> {
+    await this.pickGate();
+    return this.hits ? { anchor: { ...point("thing").anchor, barycentric: [...at, 0] }, depthM: 2 } : null;
+  }
+
+  notes(): Promise<[]> {
     return Promise.resolve([]);
+  }
+
+  curve(): Promise<Curve> {
+    return Promise.resolve([]);
+  }
+
+  photography(): Promise<Photography> {
+    return Promise.resolve({ exposure: { keys: {} }, film: { keys: {} } } as unknown as Photography);
   }
 
   readout(): Promise<Readout> {

@@ -55,7 +55,7 @@ describe("newest wins", () => {
     await answer("2");
     await answer("5");
     expect(shown).toEqual(["1", "2", "5"]);
-    expect(fetcher.busy).toBe(false);
+    expect(fetcher.free).toBe(true);
   });
 
   it("never goes back: an older answer that comes late is dropped and its request given up", async () => {
@@ -93,6 +93,6 @@ describe("newest wins", () => {
     fetcher.clear();
     await answer("1");
     expect([shown, failed, aborted]).toEqual([[], [], ["1"]]);
-    expect(fetcher.busy).toBe(false);
+    expect(fetcher.free).toBe(true);
   });
 });

@@ -1,7 +1,7 @@
 /** One shot of the service, as the editor shows it: its focus points, lens and curve, and the edits that change them. */
 
 import { batch, computed, signal, type ReadonlySignal } from "@preact/signals";
-import type { Changes } from "../model/changes";
+import { setFocusMode, type Changes } from "../model/changes";
 import { sampleAt, type Curve } from "../model/curve";
 import { NO_HISTORY, redoLabel, undoLabel } from "../model/history";
 import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
@@ -11,19 +11,20 @@ import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { EditResult, Service } from "../net/service";
 import type { View } from "../net/view";
+import type { Fail } from "./fail";
 
 const NO_CHANGES: Changes = [];
 const NO_EDITS_ADVICE = "Whoever gave you the key can give you one that may.";
 /** Shots of up to this many frames get their focus curve with the result of each edit; longer ones read it afterwards. */
 const MOST_CURVE_FRAMES = 500;
 
-type Fail = (error: unknown) => void;
-
 /** Time and revision of something read. */
-interface At {
+export interface At {
   readonly time: number;
   readonly revision: number;
 }
+
+type TimedResult = EditResult & { readonly time: number };
 
 /** A drag: its values are previewed in the picture, and the last one is an edit. */
 export interface Drag<Value> {
@@ -82,10 +83,15 @@ export class ShotDocument {
     this.view = { shot: shot.id, camera };
     this.#time = time;
     this.#fail = fail;
+    const onError = (error: unknown): void => {
+      fail(error, () => {
+        this.refresh();
+      });
+    };
     this.#followPoints = new NewestWins({
       load: (at) => this.pointsAt(at),
       onResult: (points) => (this.points.value = points),
-      onError: fail,
+      onError,
       mostInFlight: 1,
     });
     this.#followReadout = new NewestWins({
@@ -93,13 +99,13 @@ export class ShotDocument {
       onResult: (value, at) => {
         this.#takeReadout(value, at);
       },
-      onError: fail,
+      onError,
       mostInFlight: 1,
     });
     this.#followSettings = new NewestWins({
       load: ({ time: at }, signal) => service.focusSettings(this.view, at, signal),
       onResult: (value, { revision }) => (this.#settings.value = { revision, value }),
-      onError: fail,
+      onError,
       mostInFlight: 1,
     });
     this.#followCurve = new NewestWins({
@@ -108,7 +114,7 @@ export class ShotDocument {
         this.curve.value = curve;
         this.#curveRevision.value = revision;
       },
-      onError: fail,
+      onError,
       mostInFlight: 1,
     });
   }
@@ -186,49 +192,54 @@ export class ShotDocument {
     return points;
   }
 
+  /** Lets the points decide the focus, in the way that they do already. */
+  byPoints(): Changes {
+    return this.readout.value?.focusMode === "manual" ? setFocusMode("points", "manual") : NO_CHANGES;
+  }
+
   readonly undoLabel = computed(() => undoLabel(this.history.value));
   readonly redoLabel = computed(() => redoLabel(this.history.value));
 
   /**
    * Sends an edit: one request, applied whole or not at all, one step of undo. Resolves to whether it was applied.
    *
-   * @param changes of the edit; a promise where a file has to be read first.
+   * @param changes of the edit; a function where something has to be read for them, once the edits before it are made.
    * @param unsaved changes that the picture shows until the edit is applied.
    */
-  edit(label: string, changes: Changes | Promise<Changes>, unsaved?: Changes): Promise<boolean> {
+  edit(label: string, changes: Changes | (() => Promise<Changes>), unsaved?: Changes): Promise<boolean> {
     if (this.#isRefused()) return Promise.resolve(false);
-    if (!(changes instanceof Promise) && changes.length === 0) {
+    if (typeof changes !== "function" && changes.length === 0) {
       if (unsaved) this.endPreview();
       return Promise.resolve(true);
     }
     const time = this.#time.peek();
     const withCurve = frameCount(this.shot.range) <= MOST_CURVE_FRAMES;
-    return this.#inTurn(async () => {
-      const result = await this.#service.edit(this.view, { label, changes: await changes, time, withCurve });
+    const task = async (): Promise<TimedResult> => {
+      const known = typeof changes === "function" ? await changes() : changes;
+      const result = await this.#service.edit(this.view, { label, changes: known, time, withCurve });
       this.history.value = result.history;
       return { ...result, time };
-    }, unsaved);
+    };
+    return this.#inTurn(task, () => void this.edit(label, changes), unsaved);
   }
 
   /** Undoes the last edit, unless another editor has edited since the history was read. */
   undo(): Promise<boolean> {
-    if (this.#isRefused()) return Promise.resolve(false);
-    if (this.pending.peek() === 0 && this.history.peek().before === null) return Promise.resolve(false);
-    return this.#inTurn(async () => {
-      const { before, revision } = this.history.value;
-      if (before !== null) this.history.value = await this.#service.undo(this.shot.id, revision);
-      return null;
-    });
+    return this.#walk("undo");
   }
 
   redo(): Promise<boolean> {
-    if (this.#isRefused()) return Promise.resolve(false);
-    if (this.pending.peek() === 0 && this.history.peek().after === null) return Promise.resolve(false);
-    return this.#inTurn(async () => {
-      const { after, revision } = this.history.value;
-      if (after !== null) this.history.value = await this.#service.redo(this.shot.id, revision);
+    return this.#walk("redo");
+  }
+
+  #walk(way: "undo" | "redo"): Promise<boolean> {
+    const isEnd = (): boolean => this.history.peek()[way === "undo" ? "before" : "after"] === null;
+    if (this.#isRefused() || (this.pending.peek() === 0 && isEnd())) return Promise.resolve(false);
+    const step = async (): Promise<null> => {
+      if (!isEnd()) this.history.value = await this.#service[way](this.shot.id, this.history.peek().revision);
       return null;
-    });
+    };
+    return this.#inTurn(step, () => void this.#walk(way));
   }
 
   /** Resolves when all edits that were begun are made. */
@@ -246,7 +257,7 @@ export class ShotDocument {
       this.history.value = history;
       if (known !== NO_HISTORY) this.refresh();
     } catch (error) {
-      this.#fail(error);
+      this.#fail(error, () => void this.catchUp());
     }
   }
 
@@ -300,7 +311,7 @@ export class ShotDocument {
    *
    * @param result of an edit, which saves reading its parts; null reads everything again.
    */
-  refresh(result: (EditResult & { readonly time: number }) | null = null): void {
+  refresh(result: TimedResult | null = null): void {
     const revision = this.revision.value + 1;
     this.#service.forget(this.shot.id);
     this.#pointsAt.clear();
@@ -318,7 +329,7 @@ export class ShotDocument {
   /** Tells the person why they may not edit, and returns whether they may not. */
   #isRefused(): boolean {
     const reason = this.noEdits.peek();
-    if (reason !== null) this.#fail(new HintError(reason, NO_EDITS_ADVICE));
+    if (reason !== null) this.#fail(new HintError(reason, NO_EDITS_ADVICE), () => undefined);
     return reason !== null;
   }
 
@@ -333,17 +344,18 @@ export class ShotDocument {
    * Runs a task after those queued before it, and then refreshes. Resolves to whether the task succeeded.
    *
    * @param task resolves to the result of an edit, or to null to read everything again.
+   * @param again does it once more, where it fails.
    * @param unsaved changes whose preview ends with the task.
    */
-  #inTurn(task: () => Promise<(EditResult & { readonly time: number }) | null>, unsaved?: Changes): Promise<boolean> {
+  #inTurn(task: () => Promise<TimedResult | null>, again: () => void, unsaved?: Changes): Promise<boolean> {
     this.pending.value += 1;
     const done = this.#queue.then(async () => {
-      let result: (EditResult & { readonly time: number }) | null = null;
+      let result: TimedResult | null = null;
       try {
         result = await task();
         return true;
       } catch (error) {
-        if (!isAbort(error)) this.#fail(error);
+        if (!isAbort(error)) this.#fail(error, again);
         this.#previewReadout.value = null;
         this.history.value = await this.#service.history(this.shot.id).catch(() => this.history.peek());
         return false;

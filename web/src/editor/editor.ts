@@ -7,6 +7,7 @@ import { NO_LIBRARIES, type Libraries } from "../model/photography";
 import type { TrashedShot } from "../model/shot";
 import { complaintOf, HintError, isAbort, ServiceError, type Complaint } from "../net/errors";
 import type { Download, Service } from "../net/service";
+import type { Fail } from "./fail";
 import { Identity } from "./identity";
 import { Library } from "./library";
 import { Remembered } from "./remembered";
@@ -16,6 +17,12 @@ import { Session } from "./session";
 export interface Sheet {
   readonly title: string;
   readonly address: string;
+}
+
+/** A shot that is being opened; each try is another one. */
+interface Opening {
+  readonly shot: string;
+  readonly camera: string | null;
 }
 
 export class Editor {
@@ -29,8 +36,8 @@ export class Editor {
   readonly libraries = signal<Libraries>(NO_LIBRARIES);
   /** The sheet of a lens or a film that is open. */
   readonly sheet = signal<Sheet | null>(null);
-  /** The shot that is being opened. */
-  readonly opening = signal<string | null>(null);
+  /** What is being opened. */
+  readonly opening = signal<Opening | null>(null);
   readonly complaint = signal<Complaint | null>(null);
   /** What is waited for, as the service says it; null where nothing is. */
   readonly waiting = signal<string | null>(null);
@@ -39,7 +46,9 @@ export class Editor {
   readonly exporting = signal<string | null>(null);
 
   readonly service: Service;
-  #start: Parameters<Editor["start"]> = [null, null, null];
+  /** Does once more what the complaint is about. */
+  #again = (): void => undefined;
+  #librariesRead: Promise<void> | null = null;
 
   /** @param reload loads the page anew, at its present address. */
   constructor(service: Service, reload: () => void) {
@@ -53,59 +62,75 @@ export class Editor {
   }
 
   /** Shows an error, unless its request was cancelled on purpose. */
-  readonly fail = (error: unknown): void => {
+  readonly fail: Fail = (error, again) => {
     if (isAbort(error)) return;
     this.complaint.value = complaintOf(error);
+    this.#again = again;
     // The list of shots has the reason, and what releases the shot.
     if (error instanceof ServiceError && error.status === 423) void this.library.refresh();
   };
 
   /** Finds out who is signed in, lists the shots and opens the given one, else the first. */
   async start(shot: string | null, camera: string | null, time: number | null): Promise<void> {
-    this.#start = [shot, camera, time];
+    const again = (): void => void this.start(shot, camera, time);
     try {
       await this.identity.refresh();
     } catch (error) {
-      this.fail(error);
+      this.fail(error, again);
       return;
     }
     void this.#readLibraries();
     if (this.identity.noEdits.value === null) void this.library.refreshTrash();
-    await this.library.refresh();
+    await this.library.refresh(again);
     const shots = this.library.shots.value ?? [];
     const chosen = shots.find((candidate) => candidate.id === shot) ?? shots[0];
-    if (chosen) await this.open(chosen.id, camera, time);
+    if (chosen) await this.#open(chosen.id, camera, time);
   }
 
-  /** Reads again after a failure. */
-  async retry(): Promise<void> {
+  /** Does once more what failed last, and reads the libraries that could not be read. */
+  retry(): void {
     this.complaint.value = null;
-    if (this.session.value) this.session.value.document.refresh();
-    else await this.start(...this.#start);
+    void this.#readLibraries();
+    this.#again();
+  }
+
+  /** Does something; where it fails, the person is told and can do it once more. */
+  async attempt(act: () => Promise<void>): Promise<void> {
+    try {
+      await act();
+    } catch (error) {
+      this.fail(error, () => void this.attempt(act));
+    }
   }
 
   /** Reads what has changed since the person was here last: who is signed in, and the edits of others. */
   async catchUp(): Promise<void> {
     const { who } = this.identity;
-    if (who.value && isPerson(who.value)) await this.identity.refresh().catch(this.fail);
+    if (who.value && isPerson(who.value)) await this.attempt(() => this.identity.refresh());
+    if (who.value) void this.#readLibraries();
     await this.session.value?.document.catchUp();
   }
 
   /** Ends the session at the service once the edits under way are made. */
   async signOut(): Promise<void> {
-    await this.session.value?.document.idle();
-    await this.identity.signOut().catch(this.fail);
+    await this.session.value?.idle();
+    await this.attempt(() => this.identity.signOut());
   }
 
   /** Opens a shot; the one that was open stays until the new one is there. */
   async open(shot: string, camera: string | null = null, time: number | null = null): Promise<void> {
-    this.opening.value = shot;
+    this.complaint.value = null;
+    await this.#open(shot, camera, time);
+  }
+
+  async #open(shot: string, camera: string | null, time: number | null): Promise<void> {
+    const opening = { shot, camera };
+    this.opening.value = opening;
     try {
       const opened = await this.service.open(shot);
-      if (this.opening.value !== shot) return; // another shot was requested meanwhile
+      if (this.opening.value !== opening) return; // another one was requested meanwhile
       const known = opened.cameras.some((candidate) => candidate.path === camera);
       const view = known ? camera : opened.defaultCamera;
-      this.complaint.value = null;
       this.session.value?.close();
       this.session.value = new Session(
         this.service,
@@ -116,9 +141,9 @@ export class Editor {
         this.identity,
       );
     } catch (error) {
-      this.fail(error);
+      if (this.opening.value === opening) this.fail(error, () => void this.open(shot, camera, time));
     } finally {
-      if (this.opening.value === shot) this.opening.value = null;
+      if (this.opening.value === opening) this.opening.value = null;
     }
   }
 
@@ -131,7 +156,7 @@ export class Editor {
   async upload(files: Iterable<File>): Promise<void> {
     const refusal = this.identity.noEdits.value;
     if (refusal !== null) {
-      this.fail(new HintError(refusal, "A key that may edit can add shots."));
+      this.fail(new HintError(refusal, "A key that may edit can add shots."), () => undefined);
       return;
     }
     const shots = await Promise.all([...files].map((file) => this.library.upload(file)));
@@ -140,40 +165,52 @@ export class Editor {
   }
 
   async remove(shot: string): Promise<void> {
-    if (!(await this.library.remove(shot))) return;
-    if (this.session.value?.shot.id !== shot) return;
-    this.session.value.close();
-    this.session.value = null;
-    const next = this.library.shots.value?.[0];
-    if (next) await this.open(next.id);
+    await this.attempt(async () => {
+      await this.library.remove(shot);
+      if (this.session.value?.shot.id !== shot) return;
+      this.session.value.close();
+      this.session.value = null;
+      const next = this.library.shots.value?.[0];
+      if (next) await this.open(next.id);
+    });
   }
 
   /** Restores a deleted shot and opens it. */
   async restore(entry: TrashedShot): Promise<void> {
-    if (await this.library.restore(entry)) await this.open(entry.shot);
+    await this.attempt(async () => {
+      await this.library.restore(entry);
+      await this.open(entry.shot);
+    });
   }
 
   /** Releases a shot from quarantine and opens it. */
   async release(shot: string): Promise<void> {
-    if (await this.library.release(shot)) await this.open(shot);
+    await this.attempt(async () => {
+      await this.library.release(shot);
+      await this.open(shot);
+    });
   }
 
-  async #readLibraries(): Promise<void> {
-    try {
-      this.lenses.value = await this.service.lenses();
-      this.libraries.value = await this.service.libraries();
-    } catch (error) {
-      this.fail(error);
-    }
+  /** Reads the libraries that are not there yet. */
+  #readLibraries(): Promise<void> {
+    const read = async (): Promise<void> => {
+      if (this.lenses.value.length === 0) this.lenses.value = await this.service.lenses();
+      if (this.libraries.value === NO_LIBRARIES) this.libraries.value = await this.service.libraries();
+    };
+    this.#librariesRead ??= this.attempt(read).then(() => {
+      this.#librariesRead = null;
+    });
+    return this.#librariesRead;
   }
 
-  /** Makes a download and hands it to `save`. */
+  /** Makes a download of what is edited and hands it to `save`. */
   async export(what: string, make: () => Promise<Download>, save: (download: Download) => void): Promise<void> {
     this.exporting.value = what;
     try {
+      await this.session.value?.idle();
       save(await make());
     } catch (error) {
-      this.fail(error);
+      this.fail(error, () => void this.export(what, make, save));
     } finally {
       this.exporting.value = null;
     }

@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import type { ShotSummary, TrashedShot } from "../model/shot";
 import { complaintOf, isAbort, type Complaint } from "../net/errors";
 import type { Service } from "../net/service";
+import type { Fail } from "./fail";
 
 /** A file on its way. */
 export interface Upload {
@@ -24,19 +25,20 @@ export class Library {
   readonly uploads = signal<readonly Upload[]>([]);
 
   readonly #service: Service;
-  readonly #fail: (error: unknown) => void;
+  readonly #fail: Fail;
   #serial = 0;
 
-  constructor(service: Service, fail: (error: unknown) => void) {
+  constructor(service: Service, fail: Fail) {
     this.#service = service;
     this.#fail = fail;
   }
 
-  async refresh(): Promise<void> {
+  /** @param again does once more what it was read for, where that fails. */
+  async refresh(again = (): void => void this.refresh()): Promise<void> {
     try {
       this.shots.value = await this.#service.shots();
     } catch (error) {
-      this.#fail(error);
+      this.#fail(error, again);
     }
   }
 
@@ -70,49 +72,31 @@ export class Library {
     this.uploads.value = this.uploads.value.filter((upload) => upload.id !== id);
   }
 
-  async remove(shot: string): Promise<boolean> {
-    try {
-      await this.#service.removeShot(shot);
-      await Promise.all([this.refresh(), this.refreshTrash()]);
-      this.removed.value = this.trash.value.find((entry) => entry.shot === shot) ?? null;
-      return true;
-    } catch (error) {
-      this.#fail(error);
-      return false;
-    }
+  async remove(shot: string): Promise<void> {
+    await this.#service.removeShot(shot);
+    await Promise.all([this.refresh(), this.refreshTrash()]);
+    this.removed.value = this.trash.value.find((entry) => entry.shot === shot) ?? null;
   }
 
   async refreshTrash(): Promise<void> {
     try {
       this.trash.value = await this.#service.trash();
     } catch (error) {
-      this.#fail(error);
+      this.#fail(error, () => void this.refreshTrash());
     }
   }
 
-  /** Restores a deleted shot; resolves to whether that went well. */
-  async restore(entry: TrashedShot): Promise<boolean> {
+  /** Restores a deleted shot. */
+  async restore(entry: TrashedShot): Promise<void> {
     this.removed.value = null;
-    return this.#changing(async () => {
-      await this.#service.restore(entry.id);
-      await this.refreshTrash();
-    });
+    await this.#service.restore(entry.id);
+    await Promise.all([this.refresh(), this.refreshTrash()]);
   }
 
-  /** Lets a shot in quarantine be opened again; resolves to whether that went well. */
-  async release(shot: string): Promise<boolean> {
-    return this.#changing(() => this.#service.release(shot));
-  }
-
-  async #changing(act: () => Promise<void>): Promise<boolean> {
-    try {
-      await act();
-      await this.refresh();
-      return true;
-    } catch (error) {
-      this.#fail(error);
-      return false;
-    }
+  /** Lets a shot in quarantine be opened again. */
+  async release(shot: string): Promise<void> {
+    await this.#service.release(shot);
+    await this.refresh();
   }
 
   #change(id: number, change: Partial<Upload>): void {

@@ -1,38 +1,40 @@
 /** The drag of a focus point's marker: the picture previews the focus at the pointer. */
 
+import type { Changes } from "../model/changes";
 import type { FocusPoint } from "../model/shot";
+import type { Place } from "./picks";
 import type { Session } from "./session";
-
-type Place = readonly [number, number];
 
 export class MarkerDrag {
   readonly #session: Session;
   readonly #point: FocusPoint;
-  #last: Place | null = null;
+  #last: { readonly at: Place; readonly unsaved: Changes } | null = null;
 
   constructor(session: Session, point: FocusPoint) {
     [this.#session, this.#point] = [session, point];
   }
 
-  /** @param at 0 to 1 from the picture's top left. */
   move(at: Place): void {
     const { name } = this.#point;
-    this.#last = at;
-    this.#session.selected.value = name;
-    this.#session.document.preview([{ type: "movePoint", name, place: at, time: this.#session.playhead.time.peek() }]);
+    const { document, playhead, selected } = this.#session;
+    const unsaved: Changes = [{ type: "movePoint", name, place: at, time: playhead.time.peek() }];
+    this.#last = { at, unsaved };
+    selected.value = name;
+    document.preview(unsaved);
   }
 
   /** Puts the point there. */
   async drop(): Promise<void> {
-    const { document } = this.#session;
     if (!this.#last) return;
-    const unsaved = document.unsaved.peek();
-    document.dragging.value = false;
-    await this.#session.click(this.#last, "move");
-    if (document.unsaved.peek() === unsaved) document.endPreview(); // there was nothing to put it on
+    const { at, unsaved } = this.#last;
+    this.#session.document.dragging.value = false;
+    await this.#session.picks.move(this.#point.name, at, unsaved);
+    this.cancel(); // where there was nothing to put it on
   }
 
+  /** Shows the saved state again, unless something else is shown. */
   cancel(): void {
-    this.#session.document.endPreview();
+    const { document } = this.#session;
+    if (document.unsaved.peek() === this.#last?.unsaved) document.endPreview();
   }
 }

@@ -20,12 +20,8 @@ import {
 import { setExposure, setFilm } from "../model/changes";
 import { NewestWins } from "../net/newest";
 import type { Service } from "../net/service";
-import type { Drag, ShotDocument } from "./document";
-
-interface At {
-  readonly time: number;
-  readonly revision: number;
-}
+import type { At, Drag, ShotDocument } from "./document";
+import type { Fail } from "./fail";
 
 export class CameraPhotography {
   /** The settings as last read. */
@@ -40,23 +36,28 @@ export class CameraPhotography {
   readonly #follow: NewestWins<At, Photography>;
   readonly #followMeter: NewestWins<At & { request: MeterRequest | null }, MeterReading>;
   readonly #service: Service;
-  readonly #fail: (error: unknown) => void;
+  readonly #fail: Fail;
 
-  constructor(service: Service, document: ShotDocument, time: () => number, fail: (error: unknown) => void) {
+  constructor(service: Service, document: ShotDocument, time: () => number, fail: Fail) {
     this.#service = service;
     this.#document = document;
     this.#time = time;
     this.#fail = fail;
+    const onError = (error: unknown): void => {
+      fail(error, () => {
+        document.refresh();
+      });
+    };
     this.#follow = new NewestWins({
       load: (at, signal) => service.photography(document.view, at.time, signal),
       onResult: (value, at) => (this.current.value = { ...value, ...at }),
-      onError: fail,
+      onError,
       mostInFlight: 1,
     });
     this.#followMeter = new NewestWins({
       load: ({ time, request }, signal) => service.meter(document.view, time, request, signal),
       onResult: (value, { time, revision }) => (this.meter.value = { ...value, time, revision }),
-      onError: fail,
+      onError,
       mostInFlight: 1,
     });
   }
@@ -95,7 +96,11 @@ export class CameraPhotography {
     this.#service
       .grades(this.#document.view, this.#time())
       .then((grades) => (this.grades.value = grades))
-      .catch(this.#fail);
+      .catch((error: unknown) => {
+        this.#fail(error, () => {
+          this.readGrades();
+        });
+      });
   }
 
   setExposure(label: string, change: ExposureChange, before: ExposureSettings): void {

@@ -13,6 +13,7 @@ import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
+import type { Fail } from "./fail";
 
 /** Pictures kept for playing again. */
 const MOST_KEPT = 400;
@@ -80,18 +81,21 @@ export class Pictures {
   #serial = 0;
   #shownSerial = 0;
 
-  constructor(service: Service, document: ShotDocument, fail: (error: unknown) => void, refusal: string | null = null) {
+  constructor(service: Service, document: ShotDocument, fail: Fail, refusal: string | null = null) {
     this.#document = document;
     this.refusal = refusal;
+    const onError = (error: unknown): void => {
+      this.busy.value = false;
+      fail(error, () => {
+        document.refresh();
+      });
+    };
     const listener: LiveListener = {
       onPicture: (picture, request) => this.#take(picture, request as NumberedRequest),
       onReadout: (readout, request) => {
         document.showReadout(readout, request.unsaved);
       },
-      onError: (error) => {
-        this.busy.value = false;
-        fail(error);
-      },
+      onError,
       onOpen: (isOpen) => {
         const was = this.#isLive;
         this.#isLive = isOpen;
@@ -110,10 +114,7 @@ export class Pictures {
         return { blob, stage, width, height, rays, share: request.moving ? 0 : 1, tookMs: performance.now() - began };
       },
       onResult: (picture, request) => void this.#take(picture, request),
-      onError: (error) => {
-        this.busy.value = false;
-        fail(error);
-      },
+      onError,
     });
   }
 

@@ -2,29 +2,25 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import {
+  pullFocus,
   setAttribute,
   setFocus,
   setFocusMode,
-  setKey,
   setKind,
   setLens,
   toggleKey,
   toggleSettingKey,
-  type Changes,
   type FocusChange,
   type SimpleAttribute,
 } from "../model/changes";
 import type { LensSummary } from "../model/lens";
-import type { Keyed, KeyedSetting } from "../model/keys";
+import type { KeyedSetting } from "../model/keys";
 import type { BodySummary } from "../model/photography";
-import { freshName, pullTo } from "../model/pull";
 import { restQuality } from "../model/quality";
 import {
   inFrame,
   KEYED_ATTRIBUTES,
   keysOf,
-  thingName,
-  type Anchor,
   type Ease,
   type FocusMode,
   type FocusNumber,
@@ -43,12 +39,12 @@ import { base64Of } from "../net/files";
 import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { CameraPhotography } from "./photography";
+import type { Fail } from "./fail";
 import type { Identity } from "./identity";
+import { Picks } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
-
-/** Gesture of a click on the picture. */
-export type ClickIntent = "pull" | "add" | "move";
+import { readSetting } from "./setting_state";
 
 const MODE_NAMES: Readonly<Record<FocusMode, string>> = {
   manual: "by hand",
@@ -66,18 +62,17 @@ export class Session {
   readonly playhead: Playhead;
   readonly pictures: Pictures;
   readonly photography: CameraPhotography;
+  readonly picks: Picks;
   readonly notes = signal<readonly Note[]>([]);
-  /** Name of the selected focus point. */
+  /** Name of the selected focus point, which may be gone. */
   readonly selected = signal<string | null>(null);
   /** Moments of the shutter interval in pictures at rest. */
   readonly motion = signal(1);
   /** Device pixels that the picture has on screen. */
   readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
-  /** Place of a click whose pick is under way, 0 to 1. */
-  readonly picking = signal<readonly [number, number] | null>(null);
 
   readonly #service: Service;
-  readonly #fail: (error: unknown) => void;
+  readonly #fail: Fail;
   readonly #stop: () => void;
   #hasReadNotes = false;
 
@@ -86,7 +81,7 @@ export class Session {
     shot: Shot,
     camera: string | null,
     time: number,
-    fail: (error: unknown) => void,
+    fail: Fail,
     { noEdits, noPictures }: Pick<Identity, "noEdits" | "noPictures">,
   ) {
     this.#service = service;
@@ -96,6 +91,7 @@ export class Session {
     this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail, noEdits);
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek());
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
+    this.picks = new Picks(service, this, fail);
     this.#stop = this.#follow();
   }
 
@@ -137,49 +133,16 @@ export class Session {
     () => this.document.points.value.find((point) => point.name === this.selected.value) ?? null,
   );
 
-  /** A click at a place of the picture, 0 to 1 from its top left. */
-  async click(at: readonly [number, number], intent: ClickIntent): Promise<void> {
-    const { box } = this;
-    if (!box.value || this.picking.value || !this.document.hasLens || this.document.noEdits.value !== null) return;
-    this.playhead.pause();
-    const time = this.playhead.time.value;
-    this.picking.value = at;
-    try {
-      const quality = restQuality(box.value.width, box.value.height);
-      const pick = await this.#service.pick(this.document.view, time, at, quality);
-      if (!pick) throw new HintError("There is nothing to focus on there.", "Click on a surface.");
-      await this.#place(pick.anchor, time, intent);
-    } catch (error) {
-      this.#fail(error);
-    } finally {
-      this.picking.value = null;
-    }
-  }
-
-  async #place(anchor: Anchor, time: number, intent: ClickIntent): Promise<void> {
-    const points = await this.document.pointsAt(time);
-    const moved = intent === "move" ? points.find((point) => point.name === this.selected.value) : undefined;
-    if (moved) {
-      const changes: Changes = [{ type: "movePoint", name: moved.name, anchor, time }];
-      await this.document.edit(`Move ${moved.name}`, changes, this.document.unsaved.peek());
-      return;
-    }
-    const name = freshName(
-      thingName(anchor.target[0] ?? ""),
-      points.map((point) => point.name),
-    );
-    const pull = intent === "add" ? [] : pullChanges(name, time, points);
-    const changes: Changes = [...this.#byPoints(), { type: "addPoint", point: { name, ...anchor } }, ...pull];
-    if (await this.document.edit(`Focus on ${name}`, changes)) this.selected.value = name;
-  }
+  /** Name of the selected focus point, where it is there. */
+  readonly selectedName = computed(() => this.selectedPoint.value?.name ?? null);
 
   /** Gives a point that is there already the focus at this time. */
   pullTo(point: FocusPoint): void {
     const time = this.playhead.time.value;
     const on = point.settings.enabled ? [] : setAttribute(point, "enabled", 1, time);
-    const pull = pullChanges(point.name, time, this.document.points.value);
+    const pull = pullFocus(point.name, time, this.document.points.value);
     this.selected.value = point.name;
-    void this.document.edit(`Focus on ${point.name}`, [...this.#byPoints(), ...on, ...pull]);
+    void this.document.edit(`Focus on ${point.name}`, [...this.document.byPoints(), ...on, ...pull]);
   }
 
   setFocusMode(mode: FocusMode): void {
@@ -206,11 +169,6 @@ export class Session {
     return mode === "tiltPlane" || mode === "surface";
   });
 
-  /** Lets the points decide the focus, in the way that they do already. */
-  #byPoints(): Changes {
-    return this.document.readout.value?.focusMode === "manual" ? setFocusMode("points", "manual") : [];
-  }
-
   setKind(point: FocusPoint, kind: PointSettings["kind"]): void {
     void this.document.edit(`Make ${point.name} ${kind}`, setKind(point, kind, this.playhead.time.value));
   }
@@ -219,7 +177,7 @@ export class Session {
   rack(from: FocusPoint, to: string, frames: number, ease: Ease): void {
     const start = this.playhead.time.value;
     const rack = { from: from.name, to, start, end: start + frames, ease };
-    void this.document.edit(`Rack to ${to}`, [...this.#byPoints(), { type: "rack", rack }]);
+    void this.document.edit(`Rack to ${to}`, [...this.document.byPoints(), { type: "rack", rack }]);
   }
 
   /** Goes to the next key of a point, or with -1 to the one before. */
@@ -240,8 +198,15 @@ export class Session {
     return this.document.drag(label, (value: number) => setAttribute(point, attribute, value, time));
   }
 
-  toggleKey(point: FocusPoint, attribute: SimpleAttribute): void {
-    void this.document.edit(`Key of ${point.name}`, toggleKey(point, attribute, this.playhead.time.value));
+  /** Sets or removes a key of a point where the playhead is, which stays there. */
+  toggleKey({ name }: FocusPoint, attribute: SimpleAttribute): void {
+    this.playhead.pause();
+    const time = this.playhead.time.value;
+    void this.document.edit(`Key of ${name}`, async () => {
+      const point = (await this.document.pointsAt(time)).find((candidate) => candidate.name === name);
+      if (!point) throw new HintError(`There is no ${name} any more.`, "Select another point.");
+      return toggleKey(point, attribute, time);
+    });
   }
 
   remove(point: FocusPoint): void {
@@ -251,7 +216,8 @@ export class Session {
 
   dragLens(label: string, name: keyof Lens, before: Readout): Drag<number> {
     const [time, curve] = [this.playhead.time.value, this.document.curve.value];
-    return this.document.drag(label, (value: number) => setLens(name, value, time, before, curve));
+    const keys = this.document.focusSettings.value?.keys ?? {};
+    return this.document.drag(label, (value: number) => setLens(name, value, time, before, curve, keys));
   }
 
   /** Puts a lens of the library on the camera, or with null the thin lens. */
@@ -267,21 +233,25 @@ export class Session {
 
   /** Gives the camera the focus curve of a file; it is focused by hand then. */
   importCurve(file: File): void {
-    const changes = base64Of(file).then((content): Changes => [{ type: "importCurve", content, gaps: "interpolate" }]);
-    void this.document.edit(`Import ${file.name}`, changes);
+    void this.document.edit(`Import ${file.name}`, async () => [
+      { type: "importCurve", content: await base64Of(file), gaps: "interpolate" },
+    ]);
   }
 
-  /** Sets or removes a key of a setting at this time. */
-  toggleSettingKey(label: string, setting: KeyedSetting, value: number, keys: Keyed): void {
-    const changes = toggleSettingKey(setting, value, this.playhead.time.value, keys);
-    void this.document.edit(`Key of ${label}`, changes);
+  /** Sets or removes a key of a setting where the playhead is, which stays there. */
+  toggleSettingKey(label: string, setting: KeyedSetting): void {
+    this.playhead.pause();
+    const time = this.playhead.time.value;
+    void this.document.edit(`Key of ${label}`, async () => {
+      const { value, keys } = await readSetting(this.#service, this.document.view, setting, time);
+      return toggleSettingKey(setting, value, time, keys);
+    });
   }
 
   mountLensFile(file: File): void {
-    const changes = base64Of(file).then((content): Changes => [
-      { type: "mountLensFile", fileName: file.name, content },
+    void this.document.edit(`Mount ${file.name}`, async () => [
+      { type: "mountLensFile", fileName: file.name, content: await base64Of(file) },
     ]);
-    void this.document.edit(`Mount ${file.name}`, changes);
   }
 
   downloadCurve(format: CurveFormat): Promise<Download> {
@@ -298,6 +268,12 @@ export class Session {
     // A file may take its time: the scene is drawn at each moment.
     const exact = { ...quality, motionBy: "moments" as const };
     return this.#service.downloadFrame(this.document.view, this.playhead.time.value, exact, format);
+  }
+
+  /** Resolves when all edits that were begun are made. */
+  async idle(): Promise<void> {
+    await this.picks.idle();
+    await this.document.idle();
   }
 
   close(): void {
@@ -335,13 +311,21 @@ export class Session {
         // Last of all, since it reads the whole shot; once.
         if ((this.settled.value || this.pictures.refusal !== null) && !this.#hasReadNotes) {
           this.#hasReadNotes = true;
-          this.#service.notes(this.shot.id).then((notes) => (this.notes.value = notes), this.#fail);
+          void this.#readNotes();
         }
       }),
     ];
     return () => {
       for (const stop of stops) stop();
     };
+  }
+
+  async #readNotes(): Promise<void> {
+    try {
+      this.notes.value = await this.#service.notes(this.shot.id);
+    } catch (error) {
+      this.#fail(error, () => void this.#readNotes());
+    }
   }
 
   /** Selects the next point that is in the picture. */
@@ -351,15 +335,4 @@ export class Session {
     const at = names.indexOf(this.selected.value ?? "");
     batch(() => (this.selected.value = names[(at + by + names.length) % names.length] ?? null));
   }
-}
-
-/** The keys that give a point the focus at a time. */
-function pullChanges(name: string, time: number, points: readonly FocusPoint[]): Changes {
-  const known = new Map(points.map((point) => [point.name, point]));
-  return pullTo(name, time, points).flatMap((key): Changes => {
-    const point = known.get(key.point);
-    if (point) return setKey(point, "weight", key.value, key.time);
-    const { time: at, value } = key;
-    return [{ type: "keyPoint", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }];
-  });
 }

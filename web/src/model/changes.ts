@@ -7,6 +7,7 @@ import type { components } from "../net/schema";
 import type { Curve } from "./curve";
 import type { Key, Keyed, KeyedSetting } from "./keys";
 import type { ExposureChange, ExposureSettings, FilmChange, FilmSettings } from "./photography";
+import { pullTo } from "./pull";
 import {
   keysOf,
   type FocusMode,
@@ -61,6 +62,17 @@ export function setKey(point: FocusPoint, attribute: KeyedAttribute, value: numb
   return [{ type: "keyPoint", name: point.name, attribute, key: { time, value, interpolation } }];
 }
 
+/** Gives a point the focus at a time; it may be new and not yet among `points`. */
+export function pullFocus(name: string, time: number, points: readonly FocusPoint[]): Changes {
+  const known = new Map(points.map((point) => [point.name, point]));
+  return pullTo(name, time, points).flatMap((key): Changes => {
+    const point = known.get(key.point);
+    if (point) return setKey(point, "weight", key.value, key.time);
+    const { time: at, value } = key;
+    return [{ type: "keyPoint", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }];
+  });
+}
+
 /** Removes a key if there is one at the time, else sets one with the value that the attribute has there. */
 export function toggleKey(point: FocusPoint, attribute: SimpleAttribute, time: number): Changes {
   const key = keyAt(point, attribute, time);
@@ -69,11 +81,23 @@ export function toggleKey(point: FocusPoint, attribute: SimpleAttribute, time: n
     : setKey(point, attribute, valueOf(point, attribute), time);
 }
 
-/** Sets the lens: a key at the time for what is animated, else for the whole shot. */
-export function setLens(name: keyof Lens, value: number, time: number, before: Readout, curve: Curve): Changes {
+/**
+ * Sets the lens: a key at the time for what is animated, else for the whole shot.
+ *
+ * @param keys of the lens, and of settings that this does not change.
+ */
+export function setLens(
+  name: keyof Lens,
+  value: number,
+  time: number,
+  before: Readout,
+  curve: Curve,
+  keys: Keyed,
+): Changes {
   // USD and the service write infinity as 0.
   const values = { [name]: value === Infinity ? 0 : value };
-  return [{ type: "setCamera", values: { ...values, ...(isAnimated(name, before, curve) && { time }) } }];
+  const animated = isAnimated(name, before, curve) ? { time } : keyTime(values, time, keys);
+  return [{ type: "setCamera", values: { ...values, ...animated } }];
 }
 
 /** Whether the camera itself changes over the shot; where points decide the focus, its own distance is not seen. */

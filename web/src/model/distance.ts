@@ -14,11 +14,6 @@ export function inverse(distanceM: number): number {
   return distanceM === Infinity ? 0 : 1 / distanceM;
 }
 
-/** The distance of an inverse depth; 0 and what lies behind it are infinity. */
-export function fromInverse(w: number): number {
-  return w > 0 ? 1 / w : Infinity;
-}
-
 /** A distance as a focus puller reads it: about three digits, `∞` for infinity. */
 export function formatDistance(distanceM: number, unit: LengthUnit): string {
   if (Number.isNaN(distanceM)) return "–";

@@ -28,13 +28,6 @@ export type FilmChange = Partial<
 };
 
 export const SHUTTER_TYPES = EXPOSURE_CHOICES.shutterType;
-/** In the order in which the page lists them. */
-export const METERING_MODES = [
-  "manual",
-  "center",
-  "average",
-  "spot",
-] as const satisfies readonly ExposureSettings["meteringMode"][];
 export type ShutterType = ExposureSettings["shutterType"];
 export type MeteringMode = ExposureSettings["meteringMode"];
 export type MeterMode = Exclude<MeteringMode, "manual">;

@@ -63,7 +63,7 @@ function keyedBetween(own: readonly Key[], edge: number, time: number): boolean 
   return own.some((key) => !sameTime(key.time, time) && key.time >= low - 1e-4 && key.time <= high + 1e-4);
 }
 
-/** A name for a new focus point that none has: `focus1`, `focus2`, … or the target's own where that is free. */
+/** A name for a new focus point that none has: the target's own, made an identifier, or with the first number that is free: `lamp_2`. */
 export function freshName(target: string, taken: readonly string[]): string {
   const stem = target.replace(/[^A-Za-z0-9_]/g, "_").replace(/^(?=\d)/, "_") || "focus";
   if (!taken.includes(stem)) return stem;

@@ -39,7 +39,7 @@ export interface LiveListener {
 export interface LiveLink {
   /** Whether another request would be served soon: playing waits for it. */
   readonly free: boolean;
-  /** Requests a picture in place of the one before. Without a connection the request is dropped. */
+  /** Requests a picture in place of the one before. Without a connection the newest request is sent once there is one. */
   request(request: PictureRequest): void;
   /** Cancels the requests, here and at the service; nothing arrives for them. */
   cancel(): void;

@@ -20,8 +20,6 @@ export interface NewestWinsOptions<Request, Result> {
   load(request: Request, signal: AbortSignal): Promise<Result>;
   onResult(result: Result, request: Request): void;
   onError(error: unknown, request: Request): void;
-  /** Called whenever the number of requests in flight or waiting changes. */
-  onBusy?(busy: boolean): void;
   mostInFlight?: number;
 }
 
@@ -43,23 +41,17 @@ export class NewestWins<Request, Result> {
     return this.#flights.length < this.#most;
   }
 
-  get busy(): boolean {
-    return this.#flights.length > 0 || this.#waiting !== null;
-  }
-
   load(request: Request, { disposable = false } = {}): void {
     this.#abort((flight) => flight.disposable === true);
     const queued = { request, disposable };
     if (this.free) this.#start(queued);
     else this.#waiting = queued;
-    this.#options.onBusy?.(this.busy);
   }
 
   /** Aborts all requests in flight and drops the one that waits. */
   clear(): void {
     this.#waiting = null;
     this.#abort(() => true);
-    this.#options.onBusy?.(this.busy);
   }
 
   #start(queued: Queued<Request>): void {
@@ -96,7 +88,6 @@ export class NewestWins<Request, Result> {
       this.#waiting = null;
       this.#start(next);
     }
-    this.#options.onBusy?.(this.busy);
   }
 
   #abort(which: (flight: Flight<Request>) => boolean): void {

@@ -21,7 +21,7 @@ export function Account({ editor }: { editor: Editor }): JSX.Element | null {
           <span class="account-name">{who.label}</span>
         </>
       }
-      onOpen={() => void identity.refresh().catch(editor.fail)}
+      onOpen={() => void editor.attempt(() => identity.refresh())}
     >
       {(close) => (
         <>

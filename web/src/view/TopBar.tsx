@@ -1,6 +1,6 @@
 /** The bar on top: what is open, what can be undone, how it is shown, and what can be taken away. */
 
-import type { JSX } from "preact";
+import { Fragment, type JSX } from "preact";
 import type { Editor } from "../editor/editor";
 import { SURROUNDS, type Surround } from "../editor/remembered";
 import type { Session } from "../editor/session";
@@ -39,6 +39,9 @@ export function TopBar({ editor }: { editor: Editor }): JSX.Element {
 
 function CameraChoice({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   const { cameras } = session.shot;
+  const opening = editor.opening.value;
+  // Where it cannot be opened, the choice goes back.
+  const chosen = (opening?.shot === session.shot.id ? opening.camera : null) ?? session.camera ?? "";
   return (
     <div class="crumbs">
       <span class="shot-name">{session.shot.name}</span>
@@ -50,8 +53,8 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
       ) : (
         <select
           aria-label="Camera"
-          title={session.camera ?? ""}
-          value={session.camera ?? ""}
+          title={chosen}
+          value={chosen}
           onChange={(event) => void editor.lookThrough(event.currentTarget.value)}
         >
           {cameras.map(({ path }) => (
@@ -163,10 +166,9 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
     >
       {(close) =>
         items(session).map(({ group, what, make }, at, all) => (
-          <>
-            {group !== all[at - 1]?.group && <h3 key={group}>{group}</h3>}
+          <Fragment key={what}>
+            {group !== all[at - 1]?.group && <h3>{group}</h3>}
             <button
-              key={what}
               type="button"
               disabled={group === FRAME && session.pictures.refusal !== null}
               title={group === FRAME ? (session.pictures.refusal ?? undefined) : undefined}
@@ -177,7 +179,7 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
             >
               {what}
             </button>
-          </>
+          </Fragment>
         ))
       }
     </Menu>

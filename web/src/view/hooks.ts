@@ -50,12 +50,12 @@ export function save({ blob, name }: { blob: Blob; name: string }): void {
   URL.revokeObjectURL(link.href);
 }
 
-/** Follows a pointer from where it went down until it is let go or its hold is taken away. */
+/** Follows a pointer from where it went down until it is let go or its hold is taken away; what is returned ends that at once. */
 export function followPointer(
   down: PointerEvent,
   onMove: (event: PointerEvent) => void,
   onEnd: (event: PointerEvent) => void,
-): void {
+): () => void {
   const element = down.currentTarget as Element;
   element.setPointerCapture(down.pointerId);
   const listening = new AbortController();
@@ -73,4 +73,7 @@ export function followPointer(
   );
   element.addEventListener("pointerup", end, { signal });
   element.addEventListener("pointercancel", end, { signal });
+  return () => {
+    listening.abort();
+  };
 }

@@ -2,13 +2,14 @@
 
 import type { Editor } from "../editor/editor";
 import type { Session } from "../editor/session";
+import { chooseRadio, controlOf, usesKey } from "./own_keys";
 
 export interface Shortcut {
   readonly keys: string;
   readonly does: string;
 }
 
-/** For the help; in the order of the handlers below. */
+/** For the help. */
 export const SHORTCUTS: readonly Shortcut[] = [
   { keys: "Space", does: "Play or pause" },
   { keys: "← →", does: "One frame back or forward" },
@@ -39,7 +40,10 @@ export const SHORTCUTS: readonly Shortcut[] = [
 
 export function listenToKeys(target: Window, editor: Editor): void {
   target.addEventListener("keydown", (event) => {
-    if (event.defaultPrevented || isTyping(event) || document.querySelector("dialog[open]")) return;
+    if (event.defaultPrevented || document.querySelector("dialog[open]")) return;
+    const focused = event.target instanceof Element ? event.target : null;
+    if (focused && chooseRadio(focused, event)) event.preventDefault();
+    if (focused && usesKey(controlOf(focused), event)) return;
     const session = editor.session.value;
     const handled = event.ctrlKey || event.metaKey ? undoKeys(event, session) : plainKeys(event, editor, session);
     if (handled) event.preventDefault();
@@ -81,8 +85,7 @@ function plainKeys(event: KeyboardEvent, editor: Editor, session: Session | null
 function timeKeys(event: KeyboardEvent, session: Session): boolean {
   const { playhead } = session;
   const step = event.shiftKey ? 10 : 1;
-  if (event.key === " " && !isOn(event, "button, summary, a, [role=button]")) playhead.toggle();
-  else if (isOn(event, "input, select, [role=slider]")) return false;
+  if (event.key === " ") playhead.toggle();
   else if (event.key === "ArrowLeft") playhead.step(-step);
   else if (event.key === "ArrowRight") playhead.step(step);
   else if (event.key === "Home") playhead.goTo(playhead.range.start);
@@ -102,12 +105,4 @@ function pointKeys(event: KeyboardEvent, session: Session): boolean {
   else if (event.key === "Delete" || event.key === "Backspace") session.remove(point);
   else return false;
   return true;
-}
-
-function isTyping(event: KeyboardEvent): boolean {
-  return isOn(event, "input:not([type=range]):not([type=checkbox]), textarea, [contenteditable=true]");
-}
-
-function isOn(event: KeyboardEvent, selector: string): boolean {
-  return event.target instanceof Element && event.target.matches(selector);
 }

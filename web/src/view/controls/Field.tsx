@@ -4,6 +4,7 @@ import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Drag } from "../../editor/document";
 import type { Scale } from "../../model/scale";
+import { TypedNumber } from "./TypedNumber";
 
 export interface FieldProps {
   readonly label: string;
@@ -11,7 +12,7 @@ export interface FieldProps {
   readonly scale: Scale;
   readonly format: (value: number) => string;
   readonly parse: (text: string) => number | null;
-  /** Example of a value, shown after one that cannot be read. */
+  /** Example of a value, shown with one that cannot be read. */
   readonly example: string;
   readonly startDrag: () => Drag<number>;
   /** Whether `value` is what the service has now, so that a dragged value need not stand in for it. */
@@ -34,7 +35,7 @@ const KEY_STEPS: Readonly<Record<string, number>> = {
 };
 
 export function Field(props: FieldProps): JSX.Element {
-  const { label, scale, format, disabled = false } = props;
+  const { label, scale, format, parse, example, disabled = false } = props;
   const { value, move, commit, cancel } = useDrag(props);
   const position = scale.toPosition(value) * TRAVEL;
   const step = (event: KeyboardEvent): void => {
@@ -50,13 +51,15 @@ export function Field(props: FieldProps): JSX.Element {
         {label}
       </span>
       <TypedNumber
-        {...props}
+        label={label}
         value={value}
+        format={format}
+        parse={parse}
+        example={example}
+        disabled={disabled}
+        onTyped={commit}
         onStep={step}
         onStepped={commit}
-        onTyped={(typed) => {
-          commit(typed);
-        }}
       />
       <input
         type="range"
@@ -124,67 +127,4 @@ function useDrag({ value, fresh, startDrag }: FieldProps): {
       setDraft(null);
     },
   };
-}
-
-interface TypedNumberProps extends FieldProps {
-  readonly onTyped: (value: number) => void;
-  readonly onStep: (event: KeyboardEvent) => void;
-  readonly onStepped: () => void;
-}
-
-function TypedNumber({
-  label,
-  value,
-  format,
-  parse,
-  example,
-  disabled,
-  onTyped,
-  onStep,
-  onStepped,
-}: TypedNumberProps): JSX.Element {
-  const [text, setText] = useState<string | null>(null);
-  const wrong = text !== null && parse(text) === null;
-  const finish = (): void => {
-    const typed = text === null ? null : parse(text);
-    setText(null);
-    if (typed !== null && format(typed) !== format(value)) onTyped(typed);
-  };
-  return (
-    <input
-      type="text"
-      class="number"
-      inputMode="decimal"
-      autocomplete="off"
-      spellcheck={false}
-      disabled={disabled ?? false}
-      aria-label={label}
-      aria-invalid={wrong}
-      title={wrong ? `Type for example ${example}` : undefined}
-      value={text ?? format(value)}
-      onFocus={(event) => {
-        event.currentTarget.select();
-      }}
-      onInput={(event) => {
-        setText(event.currentTarget.value);
-      }}
-      onBlur={() => {
-        finish();
-        onStepped();
-      }}
-      onKeyDown={(event) => {
-        if (event.key === "Enter") event.currentTarget.blur();
-        else if (event.key === "Escape") {
-          setText(null);
-          event.currentTarget.blur();
-        } else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
-          setText(null);
-          onStep(event);
-        }
-      }}
-      onKeyUp={(event) => {
-        if (event.key in KEY_STEPS) onStepped();
-      }}
-    />
-  );
 }

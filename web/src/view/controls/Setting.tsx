@@ -11,12 +11,10 @@ interface SettingProps extends FieldProps {
   readonly session: Session;
   /** Takes the keys. */
   readonly setting: KeyedSetting;
-  /** Value of the keyed setting, where it is not `value`. */
-  readonly keyValue?: number;
   readonly keys: Keyed;
 }
 
-export function Setting({ session, setting, keys, keyValue, ...field }: SettingProps): JSX.Element {
+export function Setting({ session, setting, keys, ...field }: SettingProps): JSX.Element {
   return (
     <div class="setting">
       <KeyDiamond
@@ -25,7 +23,7 @@ export function Setting({ session, setting, keys, keyValue, ...field }: SettingP
         keyed={(keys[setting] ?? []).length > 0}
         now={settingKeyAt(keys, setting, session.playhead.time.value) !== null}
         onToggle={() => {
-          session.toggleSettingKey(field.label.toLowerCase(), setting, keyValue ?? field.value, keys);
+          session.toggleSettingKey(field.label.toLowerCase(), setting);
         }}
       />
       <Field {...field} />

@@ -78,7 +78,7 @@ function ShotRow({ editor, shot }: { editor: Editor; shot: ShotSummary }): JSX.E
   const [asking, setAsking] = useState(false);
   const session = editor.session.value;
   const isOpen = session?.shot.id === shot.id;
-  const opening = editor.opening.value === shot.id;
+  const opening = editor.opening.value?.shot === shot.id;
   const refusal = editor.identity.noEdits.value;
   return (
     <li class={isOpen ? "shot open" : "shot"}>
@@ -178,7 +178,9 @@ function UploadRow({ upload, onDismiss }: { upload: Upload; onDismiss: () => voi
         <div class="shot-open">
           <span class="name">{name}</span>
           {complaint ? (
-            <span role="alert">{complaint.message}</span>
+            <span role="alert">
+              {complaint.message} {complaint.advice}
+            </span>
           ) : (
             <>
               <progress aria-label={`Sending ${name}`} {...(progress < 1 ? { value: progress } : {})} max={1} />

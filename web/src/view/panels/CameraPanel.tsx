@@ -1,7 +1,8 @@
 /** The camera: its body and framing, how it sees motion, its exposure, its film and its grade. */
 
 import type { JSX } from "preact";
-import { useSignalEffect } from "@preact/signals";
+import { effect } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { SHUTTER_TYPES, type FilmSettings, type Photography, type ShutterType } from "../../model/photography";
@@ -14,16 +15,20 @@ import { trim } from "../numbers";
 
 export function CameraPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   const current = session.photography.current.value;
-  useSignalEffect(() => {
-    // Last of all, since what draws pictures does it.
-    if (!session.settled.value) return;
-    session.photography.measure(
-      session.playhead.time.value,
-      session.document.revision.value,
-      session.photography.meterMode.value,
-      session.selected.value,
-    );
-  });
+  useEffect(
+    () =>
+      effect(() => {
+        // Last of all, since what draws pictures does it.
+        if (!session.settled.value) return;
+        session.photography.measure(
+          session.playhead.time.value,
+          session.document.revision.value,
+          session.photography.meterMode.value,
+          session.selectedName.value,
+        );
+      }),
+    [session],
+  );
   if (!current) return <p class="muted pad-all">Reading the camera…</p>;
   return (
     <>

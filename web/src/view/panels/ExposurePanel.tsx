@@ -139,7 +139,6 @@ function Shutter({ session, current }: PartProps): JSX.Element {
       <Setting
         session={session}
         setting="shutterClose"
-        keyValue={exposure.shutterAngleDeg / 360}
         keys={exposure.keys}
         {...quantityOf(EXPOSURE_SLIDERS.shutterAngleDeg, {
           hint: "Twice the angle is twice the blur and twice the light; type 180° or 1/50 s",

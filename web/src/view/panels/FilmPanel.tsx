@@ -45,7 +45,7 @@ export function FilmPanel({ editor, session, film }: PartProps & { readonly edit
           <Balance session={session} film={film} stock={stock} />
           {inCamera &&
             Object.values(OF_FILM).map((declared) => (
-              <Number key={declared.name} session={session} film={film} declared={declared} />
+              <FilmNumber key={declared.name} session={session} film={film} declared={declared} />
             ))}
         </Edits>
       </div>
@@ -117,11 +117,11 @@ function descriptionOf({ process }: FilmSettings, stock: FilmSummary | undefined
 
 const { whiteBalanceK: BALANCE, ...OF_FILM } = FILM_SLIDERS;
 
-interface NumberProps extends PartProps {
+interface FilmNumberProps extends PartProps {
   readonly declared: Declared & { readonly name: keyof typeof FILM_SLIDERS };
 }
 
-function Number({ session, film, declared }: NumberProps): JSX.Element {
+function FilmNumber({ session, film, declared }: FilmNumberProps): JSX.Element {
   const { name, label } = declared;
   return (
     <Setting
@@ -145,7 +145,7 @@ const LIGHTS: readonly (readonly [name: string, kelvin: number])[] = [
 function Balance({ session, film, stock }: PartProps & { readonly stock: FilmSummary | undefined }): JSX.Element {
   return (
     <>
-      <Number session={session} film={film} declared={BALANCE} />
+      <FilmNumber session={session} film={film} declared={BALANCE} />
       <div class="group presets" role="group" aria-label="Light that looks neutral">
         {LIGHTS.map(([name, kelvin]) => (
           <button

@@ -50,7 +50,7 @@ export function Switch({ session, settings, name, label, hint, onEdit }: SwitchP
         keyed={(settings.keys[name] ?? []).length > 0}
         now={settingKeyAt(settings.keys, name, session.playhead.time.value) !== null}
         onToggle={() => {
-          session.toggleSettingKey(label.toLowerCase(), name, Number(settings[name]), settings.keys);
+          session.toggleSettingKey(label.toLowerCase(), name);
         }}
       />
       <label class="switch-row" title={hint}>

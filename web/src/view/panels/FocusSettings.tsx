@@ -10,6 +10,7 @@ import {
   type Readout,
 } from "../../model/shot";
 import { Choice, Options } from "../controls/Choice";
+import { Reading } from "../controls/Reading";
 import { Amount, Switch, type FocusSettingsProps } from "./FocusAmount";
 import { trim } from "../numbers";
 
@@ -63,14 +64,8 @@ function TiltPlane({ session, settings, readout }: FocusSettingsProps & { readon
         <>
           <Amount {...props} name="maxAngleDeg" />
           <dl class="readout">
-            <div>
-              <dt>Tilt</dt>
-              <dd data-reading="tilt">{degrees(readout.tiltDeg)}</dd>
-            </div>
-            <div>
-              <dt>Swing</dt>
-              <dd data-reading="swing">{degrees(readout.swingDeg)}</dd>
-            </div>
+            <Reading of="reading" name="Tilt" value={degrees(readout.tiltDeg)} />
+            <Reading of="reading" name="Swing" value={degrees(readout.swingDeg)} />
           </dl>
         </>
       ) : (

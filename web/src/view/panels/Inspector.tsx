@@ -26,7 +26,7 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
           <ReadOnly session={session} />
           {editor.remembered.panel.value === "camera" ? (
             <div role="tabpanel" id="panel-camera" aria-labelledby="tab-camera">
-              <CameraPanel editor={editor} session={session} key={session.shot.id} />
+              <CameraPanel editor={editor} session={session} />
             </div>
           ) : (
             <div role="tabpanel" id="panel-focus" aria-labelledby="tab-focus">

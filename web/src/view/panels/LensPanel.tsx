@@ -12,6 +12,7 @@ import { LensChooser } from "../dialogs/LensChooser";
 import { trim } from "../numbers";
 import { Setting } from "../controls/Setting";
 import { Edits } from "../controls/Edits";
+import { Reading } from "../controls/Reading";
 
 interface LensPanelProps {
   readonly editor: Editor;
@@ -111,20 +112,11 @@ function DepthOfField({
         unit={unit}
       />
       <dl class="readout">
-        <Reading name="Near" value={formatDistance(readout.nearM, unit)} />
-        <Reading name="Far" value={formatDistance(readout.farM, unit)} />
-        <Reading name="Depth" value={formatDistance(readout.farM - readout.nearM, unit)} />
-        <Reading name="Hyperfocal" value={formatDistance(readout.hyperfocalM, unit)} />
+        <Reading of="reading" name="Near" value={formatDistance(readout.nearM, unit)} />
+        <Reading of="reading" name="Far" value={formatDistance(readout.farM, unit)} />
+        <Reading of="reading" name="Depth" value={formatDistance(readout.farM - readout.nearM, unit)} />
+        <Reading of="reading" name="Hyperfocal" value={formatDistance(readout.hyperfocalM, unit)} />
       </dl>
-    </div>
-  );
-}
-
-function Reading({ name, value }: { name: string; value: string }): JSX.Element {
-  return (
-    <div>
-      <dt>{name}</dt>
-      <dd data-reading={name.toLowerCase()}>{value}</dd>
     </div>
   );
 }

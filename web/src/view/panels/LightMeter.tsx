@@ -11,6 +11,7 @@ import {
 } from "../../model/photography";
 import { trim } from "../numbers";
 import { Edits } from "../controls/Edits";
+import { Reading } from "../controls/Reading";
 import { ExposureField } from "../controls/ExposureField";
 import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
 
@@ -55,7 +56,7 @@ function Head({ session, exposure }: MeterProps): JSX.Element {
   const decides = exposure.meteringMode !== "manual";
   const mode = exposure.meteringMode === "manual" ? photography.meterMode.value : exposure.meteringMode;
   const decideBy = (meteringMode: MeterMode): ExposureChange =>
-    meteringMode === "spot" ? { meteringMode, meteringFocusPoint: session.selected.value ?? "" } : { meteringMode };
+    meteringMode === "spot" ? { meteringMode, meteringFocusPoint: session.selectedName.value ?? "" } : { meteringMode };
   return (
     <div class="meter-head">
       <div class="group" role="radiogroup" aria-label="What the meter looks at">
@@ -158,20 +159,19 @@ function textOf(stops: number): string {
 function Readings({ meter }: { meter: MeterReading | null }): JSX.Element {
   return (
     <dl class="readout">
-      <Reading name="Light" value={meter && Number.isFinite(meter.ev100) ? `EV ${trim(meter.ev100, 1)}` : "–"} />
-      <Reading name="Seen" value={meter ? `${amount(meter.luminanceNits)} nits` : "–"} />
-      <Reading name="Incident" value={meter ? `${amount(meter.incidentLux)} lx` : "–"} />
-      <Reading name="Off by" value={meter && Number.isFinite(meter.stops) ? formatStops(meter.stops) : "–"} />
+      <Reading
+        of="meter"
+        name="Light"
+        value={meter && Number.isFinite(meter.ev100) ? `EV ${trim(meter.ev100, 1)}` : "–"}
+      />
+      <Reading of="meter" name="Seen" value={meter ? `${amount(meter.luminanceNits)} nits` : "–"} />
+      <Reading of="meter" name="Incident" value={meter ? `${amount(meter.incidentLux)} lx` : "–"} />
+      <Reading
+        of="meter"
+        name="Off by"
+        value={meter && Number.isFinite(meter.stops) ? formatStops(meter.stops) : "–"}
+      />
     </dl>
-  );
-}
-
-function Reading({ name, value }: { name: string; value: string }): JSX.Element {
-  return (
-    <div>
-      <dt>{name}</dt>
-      <dd data-meter={name.toLowerCase()}>{value}</dd>
-    </div>
   );
 }
 

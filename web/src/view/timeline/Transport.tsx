@@ -1,11 +1,13 @@
 /** Play, step, and say which frame it is. */
 
 import type { JSX } from "preact";
-import { useState } from "preact/hooks";
+import type { Playhead } from "../../editor/playhead";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { formatFrame } from "../../model/time";
+import { TypedNumber } from "../controls/TypedNumber";
 import { Icon, type IconName } from "../icons";
+import { parseQuantity } from "../numbers";
 
 export function Transport({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const { playhead } = session;
@@ -55,12 +57,7 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
           playhead.goTo(range.end);
         }}
       />
-      <FrameNumber
-        time={time}
-        onTyped={(typed) => {
-          playhead.goTo(typed);
-        }}
-      />
+      <FrameNumber playhead={playhead} />
       <span class="muted numbers">
         of {formatFrame(range.start)}–{formatFrame(range.end)} · {seconds.toFixed(2)} s ·{" "}
         {Number(range.framesPerSecond.toFixed(3))} fps
@@ -68,6 +65,22 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
       <div class="spacer" />
       <Legend session={session} unit={unit} />
     </div>
+  );
+}
+
+function FrameNumber({ playhead }: { playhead: Playhead }): JSX.Element {
+  return (
+    <TypedNumber
+      kind="frame"
+      label="Frame"
+      value={playhead.time.value}
+      format={formatFrame}
+      parse={(text) => parseQuantity(text, "")}
+      example={formatFrame(playhead.range.end)}
+      onTyped={(typed) => {
+        playhead.goTo(typed);
+      }}
+    />
   );
 }
 
@@ -83,38 +96,6 @@ function TransportButton({ icon, label, keys, act }: TransportButtonProps): JSX.
     <button type="button" class="button icon-only" aria-label={label} title={`${label} (${keys})`} onClick={act}>
       <Icon name={icon} />
     </button>
-  );
-}
-
-function FrameNumber({ time, onTyped }: { time: number; onTyped: (time: number) => void }): JSX.Element {
-  const [text, setText] = useState<string | null>(null);
-  const finish = (): void => {
-    const typed = text?.trim() ?? "";
-    setText(null);
-    if (typed !== "" && Number.isFinite(Number(typed))) onTyped(Number(typed));
-  };
-  return (
-    <input
-      type="text"
-      class="number frame"
-      inputMode="numeric"
-      aria-label="Frame"
-      value={text ?? formatFrame(time)}
-      onFocus={(event) => {
-        event.currentTarget.select();
-      }}
-      onInput={(event) => {
-        setText(event.currentTarget.value);
-      }}
-      onBlur={finish}
-      onKeyDown={(event) => {
-        if (event.key === "Enter") event.currentTarget.blur();
-        else if (event.key === "Escape") {
-          setText(null);
-          event.currentTarget.blur();
-        }
-      }}
-    />
   );
 }
 

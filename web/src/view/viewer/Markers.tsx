@@ -1,8 +1,9 @@
 /** The focus points on the picture: click one to select it, drag it to put it elsewhere. */
 
-import type { JSX } from "preact";
-import { useState } from "preact/hooks";
+import type { JSX, TargetedPointerEvent } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { MarkerDrag } from "../../editor/marker";
+import type { Place } from "../../editor/picks";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { inFrame, type FocusPoint } from "../../model/shot";
@@ -23,12 +24,47 @@ export function Markers({ session, unit }: { session: Session; unit: LengthUnit 
 
 /** Place of a click whose pick is under way. */
 export function Picking({ session }: { session: Session }): JSX.Element | null {
-  const at = session.picking.value;
+  const at = session.picks.picking.value;
   return at && <div class="picking" style={place(at)} role="status" aria-label="Looking what is there" />;
 }
 
+/** A marker's drag, which is given up where the marker goes away in it, as where its point leaves the picture. */
+function useMarkerDrag(
+  session: Session,
+  point: FocusPoint,
+): { dragged: Place | null; onPointerDown: (down: TargetedPointerEvent<HTMLElement>) => void } {
+  const [dragged, setDragged] = useState<Place | null>(null);
+  const giveUp = useRef<(() => void) | null>(null);
+  useEffect(() => () => giveUp.current?.(), []);
+  const onPointerDown = (down: TargetedPointerEvent<HTMLElement>): void => {
+    const frame = down.currentTarget.closest(".picture")?.getBoundingClientRect();
+    if (!frame || down.button !== 0 || session.document.noEdits.value !== null) return;
+    const drag = new MarkerDrag(session, point);
+    let moves = false;
+    const move = ({ clientX, clientY }: PointerEvent): void => {
+      moves ||= Math.hypot(clientX - down.clientX, clientY - down.clientY) >= SLACK_PX;
+      if (!moves) return;
+      const at = [hold((clientX - frame.left) / frame.width), hold((clientY - frame.top) / frame.height)] as const;
+      setDragged(at);
+      drag.move(at);
+    };
+    const end = async (isDropped: boolean): Promise<void> => {
+      giveUp.current = null;
+      if (isDropped) await drag.drop();
+      else drag.cancel();
+      setDragged(null);
+    };
+    const stop = followPointer(down, move, ({ type }) => void end(type === "pointerup"));
+    giveUp.current = () => {
+      stop();
+      drag.cancel();
+    };
+  };
+  return { dragged, onPointerDown };
+}
+
 function Marker({ session, point, unit }: { session: Session; point: FocusPoint; unit: LengthUnit }): JSX.Element {
-  const [dragged, setDragged] = useState<readonly [number, number] | null>(null);
+  const { dragged, onPointerDown } = useMarkerDrag(session, point);
   const selected = session.selected.value === point.name;
   const active = point.settings.enabled && point.settings.weight > 0;
   const depth = point.depthM === null ? "" : formatDistance(point.depthM, unit);
@@ -40,32 +76,7 @@ function Marker({ session, point, unit }: { session: Session; point: FocusPoint;
       aria-pressed={selected}
       aria-label={`Focus point ${point.name}, ${depth}`}
       onClick={() => (session.selected.value = point.name)}
-      onPointerDown={(down) => {
-        if (down.button !== 0 || session.document.noEdits.value !== null) return;
-        const frame = down.currentTarget.closest(".picture")?.getBoundingClientRect();
-        if (!frame) return;
-        const drag = new MarkerDrag(session, point);
-        let at: readonly [number, number] | null = null;
-        followPointer(
-          down,
-          (event) => {
-            if (!at && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < SLACK_PX) return;
-            at = [hold((event.clientX - frame.left) / frame.width), hold((event.clientY - frame.top) / frame.height)];
-            setDragged(at);
-            drag.move(at);
-          },
-          (event) => {
-            if (event.type !== "pointerup") {
-              drag.cancel();
-              setDragged(null);
-              return;
-            }
-            void drag.drop().then(() => {
-              setDragged(null);
-            });
-          },
-        );
-      }}
+      onPointerDown={onPointerDown}
     >
       <svg viewBox="-14 -14 28 28" width="28" height="28" aria-hidden="true">
         <g class="halo">
@@ -92,7 +103,7 @@ function Reticle(): JSX.Element {
   );
 }
 
-function place([x, y]: readonly [number, number]): { left: string; top: string } {
+function place([x, y]: Place): { left: string; top: string } {
   return { left: `${x * 100}%`, top: `${y * 100}%` };
 }
 

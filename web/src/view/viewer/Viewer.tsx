@@ -1,11 +1,12 @@
 /** The picture in its surround: letterboxed, sharp to the device pixel, with the focus points on it. */
 
-import { useSignalEffect } from "@preact/signals";
+import { effect } from "@preact/signals";
 import type { JSX } from "preact";
-import { useLayoutEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Displayed } from "../../editor/pictures";
-import type { ClickIntent, Session } from "../../editor/session";
+import type { ClickIntent } from "../../editor/picks";
+import type { Session } from "../../editor/session";
 import { letterbox, MOTION_MOMENTS } from "../../model/quality";
 import { formatFrame } from "../../model/time";
 import { Guides, MeterSpot } from "./Guides";
@@ -75,17 +76,14 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
 
 function Canvas({ session }: { session: Session }): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
-  useSignalEffect(() => {
-    const shown = session.pictures.displayed.value;
-    const context = canvas.current?.getContext("2d", { alpha: false });
-    if (!shown || !canvas.current || !context) return;
-    const { width, height } = shown.quality;
-    canvas.current.width = width;
-    canvas.current.height = height;
-    // A preview is smaller than the place that it fills; browsers enlarge more smoothly here than by style.
-    context.imageSmoothingQuality = "high";
-    context.drawImage(shown.bitmap, 0, 0, width, height);
-  });
+  useEffect(
+    () =>
+      effect(() => {
+        const shown = session.pictures.displayed.value;
+        if (shown && canvas.current) draw(shown, canvas.current);
+      }),
+    [session],
+  );
   const shown = session.pictures.displayed.value;
   return (
     <canvas
@@ -99,9 +97,19 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       data-unsaved={shown !== null && shown.unsaved.length > 0}
       data-time={shown?.time}
       data-revision={shown?.revision}
-      onClick={(event) => void session.click(placeOf(event), intentOf(event, session.gathers.value))}
+      onClick={(event) => void session.picks.click(placeOf(event), intentOf(event, session.gathers.value))}
     />
   );
+}
+
+function draw({ bitmap, quality: { width, height } }: Displayed, canvas: HTMLCanvasElement): void {
+  const context = canvas.getContext("2d", { alpha: false });
+  if (!context) return;
+  canvas.width = width;
+  canvas.height = height;
+  // A preview is smaller than the place that it fills; browsers enlarge more smoothly here than by style.
+  context.imageSmoothingQuality = "high";
+  context.drawImage(bitmap, 0, 0, width, height);
 }
 
 /** Where in the picture a pointer is: 0 to 1 from its top left corner. */
@@ -165,7 +173,7 @@ function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
           class="button"
           onClick={() => {
             if (complaint.remedy === "signIn") editor.identity.askAgain();
-            else void editor.retry();
+            else editor.retry();
           }}
         >
           {complaint.remedy === "signIn" ? "Sign in" : "Try again"}

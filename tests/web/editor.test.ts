@@ -1,0 +1,130 @@
+import { Editor } from "@/editor/editor";
+import type { Shot } from "@/model/shot";
+import { errorOf } from "@/net/errors";
+import type { Download } from "@/net/service";
+import { FakeService, SHOT, turn } from "./fake_service";
+
+const TWO_CAMERAS: Shot = {
+  ...SHOT,
+  cameras: [
+    { path: "/cam", aspect: 2 },
+    { path: "/wide", aspect: 2 },
+  ],
+};
+
+/** An editor whose requests to open a shot are answered when the test says so, the first one first. */
+function opening(): { fake: FakeService; editor: Editor; answer: () => Promise<void>; refuse: () => Promise<void> } {
+  const fake = new FakeService();
+  const waiting: { resolve: (shot: Shot) => void; reject: (error: Error) => void }[] = [];
+  fake.open = () => new Promise((resolve, reject) => waiting.push({ resolve, reject }));
+  const editor = new Editor(fake.service, () => undefined);
+  return {
+    fake,
+    editor,
+    answer: () => {
+      waiting.shift()?.resolve(TWO_CAMERAS);
+      return turn();
+    },
+    refuse: () => {
+      waiting.shift()?.reject(errorOf(500, { code: "broken", detail: "It is broken." }));
+      return turn();
+    },
+  };
+}
+
+beforeEach(() => {
+  vi.stubGlobal("cancelAnimationFrame", () => undefined);
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+describe("a camera that is chosen", () => {
+  it("is the last one, however fast another was chosen before", async () => {
+    const { editor, answer } = opening();
+    void editor.open("demo");
+    await answer();
+    void editor.lookThrough("/wide");
+    void editor.lookThrough("/cam");
+    void editor.lookThrough("/wide");
+    expect(editor.opening.value).toEqual({ shot: "demo", camera: "/wide" });
+    for (let count = 0; count < 3; count += 1) await answer();
+    expect([editor.session.value?.camera, editor.opening.value]).toEqual(["/wide", null]);
+  });
+
+  it("and cannot be opened leaves the one before, and nobody hears of one that was chosen before it", async () => {
+    const { editor, answer, refuse } = opening();
+    void editor.open("demo");
+    await answer();
+    void editor.lookThrough("/wide");
+    void editor.lookThrough("/wide");
+    await refuse();
+    expect([editor.complaint.value, editor.opening.value]).toEqual([null, { shot: "demo", camera: "/wide" }]);
+    await refuse();
+    expect(editor.complaint.value?.message).toBe("It is broken.");
+    expect([editor.session.value?.camera, editor.opening.value]).toEqual(["/cam", null]);
+  });
+});
+
+describe("trying again", () => {
+  it("repeats what failed", async () => {
+    const { fake, editor, answer, refuse } = opening();
+    void editor.open("demo", "/wide", 7);
+    await refuse();
+    expect(editor.complaint.value?.remedy).toBe("retry");
+    editor.retry();
+    expect(editor.complaint.value).toBeNull();
+    await answer();
+    expect([editor.session.value?.camera, editor.session.value?.playhead.time.value]).toEqual(["/wide", 7]);
+
+    fake.failing = "removePoint";
+    await editor.session.value?.document.edit("a", [{ type: "removePoint", name: "a" }]);
+    expect([editor.complaint.value?.message, fake.made]).toEqual(["No removePoint.", []]);
+    fake.failing = null;
+    editor.retry();
+    await turn();
+    expect(fake.made).toEqual([[{ type: "removePoint", name: "a" }]]);
+  });
+
+  it("reads the lists of lenses and films that could not be read, and opening a shot does not hide that", async () => {
+    const fake = new FakeService();
+    const editor = new Editor(fake.service, () => undefined);
+    const lenses = vi.spyOn(fake, "lenses").mockRejectedValue(errorOf(500, { code: "broken", detail: "No lenses." }));
+    await editor.start(null, null, null);
+    expect([editor.session.value?.shot.id, editor.complaint.value?.message]).toEqual(["demo", "No lenses."]);
+    lenses.mockRestore();
+    editor.retry();
+    await turn();
+    expect([editor.lenses.value.length, editor.libraries.value.films, editor.complaint.value]).toEqual([1, [], null]);
+  });
+
+  it("opens what the address says where the shots could not be listed", async () => {
+    const fake = new FakeService();
+    const editor = new Editor(fake.service, () => undefined);
+    const shots = vi.spyOn(fake, "shots").mockRejectedValue(errorOf(500, { code: "broken", detail: "No shots." }));
+    await editor.start("demo", "/cam", 9);
+    expect(editor.session.value).toBeNull();
+    shots.mockRestore();
+    editor.retry();
+    await turn();
+    expect(editor.session.value?.playhead.time.value).toBe(9);
+  });
+});
+
+it("a download waits for the edits under way", async () => {
+  const { fake, editor, answer } = opening();
+  void editor.open("demo");
+  await answer();
+  let made = (): void => undefined;
+  fake.gate = () => new Promise((resolve) => (made = resolve));
+  void editor.session.value?.document.edit("a", [{ type: "removePoint", name: "a" }]);
+  const saved: number[] = [];
+  const make = (): Promise<Download> => Promise.resolve({ blob: new Blob(), name: "edits.usda" });
+  const exported = editor.export("Edit layer", make, () => saved.push(fake.made.length));
+  await turn();
+  expect([saved, editor.exporting.value]).toEqual([[], "Edit layer"]);
+  made();
+  await exported;
+  expect([saved, editor.exporting.value]).toEqual([[1], null]);
+});

@@ -1,0 +1,180 @@
+import { signal } from "@preact/signals";
+import { MarkerDrag } from "@/editor/marker";
+import { Session } from "@/editor/session";
+import type { Changes } from "@/model/changes";
+import type { Photography } from "@/model/photography";
+import type { FocusSettings } from "@/model/shot";
+import { FakeService, SHOT, turn } from "./fake_service";
+import { point } from "./points";
+
+beforeEach(() => {
+  vi.stubGlobal("cancelAnimationFrame", () => undefined);
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+/** A session with two points, of which the second is selected, and a picture on screen. */
+async function opened(): Promise<{ fake: FakeService; session: Session; failed: unknown[] }> {
+  const fake = new FakeService();
+  const failed: unknown[] = [];
+  fake.points = [point("near"), point("far")];
+  const rights = { noEdits: signal(null), noPictures: signal(null) };
+  const session = new Session(fake.service, SHOT, "/cam", 1, (error) => failed.push(error), rights);
+  session.box.value = { width: 800, height: 400 };
+  session.selected.value = "far";
+  await turn();
+  return { fake, session, failed };
+}
+
+/** Holds up picks until they are let go, the first one first. */
+function heldUp(fake: FakeService): () => Promise<void> {
+  const held: (() => void)[] = [];
+  fake.pickGate = () => new Promise((resolve) => held.push(resolve));
+  return async () => {
+    held.shift()?.();
+    await turn();
+  };
+}
+
+function moves(made: readonly Changes[]): unknown[] {
+  return made
+    .flat()
+    .map((change) => (change.type === "movePoint" ? [change.name, change.anchor?.barycentric?.[0]] : change.type));
+}
+
+describe("a marker that is dropped", () => {
+  it("moves its own point, whichever is selected meanwhile", async () => {
+    const { fake, session } = await opened();
+    const letGo = heldUp(fake);
+    const drag = new MarkerDrag(session, point("near"));
+    drag.move([0.2, 0.5]);
+    void drag.drop();
+    session.selected.value = "far";
+    await turn();
+    await letGo();
+    session.selected.value = null;
+    const again = new MarkerDrag(session, point("near"));
+    again.move([0.3, 0.5]);
+    void again.drop();
+    session.selected.value = null;
+    await turn();
+    await letGo();
+    expect(moves(fake.made)).toEqual([
+      ["near", 0.2],
+      ["near", 0.3],
+    ]);
+  });
+
+  it("during another pick waits for it, and is shown until it is there", async () => {
+    const { fake, session } = await opened();
+    const letGo = heldUp(fake);
+    const [first, second] = [new MarkerDrag(session, point("near")), new MarkerDrag(session, point("far"))];
+    first.move([0.2, 0.5]);
+    void first.drop();
+    await turn();
+    second.move([0.7, 0.5]);
+    void second.drop();
+    const unsaved = session.document.unsaved.value;
+    await letGo();
+    expect([session.document.unsaved.value, session.picks.picking.value]).toEqual([unsaved, [0.7, 0.5]]);
+    await letGo();
+    expect(moves(fake.made)).toEqual([
+      ["near", 0.2],
+      ["far", 0.7],
+    ]);
+    expect([session.document.unsaved.value, session.picks.picking.value]).toEqual([[], null]);
+  });
+});
+
+describe("a marker that is not moved", () => {
+  it("as it was dropped on nothing goes back where it was", async () => {
+    const { fake, session, failed } = await opened();
+    fake.hits = false;
+    const drag = new MarkerDrag(session, point("near"));
+    drag.move([0.2, 0.5]);
+    await drag.drop();
+    expect([fake.made, session.document.unsaved.value, failed.length]).toEqual([[], [], 1]);
+  });
+
+  it("as its drag was given up leaves alone what another one shows", async () => {
+    const { session } = await opened();
+    const [first, second] = [new MarkerDrag(session, point("near")), new MarkerDrag(session, point("far"))];
+    second.move([0.7, 0.5]);
+    first.cancel();
+    expect(session.document.dragging.value).toBe(true);
+    second.cancel();
+    expect([session.document.dragging.value, session.document.unsaved.value]).toEqual([false, []]);
+  });
+});
+
+describe("a click on the picture", () => {
+  it("that moves the selected point moves the one that was selected then", async () => {
+    const { fake, session } = await opened();
+    const letGo = heldUp(fake);
+    void session.picks.click([0.4, 0.5], "move");
+    await turn();
+    session.selected.value = "near";
+    await letGo();
+    expect(moves(fake.made)).toEqual([["far", 0.4]]);
+  });
+
+  it("during a pick does nothing, and adds a point else", async () => {
+    const { fake, session } = await opened();
+    const letGo = heldUp(fake);
+    void session.picks.click([0.4, 0.5], "add");
+    await turn();
+    void session.picks.click([0.5, 0.5], "add");
+    await letGo();
+    await letGo();
+    expect(moves(fake.made)).toEqual(["setFocus", "addPoint"]);
+    expect(session.selected.value).toBe("thing");
+  });
+});
+
+describe("a key that is set while it plays", () => {
+  it("stops the playhead and has the value at its time", async () => {
+    const { fake, session } = await opened();
+    vi.stubGlobal("requestAnimationFrame", () => 0);
+    session.playhead.play();
+    session.playhead.time.value = 7; // the points on the page are still those of frame 1
+    fake.points = [point("near", {}, { weight: 0.7 })];
+    vi.spyOn(fake, "readout").mockImplementation(async (_?: unknown, time?: number) => ({
+      ...(await new FakeService().readout()),
+      fStop: time ?? 0,
+    }));
+    session.toggleKey(point("near"), "weight");
+    session.toggleSettingKey("f-number", "fStop");
+    expect(session.playhead.playing.value).toBe(false);
+    await session.idle();
+    expect(fake.made.flat()).toMatchObject([
+      { type: "keyPoint", name: "near", key: { time: 7, value: 0.7 } },
+      { type: "keySetting", setting: "fStop", key: { time: 7, value: 7 } },
+    ]);
+  });
+
+  it("is of the resource that the setting belongs to, and one that is there is removed", async () => {
+    const { fake, session } = await opened();
+    const keys = { push: [{ time: 1, value: 0, interpolation: "linear" }] };
+    const photography = { exposure: { shutterClose: 0.5, keys: {} }, film: { push: 1, keys } };
+    vi.spyOn(fake, "photography").mockResolvedValue(photography as unknown as Photography);
+    vi.spyOn(fake, "focusSettings").mockResolvedValue({ tiltDeg: 3, keys: {} } as unknown as FocusSettings);
+    for (const setting of ["shutterClose", "push", "tiltDeg"] as const) session.toggleSettingKey("", setting);
+    await session.idle();
+    expect(fake.made.flat()).toMatchObject([
+      { type: "keySetting", setting: "shutterClose", key: { value: 0.5 } },
+      { type: "unkeySetting", setting: "push" },
+      { type: "keySetting", setting: "tiltDeg", key: { value: 3 } },
+    ]);
+  });
+});
+
+it("a selected point that is gone, as after an undo, has no name", async () => {
+  const { fake, session } = await opened();
+  expect(session.selectedName.value).toBe("far");
+  fake.points = [point("near")];
+  session.document.refresh();
+  await turn();
+  expect([session.selected.value, session.selectedName.value]).toEqual(["far", null]);
+});

@@ -1,0 +1,104 @@
+/** Clicks on the picture, and points that are dropped on it: what is there is picked, and becomes or gets a focus point. */
+
+import { signal, type ReadonlySignal, type Signal } from "@preact/signals";
+import { pullFocus, type Changes } from "../model/changes";
+import { freshName } from "../model/pull";
+import { restQuality } from "../model/quality";
+import { thingName, type Anchor, type FocusPoint } from "../model/shot";
+import { HintError } from "../net/errors";
+import type { Service } from "../net/service";
+import type { ShotDocument } from "./document";
+import type { Fail } from "./fail";
+import type { Playhead } from "./playhead";
+
+/** Gesture of a click on the picture. */
+export type ClickIntent = "pull" | "add" | "move";
+
+/** In the picture, 0 to 1 from its top left corner. */
+export type Place = readonly [number, number];
+
+/** The open shot that is picked in. */
+interface Picked {
+  readonly document: ShotDocument;
+  readonly playhead: Playhead;
+  /** Device pixels that the picture has on screen. */
+  readonly box: ReadonlySignal<{ readonly width: number; readonly height: number } | null>;
+  /** Name of the selected focus point. */
+  readonly selected: Signal<string | null>;
+  readonly selectedPoint: ReadonlySignal<FocusPoint | null>;
+}
+
+export class Picks {
+  /** Place of the pick under way. */
+  readonly picking = signal<Place | null>(null);
+
+  readonly #service: Service;
+  readonly #session: Picked;
+  readonly #fail: Fail;
+  #queue: Promise<void> = Promise.resolve();
+
+  constructor(service: Service, session: Picked, fail: Fail) {
+    [this.#service, this.#session, this.#fail] = [service, session, fail];
+  }
+
+  /** A click at a place; one that comes during a pick does nothing. */
+  async click(at: Place, intent: ClickIntent): Promise<void> {
+    if (this.picking.value) return;
+    const moved = intent === "move" ? this.#session.selectedPoint.value : null;
+    if (moved) await this.move(moved.name, at);
+    else await this.#pick(at, (anchor, time) => this.#add(anchor, time, intent !== "add"));
+  }
+
+  /**
+   * Moves a point to what is at a place, after the picks under way.
+   *
+   * @param unsaved changes that the picture shows until then.
+   */
+  move(name: string, at: Place, unsaved?: Changes): Promise<void> {
+    return this.#pick(at, async (anchor, time) => {
+      await this.#session.document.edit(`Move ${name}`, [{ type: "movePoint", name, anchor, time }], unsaved);
+    });
+  }
+
+  /** Resolves when all that was picked is edited. */
+  async idle(): Promise<void> {
+    await this.#queue;
+  }
+
+  async #add(anchor: Anchor, time: number, pulls: boolean): Promise<void> {
+    const { document, selected } = this.#session;
+    const points = await document.pointsAt(time);
+    const name = freshName(
+      thingName(anchor.target[0] ?? ""),
+      points.map((point) => point.name),
+    );
+    const pull = pulls ? pullFocus(name, time, points) : [];
+    const changes: Changes = [...document.byPoints(), { type: "addPoint", point: { name, ...anchor } }, ...pull];
+    if (await document.edit(`Focus on ${name}`, changes)) selected.value = name;
+  }
+
+  /** Picks the surface at a place, after the picks before, and acts on it. */
+  #pick(
+    at: Place,
+    act: (anchor: Anchor, time: number) => Promise<void>,
+    time = this.#session.playhead.time.value,
+  ): Promise<void> {
+    const { document, playhead, box } = this.#session;
+    if (!box.value || !document.hasLens || document.noEdits.value !== null) return Promise.resolve();
+    playhead.pause();
+    const quality = restQuality(box.value.width, box.value.height);
+    this.#queue = this.#queue.then(async () => {
+      this.picking.value = at;
+      try {
+        const pick = await this.#service.pick(document.view, time, at, quality);
+        if (!pick) throw new HintError("There is nothing to focus on there.", "Click on a surface.");
+        await act(pick.anchor, time);
+      } catch (error) {
+        this.#fail(error, () => void this.#pick(at, act, time));
+      } finally {
+        this.picking.value = null;
+      }
+    });
+    return this.#queue;
+  }
+}

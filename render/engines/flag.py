@@ -10,8 +10,9 @@ Settings:
     rays, tiled, wavelengths and seed have no effect while the iris is open.
 
 Cost: frame 40 of the demo shot at 960x540 takes 2.7 s of processor time on two CPU cores with peeling, 0.9 s with the layers kept
-(supersample 1). The time of a blur grows with the radius to the power 0.9 to 1.04. Its buffers take 67 MB, more for very
-large radii.
+(supersample 1). The time of a blur grows with the radius to the power 0.9 to 1.04. Memory, of supersampled pixels: 67 MB for a
+part of the picture, or 33 kB for each of its columns (67 kB where top and bottom of the iris differ) where that is more; and 128
+bytes a pixel with the fields.
 
 Limits: convex irises, evenly bright: masks and inner holes are filled. An ideal lens, or one by its data sheet in image
 space. Visibility is that of the pupil's centre. 38 to 40 dB from the engine ``lens`` on generated scenes.

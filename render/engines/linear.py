@@ -2,7 +2,7 @@
 
 Computes: the scene is peeled once from the pupil's centre and parted at the focus. Each pixel is the sum of the weighted
 light that falls on it over the sum of the weights. The sums are exact: light is rounded to 29 bits below the brightest in the
-picture, weights to 20.
+picture, to 25 with a mask or radial weights, and weights to 20.
 
 Settings:
     layers      peeled layers at most, 1 to 8 (4).
@@ -12,8 +12,9 @@ Settings:
 Cost: proportional to the area of the circles of confusion; 40 bytes a pixel for each side of the focus, and tables of 3 MB
 for radii up to 20 pixels, 84 MB up to 96.
 
-Limits: dividing by the sum of weights does not conserve the light of a point. An ideal lens,
-or one by its data sheet in image space. 34 to 35 dB from the engine ``lens`` on generated scenes.
+Limits: radii above 96 supersampled pixels are drawn as 96 (with a squeeze below 1, also wider blurs). Dividing by
+the sum of weights does not conserve the light of a point. An ideal lens, or one by its data sheet in image space.
+34 to 35 dB from the engine ``lens`` on generated scenes.
 
 Source: Potmesil & Chakravarty 1981, "A Lens and Aperture Camera Model for Synthetic Image Generation"; the cut-off of what is
 hidden is Fearing's (1995, section 5).

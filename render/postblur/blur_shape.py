@@ -1,16 +1,20 @@
-"""Blur shape of a point: the extent of the iris's image up and down in each of its columns.
+"""Blur shape of a point: the top and the bottom of the iris's image in each of its columns.
 
 A point out of focus is spread evenly over the image of the iris, scaled by its circle of confusion. FLAG needs its
 bounds column by column (Moersch & Hamilton 2014, section 3.2.2): the shape must be convex along columns and evenly
-bright, but it need not be symmetric.
+bright, but it need not be symmetric. A column may lie wholly above or below the shape's middle, as at a corner of a
+turned iris.
 """
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
+import moderngl
 import numpy as np
 
+from render.gl.shaders import set_uniforms
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.lens import IrisShape
 from render.optics.iris import rim_radius
@@ -18,8 +22,7 @@ from render.optics.iris import rim_radius
 COLUMNS = 257
 """Columns at which the edges of the shape are tabulated."""
 _RIM = 4096
-AREA_STEPS = 8
-"""Radii per pixel at which the area of the shape is tabulated."""
+_NEAR = 1e-9  # columns this near to a point of the rim hold it
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,30 +30,32 @@ class BlurShape:
     """The outline of a convex iris on the film, for a circle of confusion of radius 1.
 
     Attributes:
-        edges: ``(COLUMNS, 2)`` float32: extent up and down from its middle line, at columns from -1 to 1, y down.
+        edges: ``(COLUMNS, 2)`` float32: extent up and down from its middle line, at even steps from the left end of the shape to
+            the right one, y down. One of the two is below 0 where a column does not cross the middle line.
+        span: left and right end, below and above 0. Anamorphic squeeze moves them; the height stays within 1.
         is_symmetric: whether the extents up and down are equal everywhere.
     """
 
     edges: FloatArray
+    span: tuple[float, float]
     is_symmetric: bool
 
-    def reach(self, x: DoubleArray) -> DoubleArray:
-        """Extents ``(..., 2)`` up and down at columns ``x``; 0 outside the shape."""
-        columns = np.linspace(-1.0, 1.0, COLUMNS)
-        inside = np.abs(x) < 1.0
-        return np.stack([np.where(inside, np.interp(x, columns, side), 0.0) for side in self.edges.T], axis=-1)
+    @property
+    def wide(self) -> float:
+        """Greatest distance from the middle to the left or right."""
+        return max(-self.span[0], self.span[1])
 
-    def areas(self, most_px: float) -> FloatArray:
-        """Area of the shape in pixels, for circles of confusion of radius 0, 1/`AREA_STEPS`, ... pixels.
+    def set_uniforms(self, program: moderngl.ComputeShader) -> None:
+        """Set the uniforms of ``layers/outline.glsl`` but for the texture."""
+        heights = self.edges.sum(axis=1, dtype=np.float64)
+        area = (heights.sum() - 0.5 * (heights[0] + heights[-1])) * (self.span[1] - self.span[0]) / (COLUMNS - 1)
+        set_uniforms(program, span=self.span, unit_area=float(area))
 
-        Each pixel counts by the share with which the blur covers it, so that no light is lost.
-        """
-        radii = np.arange(int(np.ceil(most_px * AREA_STEPS)) + 2) / AREA_STEPS
-        offsets = np.arange(-int(np.ceil(most_px)) - 1, int(np.ceil(most_px)) + 2)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = np.nan_to_num(offsets / radii[:, None], nan=0.0, posinf=2.0, neginf=-2.0)
-        heights = self.reach(at).sum(axis=-1) * radii[:, None]
-        return np.asarray(heights.sum(axis=1), np.float32)
+
+def iris_key(iris: IrisShape) -> tuple[Hashable, ...]:
+    """Cache key of an iris: equal keys are equal irises."""
+    mask = None if iris.mask is None else (iris.mask.shape, iris.mask.tobytes())
+    return iris.blades, iris.roundness, iris.rotation_rad, mask, iris.radial_weights
 
 
 def make_blur_shape(iris: IrisShape, *, behind: bool, squeeze: float = 1.0) -> BlurShape:
@@ -65,20 +70,27 @@ def make_blur_shape(iris: IrisShape, *, behind: bool, squeeze: float = 1.0) -> B
     radius = rim_radius(angle - iris.rotation_rad, iris)
     turned = 1.0 if behind else -1.0
     x, y = turned / squeeze * radius * np.cos(angle), -turned * radius * np.sin(angle)
-    columns = np.linspace(-1.0, 1.0, COLUMNS)
-    up, down = (np.maximum(_edge(x, side * y, columns), 0.0) for side in (-1.0, 1.0))
-    edges = np.stack([up, down], axis=-1).astype(np.float32)
-    return BlurShape(edges, bool(np.abs(up - down).max() < 2e-3))
+    span = float(x.min()), float(x.max())
+    top, bottom = _edges(x, y, np.linspace(*span, COLUMNS))
+    edges = np.stack([-top, bottom], axis=-1).astype(np.float32)
+    return BlurShape(edges, span, bool(np.abs(top + bottom).max() < 2e-3))
 
 
-def _edge(x: DoubleArray, y: DoubleArray, columns: DoubleArray) -> DoubleArray:
-    """Largest ``y`` of an outline over each column; 0 beside it."""
-    steps = np.round(x, 9)
-    # along an upright edge from its lower end to its upper one, which the columns beside it begin with
-    order = np.lexsort((np.where(x < 0, y, -y), steps))
-    upper = order[y[order] >= -1e-12]
-    if len(upper) < 2:
-        return np.zeros_like(columns)
-    found = np.interp(columns, steps[upper], y[upper])
-    found[(columns < x.min()) | (columns > x.max())] = 0.0
-    return np.asarray(found)
+def _edges(x: DoubleArray, y: DoubleArray, columns: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """Least and greatest ``y`` of a closed outline in each column; ``columns`` are even steps over all of its ``x``."""
+    begin, step = columns[0], columns[1] - columns[0]
+    next_x, next_y = np.roll(x, -1), np.roll(y, -1)
+    first = np.ceil((np.minimum(x, next_x) - _NEAR - begin) / step).astype(int)
+    last = np.floor((np.maximum(x, next_x) + _NEAR - begin) / step).astype(int)
+    least, most = np.full(len(columns), np.inf), np.full(len(columns), -np.inf)
+    for ahead in range(int((last - first).max()) + 1):
+        crossed = np.flatnonzero((first + ahead <= last) & (first + ahead >= 0) & (first + ahead < len(columns)))
+        at = first[crossed] + ahead
+        run = (next_x - x)[crossed]
+        is_upright = np.abs(run) < _NEAR
+        share = np.clip((columns[at] - x[crossed]) / np.where(is_upright, 1.0, run), 0.0, 1.0)
+        rise = (next_y - y)[crossed]
+        for part in (np.where(is_upright, 0.0, share), np.where(is_upright, 1.0, share)):
+            np.minimum.at(least, at, y[crossed] + part * rise)
+            np.maximum.at(most, at, y[crossed] + part * rise)
+    return least, most

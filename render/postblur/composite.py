@@ -6,6 +6,7 @@ over it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import moderngl
@@ -14,7 +15,7 @@ from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape, make_blur_shape
 from render.postblur.focus_split import FocusSplit
-from render.postblur.point_spread import Field, RadiusWindow
+from render.postblur.point_spread import ALL_RADII, Field, RadiusWindow
 
 LITTLE_SHARE, LITTLE_PX = 0.2, (1.5, 6.0)
 """Bound between slightly and strongly blurred: this share of the picture's largest radius, clamped to these pixels."""
@@ -48,7 +49,7 @@ def split_into_parts(split: FocusSplit) -> tuple[Part, Part, Part]:
     little = min(max(LITTLE_SHARE * split.most_px, LITTLE_PX[0]), LITTLE_PX[1])
     hazy = _HAZE * little
     return (
-        Part("near", near, before, RadiusWindow(), split.most_px),
+        Part("near", near, before, ALL_RADII, split.most_px),
         Part("middle", far, behind, RadiusWindow(fall=(little, hazy)), min(hazy, split.most_px)),
         Part("far", far, behind, RadiusWindow(rise=(little, little * (1 + 1e-3))), split.most_px),
     )
@@ -100,3 +101,19 @@ class Compositor:
         program.run(-(-picture.width // 8), -(-picture.height // 8))
         self._ctx.memory_barrier()
         return picture
+
+    def blur_parts(
+        self, split: FocusSplit, blur_part: Callable[[Part, Resources], BlurredPart], scope: Resources
+    ) -> moderngl.Texture:
+        """Blur the parts of a picture and draw them over each other.
+
+        Args:
+            split: the picture.
+            blur_part: blurs a part; the scope that it is given owns the result.
+            scope: owns the textures.
+
+        Returns:
+            The picture, RGBA32F, premultiplied.
+        """
+        parts = {part.name: blur_part(part, scope) for part in split_into_parts(split)}
+        return self.composite(split, parts, scope)

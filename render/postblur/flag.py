@@ -5,8 +5,9 @@
 
 Beyond the paper: the near and the far field are blurred apart, which removes the hard edges of its foregrounds and the
 halos around its backgrounds; shapes need not be symmetric; rows are searched by tiles whose largest radius is known
-(its future work, by squares); and only the rows that reach the next finished ones are stored, so that memory has a
-bound whatever the picture's size.
+(its future work, by squares); and only the rows that reach the next finished ones are stored. Contributions take `BAND_BYTES`
+at most; where the fewest rows need more, they grow with the picture's width and the square of the radius. The point spread
+takes 20 bytes for each pixel beside them.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from render.postblur.point_spread import ALL_RADII, OUTLINE_DEFINES, Field, Poin
 BAND_BYTES = 64 << 20
 """Limit on the memory of the contributions, unless the fewest possible rows need more."""
 CONTRIBUTION_BYTES = 16
-"""Bytes of one texel of the FLAG array."""
+"""Bytes of one texel of the contributions."""
 CANCELLABLE_ROWS = 64
 """Rows blurred between two cancellation points."""
 _TILE = 16
@@ -131,9 +132,11 @@ class Flag:
         ring = Ring.for_picture(
             (width, height), most, two_sided=two_sided, is_cancellable=self._cancellation.is_cancellable
         )
+        across = int(np.ceil(most_px * shape.wide)) + 1
         rows, columns = self._compile(two_sided)
+        shape.set_uniforms(rows)
         with Resources() as scope:
-            spread = self._point_spread.run(field, shape, most, window, scope)
+            spread = self._point_spread.run(field, shape, window, scope)
             tile_radius = self._tile_maxima(spread.radii, (1, 0), scope)
             check_texture_array(self._ctx, (width, ring.rows, ring.slices), "a blur of this radius")
             contributions = scope.keep(self._ctx.texture_array((width, ring.rows, ring.slices), 4, dtype="f4"))
@@ -143,8 +146,8 @@ class Flag:
                 end = first + ring.new + ring.ahead
                 for unit, texture in enumerate((spread.intensity, spread.radii, tile_radius, spread.outline)):
                     texture.use(unit)
-                set_uniforms(rows, intensity=0, radii=1, tile_radius=2, outline=3, most=most, ring=ring.rows)
-                set_uniforms(rows, first_row=stored, rows=end - stored)
+                set_uniforms(rows, intensity=0, radii=1, tile_radius=2, outline=3, ring=ring.rows)
+                set_uniforms(rows, first_row=stored, rows=end - stored, most=most, across=across)
                 contributions.bind_to_image(0, read=True, write=True)
                 heights.bind_to_image(1, read=False, write=True)
                 rows.run(-(-width // 32), -(-(end - stored) // 2))

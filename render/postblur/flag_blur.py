@@ -10,12 +10,9 @@ import numpy as np
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
-from render.postblur.composite import BlurredPart, Compositor, Part, split_into_parts
+from render.postblur.composite import BlurredPart, Compositor, Part
 from render.postblur.flag import Flag
-from render.postblur.focus_split import FocusSplit
-
-SPLIT_PX = 24.0
-"""Radius from which circles of confusion are blurred at less resolution, at which they are half to all of this radius."""
+from render.postblur.focus_split import SPLIT_PX, FocusSplit
 
 
 class FlagBlur:
@@ -24,17 +21,18 @@ class FlagBlur:
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
-        self._ctx = ctx
-        self._flag, self._compositor = Flag(ctx, programs, cancellation), Compositor(ctx, programs)
+        self._ctx, self._compositor = ctx, Compositor(ctx, programs)
+        self._flag = Flag(ctx, programs, cancellation)
 
     def blur(self, split: FocusSplit, scope: Resources) -> moderngl.Texture:
         """See `render.postblur.focus_split.Blur`."""
-        return self._compositor.composite(
-            split, {part.name: self._blur_part(part, scope) for part in split_into_parts(split)}, scope
-        )
+        return self._compositor.blur_parts(split, self._blur_part, scope)
+
+    def release(self) -> None:
+        """Nothing is kept between pictures."""
 
     def _blur_part(self, part: Part, scope: Resources) -> BlurredPart:
-        """Blur a part at full resolution, and its wide blurs at less."""
+        """Blur a part at full resolution, and its blurs wider than `SPLIT_PX` at less, at which they are half to all of it."""
         fine = scope.keep(self._ctx.texture(part.field.light.size, 4, dtype="f4"))
         if part.most_px <= SPLIT_PX:
             self._flag.blur(part.field, part.shape, part.most_px, fine, part.window)
@@ -49,6 +47,3 @@ class FlagBlur:
         wide.repeat_x = wide.repeat_y = False
         self._flag.blur(reduced, part.shape, part.most_px / shrink, wide)
         return BlurredPart(fine, wide, shrink)
-
-    def release(self) -> None:
-        """Nothing is kept between pictures."""

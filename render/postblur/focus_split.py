@@ -15,6 +15,9 @@ from render.trace.axis_rays import LensErrors
 from render.trace.focal_map import FocalMaps
 from render.trace.picture_focus import PictureFocus
 
+SPLIT_PX = 24.0
+"""Radius in pixels up to which circles of confusion are drawn at full resolution, where a blur draws larger ones at less."""
+
 
 @dataclass(frozen=True)
 class FocusSplit:

@@ -11,7 +11,7 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape
-from render.postblur.composite import BlurredPart, Compositor, Part, split_into_parts
+from render.postblur.composite import BlurredPart, Compositor, Part
 from render.postblur.focus_split import FocusSplit
 from render.postblur.point_spread import ALL_RADII, OUTLINE_DEFINES, Field, PointSpreadPass, RadiusWindow
 
@@ -44,22 +44,24 @@ class Gather:
             target: RGBA32F as large as the field: receives light and coverage.
             window: range of radii that is included.
         """
-        most = max(1, int(np.ceil(most_px)))
+        most, across = max(1, int(np.ceil(most_px))), max(1, int(np.ceil(most_px * shape.wide)))
         program = self._programs.compute("postblur/gather.comp", OUTLINE_DEFINES)
         with Resources() as scope:
-            spread = self._point_spread.run(field, shape, most, window, scope)
+            spread = self._point_spread.run(field, shape, window, scope)
             for unit, texture in enumerate((spread.intensity, spread.radii, spread.outline)):
                 texture.use(unit)
-            set_uniforms(program, intensity=0, radii=1, outline=2, most=most)
+            set_uniforms(program, intensity=0, radii=1, outline=2, most=(across, most))
+            shape.set_uniforms(program)
             target.bind_to_image(0, read=False, write=True)
-            for left, top, columns, rows in self._pieces(target.width, target.height, (2 * most + 1) ** 2):
+            samples = min(2 * across + 1, target.width) * min(2 * most + 1, target.height)
+            for left, top, columns, rows in self._pieces(target.width, target.height, samples):
                 set_uniforms(program, first=(left, top), piece_px=(columns, rows))
                 program.run(-(-columns // _GROUP), -(-rows // _GROUP))
                 self._ctx.memory_barrier()
                 self._ctx.finish()
-                took_ms, samples = self._cancellation.poll(), columns * rows * (2 * most + 1) ** 2
-                if 2 * samples >= self._piece.units:  # small pieces at an edge do not predict the time of whole ones
-                    self._piece.learn(samples, took_ms)
+                took_ms, done = self._cancellation.poll(), columns * rows * samples
+                if 2 * done >= self._piece.units:  # small pieces at an edge do not predict the time of whole ones
+                    self._piece.learn(done, took_ms)
 
     def _pieces(self, width: int, height: int, samples: int) -> Iterator[tuple[int, int, int, int]]:
         """Rectangles of the dispatches: left, top, width, height. Each is whole rows of work groups, or part of one row.
@@ -91,19 +93,17 @@ class GatherBlur:
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
-        self._ctx = ctx
-        self._gather, self._compositor = Gather(ctx, programs, cancellation), Compositor(ctx, programs)
+        self._ctx, self._compositor = ctx, Compositor(ctx, programs)
+        self._gather = Gather(ctx, programs, cancellation)
 
     def blur(self, split: FocusSplit, scope: Resources) -> moderngl.Texture:
         """See `render.postblur.focus_split.Blur`."""
-        return self._compositor.composite(
-            split, {part.name: self._blur_part(part, scope) for part in split_into_parts(split)}, scope
-        )
+        return self._compositor.blur_parts(split, self._blur_part, scope)
+
+    def release(self) -> None:
+        """Nothing is kept between pictures."""
 
     def _blur_part(self, part: Part, scope: Resources) -> BlurredPart:
         fine = scope.keep(self._ctx.texture(part.field.light.size, 4, dtype="f4"))
         self._gather.blur(part.field, part.shape, part.most_px, fine, part.window)
         return BlurredPart(fine)
-
-    def release(self) -> None:
-        """Nothing is kept between pictures."""

@@ -9,8 +9,7 @@ from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.postblur.composite import BlurredPart, Compositor
 from render.postblur.focus_split import FocusSplit
-from render.postblur.importance_field import UNLIMITED, ImportanceField, UpdateLimit, UpdateStats
-from render.postblur.importance_order import Importance
+from render.postblur.importance_field import ImportanceField, UpdateStats
 from render.postblur.linear import FieldSpreader, split_fields
 
 
@@ -21,22 +20,13 @@ class ImportanceBlur:
         ctx: the context.
         programs: programs of the context.
         cancellation: polled between pieces of the work.
-        importance: weights of the importance of a change.
-
-    Attributes:
-        limit: limit on the changes that a frame spreads; without one the picture is that of the engine ``linear``.
     """
 
     def __init__(
-        self,
-        ctx: moderngl.Context,
-        programs: ProgramCache,
-        cancellation: CancellationPoint = NEVER_CANCELLED,
-        importance: Importance = Importance(),  # noqa: B008 - it is frozen
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
         self._cancellation, self._compositor = cancellation, Compositor(ctx, programs)
-        self.limit: UpdateLimit = UNLIMITED
-        self._fields = tuple(ImportanceField(ctx, programs, FieldSpreader(ctx, programs), importance) for _ in range(2))
+        self._fields = tuple(ImportanceField(ctx, programs, FieldSpreader(ctx, programs)) for _ in range(2))
 
     @property
     def stats(self) -> tuple[UpdateStats, ...]:
@@ -46,7 +36,7 @@ class ImportanceBlur:
     def blur(self, split: FocusSplit, scope: Resources) -> moderngl.Texture:
         """See `render.postblur.focus_split.Blur`."""
         near, far = (
-            target.update(field, side, spread, split.most_px, self.limit, self._cancellation)
+            target.update(field, side, spread, split.most_px, cancellation=self._cancellation)
             for target, (field, side, spread) in zip(self._fields, split_fields(split), strict=True)
         )
         return self._compositor.composite(split, {"near": BlurredPart(near), "far": BlurredPart(far)}, scope)

@@ -283,7 +283,7 @@ class ImportanceField:
         )
         program = self._programs.compute("importance/importance_commit.comp", defines)
         spreader.bind_textures(program, light_now=spreader.light, state_now=spreader.state)
-        set_uniforms(program, beyond_px=spreader.tables.beyond_px)
+        set_uniforms(program, wide=spreader.tables.wide, beyond_px=spreader.tables.beyond_px)
         for unit, image in enumerate((self._light, self._state, self._before, self._sorter.waiting)):
             image.bind_to_image(unit, read=unit < 2, write=True)
         for unit, buffer in (

@@ -4,9 +4,10 @@
 on it over the sum of the weights. Time grows with the area of the circles.
 
 It is the baseline of `render.postblur.importance`, which updates the same sums where pixels have changed. Both are
-exact, so that the effect of a pixel can be subtracted again: light is rounded to 29 bits of a scale above the brightest
-light in the picture, weights to 20. Sums of their products are exact in doubles while the weights add up to less than
-16, which holds for circles of up to 96 pixels.
+exact, so that the effect of a pixel can be subtracted again: weights are rounded to 20 bits, light to 29 bits of a scale
+above the brightest light in the picture. Sums of their products are exact in doubles, since the weights on a pixel add up
+to less than 16 at radii of up to 96 pixels. Through a mask or radial weights they add up to less than 256, and light is
+rounded to 25 bits.
 
 Beyond the paper: the near and the far field are spread apart and composited, as in every engine here; and a pixel that
 is farther and blurred much more than another does not spread onto it (Fearing 1995, section 5), so that sharp pixels
@@ -26,7 +27,7 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.composite import BlurredPart, Compositor
 from render.postblur.focus_split import FocusSplit
 from render.postblur.point_spread import Field
-from render.postblur.spread_tables import STEP_PX, IrisImage, Spread, SpreadTables
+from render.postblur.spread_tables import STEP_PX, WEIGHT_BITS, IrisImage, Spread, SpreadTables
 
 CUTOFF_PX, CUTOFF_SHARE = 1.5, 2.0
 """Cut-off: a nearer pixel hides a farther one whose blur radius is above the first number (px) and above the second
@@ -36,8 +37,8 @@ For a sharp pixel these are Fearing's 3 pixels of diameter; a blurred pixel hide
 """
 NO_CUTOFF = 1e9
 """No cut-off: the method as in Potmesil & Chakravarty."""
-LIGHT_BITS = 29
-"""Light is rounded to this many bits."""
+DOUBLE_BITS = 53
+"""Bits of a double's whole numbers: those of light, of weights, and of the sum of weights."""
 TILE, LANES = 8, 64
 """Side of a tile in pixels, and invocations of a work group."""
 Buffers = tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]
@@ -100,6 +101,11 @@ class FieldSpreader:
     def has_cutoff(self) -> bool:
         """Whether nearer pixels hide farther ones."""
         return self._cutoff_px < NO_CUTOFF
+
+    @property
+    def light_bits(self) -> int:
+        """Number of bits that light is rounded to."""
+        return DOUBLE_BITS - WEIGHT_BITS - (self.tables.spread.most_weight.bit_length() - 1)
 
     @property
     def tables(self) -> SpreadTables:
@@ -177,8 +183,9 @@ class FieldSpreader:
         self._summary.write(bytes(8))
         self.bind_textures(program, light=field.light, radii=field.radii, steps=tables.steps, **last)
         set_uniforms(program, channel=field.channel, side=side, step_px=self._step_px, has_cutoff=self.has_cutoff)
-        set_uniforms(program, quantum=2.0 ** ((self._scale or 0) - LIGHT_BITS), quantum_alpha=2.0**-LIGHT_BITS)
-        set_uniforms(program, most_even=float(tables.steps.width - 1), beyond_px=tables.beyond_px)
+        bits = self.light_bits
+        set_uniforms(program, quantum=2.0 ** ((self._scale or 0) - bits), quantum_alpha=2.0**-bits)
+        set_uniforms(program, most_even=float(tables.steps.width - 1), wide=tables.wide, beyond_px=tables.beyond_px)
         self.light.bind_to_image(0, read=False, write=True)
         self.state.bind_to_image(1, read=False, write=True)
         emitters, reaches, tile_bits = buffers

@@ -22,7 +22,7 @@ from render.optics.view import PinholeView
 
 ROWS = 256
 SIGMAS = 3.5
-"""Reach of a Gaussian blur in standard deviations: 5e-4 of its light is left out."""
+"""Reach of a Gaussian blur in standard deviations: 5e-4 of its light is left out. It is at most the picture's diagonal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,9 @@ class PictureErrors:
         return np.concatenate([self.source, self.even, self.along, self.across, *ends], axis=1)
 
     def margin(self, view: PinholeView) -> tuple[int, int]:
-        """Margin in pixels, left and right, top and bottom, that a picture needs so that nothing is missing after the passes."""
+        """Margin in pixels, left and right, top and bottom, from which the passes draw light into the picture. It is at most the
+        picture's own size: of a wider blur or bend, the light from beyond is missing.
+        """
         x = np.linspace(-view.cx, view.width - view.cx, 65) / view.fx
         y = np.linspace(-view.cy, view.height - view.cy, 65) / view.fy
         left, right = (np.stack([np.full(65, edge), y], axis=1) for edge in x[[0, -1]])
@@ -100,7 +102,7 @@ def make_picture_errors(
         scales: factors on its errors.
         focal_length_mm: focal length of the lens.
         f_stop: above 0.
-        last_slope: field of the picture's farthest corner.
+        last_slope: field of the picture's farthest corner. No blur reaches farther than twice of it.
         squeeze: anamorphic squeeze.
         colours: whether colour errors are drawn.
         axis_is_drawn: whether the picture already has the axis's monochrome blur, as the engine `scatter` draws it. Only the
@@ -114,6 +116,7 @@ def make_picture_errors(
     if axis_is_drawn:
         drawn = errors.spread_mm(coma=False)[0] / focal_length_mm
         blur = np.sqrt(np.maximum(blur**2 - drawn**2, 0.0))
+    blur = np.minimum(blur, 2 * last_slope * min(squeeze, 1.0) / SIGMAS)  # the time of a pixel grows with the reach
     even, excess = blur.min(axis=-1), blur[..., 0] ** 2 - blur[..., 1] ** 2
     near = np.maximum(heights, 1e-3 * focal_length_mm * last_slope)  # on the axis all ratios have their limits
     bend = seen_slopes(sheet, near, focal_length_mm, scales.distortion) * focal_length_mm / near

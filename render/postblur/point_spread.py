@@ -10,12 +10,12 @@ import numpy as np
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.arrays import FloatArray
-from render.postblur.blur_shape import AREA_STEPS, COLUMNS, BlurShape
+from render.postblur.blur_shape import COLUMNS, BlurShape
 
 LEAST_PX = 0.25
 """Radius below which a pixel is drawn sharp, pixels."""
 OUTLINE_DEFINES = {"OUTLINE_INSET": f"{(COLUMNS - 1) / COLUMNS:.9f}", "OUTLINE_EDGE": f"{0.5 / COLUMNS:.9f}"}
-"""Defines of ``layers/outline.glsl``: columns from -1 to 1 lie between the middles of its first and its last texel."""
+"""Defines of ``layers/outline.glsl``: its columns lie between the middles of its first and its last texel."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class PointSpread:
     Attributes:
         intensity: RGBA32F, light that each covered pixel gets.
         radii: R32F, radius in pixels, 0 where a pixel has no light in the window.
-        outline: extent of the blur shape up and down, over columns from -1 to 1.
+        outline: extent of the blur shape up and down, over columns from its left to its right end.
     """
 
     intensity: moderngl.Texture
@@ -74,15 +74,12 @@ class PointSpreadPass:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx, self._programs = ctx, programs
 
-    def run(
-        self, field: Field, shape: BlurShape, most_px: float, window: RadiusWindow, scope: Resources
-    ) -> PointSpread:
+    def run(self, field: Field, shape: BlurShape, window: RadiusWindow, scope: Resources) -> PointSpread:
         """Divide each pixel's light by the area of its circle of confusion (Moersch & Hamilton 2014, section 3.2.2).
 
         Args:
             field: near or far field of the picture.
             shape: blur shape.
-            most_px: upper bound on the radii in the window.
             window: range of radii that is included.
             scope: scope that owns the textures.
         """
@@ -90,11 +87,11 @@ class PointSpreadPass:
         intensity = scope.keep(self._ctx.texture(size, 4, dtype="f4"))
         radii = scope.keep(self._ctx.texture(size, 1, dtype="f4"))
         outline = scope.keep(self._table(shape.edges))
-        area = scope.keep(self._table(shape.areas(most_px)[:, None]))
-        program = self._programs.compute("flag/point_spread.comp", {"LEAST": LEAST_PX, "AREA_STEPS": f"{AREA_STEPS}.0"})
-        for unit, texture in enumerate((field.light, field.radii, area)):
+        program = self._programs.compute("flag/point_spread.comp", {"LEAST": LEAST_PX, **OUTLINE_DEFINES})
+        for unit, texture in enumerate((field.light, field.radii, outline)):
             texture.use(unit)
-        set_uniforms(program, light=0, radii=1, area=2, channel=field.channel)
+        set_uniforms(program, light=0, radii=1, outline=2, channel=field.channel)
+        shape.set_uniforms(program)
         window.set_uniforms(program)
         intensity.bind_to_image(0, read=False, write=True)
         radii.bind_to_image(1, read=False, write=True)

@@ -59,7 +59,7 @@ class Previewer:
 
         Args:
             peeler: with the scene loaded.
-            camera: its focus and stop do not matter.
+            camera: its focus does not matter; of its stop, whether it is closed (0).
             view: the largest preview.
             unlit: take base colour for radiance.
             sketch: when to peel coarsely: ``new`` does so for a view seen for the first time. A view that is kept has
@@ -102,7 +102,7 @@ class Previewer:
         Args:
             peeler: with the scene loaded.
             scene: the scene.
-            camera: its focus and stop do not matter.
+            camera: its focus does not matter; of its stop, whether it is closed (0).
             view: the largest preview.
             unlit: take base colour for radiance.
 

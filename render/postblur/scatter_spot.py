@@ -22,7 +22,7 @@ from render.optics.iris import fill_iris
 from render.postblur.scatter_axis import AxisSpot
 
 SQUARE_SIDES = (1, 2, 4, 8)
-"""FocusSplit of the squares of like pixels that are drawn as one splat."""
+"""Sides of the squares of like pixels that are drawn as one splat."""
 STEPS = 2
 """Tables per pixel of the circle of confusion; light between two is interpolated."""
 _RAYS = 1 << 16

@@ -25,6 +25,9 @@ from render.trace.rays import make_ray_pattern
 
 MAX_MARGIN = 0.125
 """Largest margin peeled around the picture for the light that is blurred into it, as a share of the longer side."""
+MOST_DIAGONALS = 4.0
+"""Largest radius of a circle of confusion in diagonals of the picture, all of which then gets nearly even light."""
+_MOST_PUPIL_PX = 1e30  # px·m; the shaders' numbers end at 3e38
 _RAYS_ALIKE = 100
 """Rays of the lens tracer whose texture filter a blur's layers have."""
 
@@ -72,7 +75,8 @@ class SingleImageBlur:
         inside = picture_focus(camera, scaled)
         most_px = largest_radius_px(inside, pupil_px, nearest_w)
         step = fine * margin_step
-        margin = step * int(np.ceil(min(most_px, fine * MAX_MARGIN * max(view.width, view.height)) / step))
+        wide_px = most_px * max(1.0, 1.0 / camera.lens.squeeze)
+        margin = step * int(np.ceil(min(wide_px, fine * MAX_MARGIN * max(view.width, view.height)) / step))
         focus = picture_focus(camera, scaled.widen(margin))
         reach = pupil_px * float(inside.over_picture()[1].max())
         peeled = _peel(peeler, scaled, focus, reach, nearest_w, layers, unlit)
@@ -91,7 +95,7 @@ class SingleImageBlur:
         *,
         with_axis_errors: bool = False,
     ) -> FloatArray:
-        """Blur peeled layers.
+        """Blur peeled layers. Radii above `MOST_DIAGONALS` times the diagonal of the layers' view are taken for as large.
 
         Args:
             peeled: from the pupil's centre.
@@ -105,6 +109,8 @@ class SingleImageBlur:
         Returns:
             ``(height, width, 4)`` float32 of the layers' view, premultiplied.
         """
+        most_px = min(most_px, MOST_DIAGONALS * float(np.hypot(focus.view.width, focus.view.height)))
+        pupil_px = min(pupil_px, _MOST_PUPIL_PX)
         with Resources() as scope:
             split = self._splitter.split(peeled, focus, pupil_px, most_px, camera.iris, camera.lens.squeeze, scope)
             if with_axis_errors:

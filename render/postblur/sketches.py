@@ -20,7 +20,7 @@ class SketchKey:
     Attributes:
         scene: version of the scene (`render.model.scene.Scene.version`).
         camera_path: prim path of the camera, which may see what others do not.
-        size: width and height of the layers, pixels.
+        size: width and height of the picture without its margin, pixels.
         unlit: whether base colour was taken for radiance.
     """
 

@@ -7,15 +7,13 @@ from dataclasses import dataclass, field
 import moderngl
 
 from render.gl.limits import check_texture_array
-from render.model.lens import IrisShape
-from render.postblur.focus_split import FocusSplit
+from render.postblur.blur_shape import iris_key
+from render.postblur.focus_split import SPLIT_PX, FocusSplit
 from render.postblur.scatter_axis import make_axis_spot
 from render.postblur.scatter_spot import Spot, SpotTables, make_camera_spot, make_spot_tables
 
-SPLIT_PX = 24.0
-"""Radius from which circles of confusion are drawn at half the resolution, from twice of it on at a quarter, and so on."""
 _MAX_SPOTS = 4
-"""Spots kept, each with all its tables: two for each target's resolution, of 4 MB or more where errors reach far."""
+"""Spots kept, each with all its tables: two, or two for each resolution where the lens has errors, of 3 to 20 MB each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +71,7 @@ class SpotCache:
     def spot(self, split: FocusSplit) -> Spot:
         """Spot of a picture's camera."""
         lens = None if split.errors is None else make_axis_spot(split.errors)
-        key = (*_iris_key(split.iris), split.squeeze, None if lens is None else lens.cache_key)
+        key = (*iris_key(split.iris), split.squeeze, None if lens is None else lens.cache_key)
         kept = self._kept.pop(key, None)
         if kept is None:
             while len(self._kept) >= _MAX_SPOTS:
@@ -102,9 +100,3 @@ class SpotCache:
         """Release the memory."""
         while self._kept:
             self._kept.popitem()[1].release()
-
-
-def _iris_key(iris: IrisShape) -> tuple[object, ...]:
-    """Cache key of an iris: equal keys are equal irises."""
-    mask = None if iris.mask is None else (iris.mask.shape, iris.mask.tobytes())
-    return iris.blades, iris.roundness, iris.rotation_rad, mask, iris.radial_weights

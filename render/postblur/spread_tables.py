@@ -8,7 +8,8 @@ table add up to 1: no light is lost, and sums of them are exact (`render.postblu
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
+from typing import ClassVar, Protocol
 
 import moderngl
 import numpy as np
@@ -17,18 +18,35 @@ from render.gl.limits import check_texture_array
 from render.model.arrays import DoubleArray
 from render.model.lens import IrisShape
 from render.optics.iris import transmission
+from render.postblur.blur_shape import iris_key
 
 STEP_PX = 0.5
 EVEN_STEPS = 64
 """Number of equal steps; later steps grow with the radius."""
 MAX_RADIUS_PX = 96.0
-"""Radius to which larger circles are clamped: time grows with their area, and the tables' memory even faster."""
+"""Greatest distance to which light is spread, and larger circles are clamped: time grows with their area, and the tables' memory
+even faster.
+"""
 WEIGHT_BITS = 20
+EVEN_MOST_WEIGHT, MOST_WEIGHT = 16, 256
+"""Powers of 2 above the sum of the weights of all pixels on one: of an even disc or a Gaussian, where it is at most 9, and of any
+spread, where it is less than the number of tables.
+"""
 _ROWS = 4  # rows of a table in one texel
 
 
 class Spread(Protocol):
     """Distribution of light over a circle of confusion. Equal spreads have equal tables."""
+
+    @property
+    def wide(self) -> float:
+        """Greatest distance of any light from the middle, relative to the radius; 1 or more."""
+        ...
+
+    @property
+    def most_weight(self) -> int:
+        """Power of 2 above the sum of the weights of all pixels on one, whatever the radius of each."""
+        ...
 
     def weights(self, radius_px: float, half: int) -> DoubleArray:
         """Weights ``(2·half + 1, 2·half + 1)`` of the pixels around the circle's middle, 0 or more; y down."""
@@ -38,6 +56,9 @@ class Spread(Protocol):
 @dataclass(frozen=True)
 class Gaussian:
     """Gaussian within the circle, with half its radius as standard deviation, as in Fearing's tables (1995, section 6)."""
+
+    wide: ClassVar[float] = 1.0
+    most_weight: ClassVar[int] = EVEN_MOST_WEIGHT
 
     def weights(self, radius_px: float, half: int) -> DoubleArray:
         """See `Spread`."""
@@ -52,20 +73,34 @@ class IrisImage:
     Args:
         iris: iris of the lens.
         is_behind: whether the point is behind the focus; its image is upside down to that of a point in front of it.
-        squeeze: anamorphic squeeze, by which circles are narrower.
+        squeeze: anamorphic squeeze, by which circles are narrower; below 1 they are wider.
     """
 
     def __init__(self, iris: IrisShape, *, is_behind: bool = True, squeeze: float = 1.0) -> None:
-        self._key = iris, is_behind, squeeze
-        image = transmission(iris) if is_behind else transmission(iris)[::-1, ::-1]
-        self._summed = np.pad(image, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+        self._iris, self._is_behind, self._squeeze = iris, is_behind, squeeze
+
+    @cached_property
+    def _summed(self) -> DoubleArray:
+        """Sums of the image above and to the left; made when the first table is."""
+        image = transmission(self._iris) if self._is_behind else transmission(self._iris)[::-1, ::-1]
+        return np.asarray(np.pad(image, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1))
+
+    @property
+    def wide(self) -> float:
+        """See `Spread`."""
+        return max(1.0, 1.0 / self._squeeze)
+
+    @property
+    def most_weight(self) -> int:
+        """See `Spread`."""
+        is_even = self._iris.mask is None and not self._iris.radial_weights
+        return EVEN_MOST_WEIGHT if is_even else MOST_WEIGHT
 
     def weights(self, radius_px: float, half: int) -> DoubleArray:
         """See `Spread`."""
-        squeeze = self._key[2]
         edges = np.arange(-half - 0.5, half + 1.0) / radius_px
         last = len(self._summed) - 1
-        rows, columns = (np.interp(edges * narrower, [-1.0, 1.0], [0.0, last]) for narrower in (1.0, squeeze))
+        rows, columns = (np.interp(edges * narrower, [-1.0, 1.0], [0.0, last]) for narrower in (1.0, self._squeeze))
         at = _interpolate_rows(_interpolate_rows(self._summed, rows).T, columns).T
         return np.maximum(np.diff(np.diff(at, axis=0), axis=1), 0.0)
 
@@ -73,7 +108,11 @@ class IrisImage:
         return isinstance(other, IrisImage) and self._key == other._key
 
     def __hash__(self) -> int:
-        return hash(self._key[1:])
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[object, ...]:
+        return (*iris_key(self._iris), self._is_behind, self._squeeze)
 
 
 def _interpolate_rows(values: DoubleArray, rows: DoubleArray) -> DoubleArray:
@@ -126,7 +165,8 @@ class SpreadTables:
         count: number of tables.
         weights: RGBA32F array, a slice for each step, and after them one for each difference. Each texel holds the weights of
             four rows, from its own on; above a table are three rows more.
-        beyond_px: greatest distance beyond its radius at which a table has weight.
+        wide: that of the spread.
+        beyond_px: greatest distance beyond ``wide`` times its radius at which a table has weight.
         steps: RG32F, one texel for each multiple of the first step: the table's number and its radius.
     """
 
@@ -139,10 +179,10 @@ class SpreadTables:
         *,
         with_differences: bool = False,
     ) -> None:
-        self.spread, self.step_px = spread, step_px
-        self.count = step_of(most_px, step_px) + 1
+        self.spread, self.step_px, self.wide = spread, step_px, spread.wide
+        self.count = self._last_step(spread, most_px) + 1
         radii = [step_radius(step, step_px) for step in range(self.count)]
-        self.half = int(np.ceil(radii[-1] + 0.5)) + 1  # a rim of weight 0, for clamped look-ups
+        self.half = int(np.ceil(radii[-1] * self.wide + 0.5)) + 1  # a rim of weight 0, for clamped look-ups
         side = 2 * self.half + 1
         slices = 2 * self.count - 1 if with_differences else self.count
         check_texture_array(ctx, (side, side + _ROWS - 1, slices), "the tables of blurs of this radius")
@@ -151,8 +191,9 @@ class SpreadTables:
         offsets = np.arange(-self.half, self.half + 1.0)
         distances = np.hypot(offsets[:, None], offsets)
         for step, radius in enumerate(radii):
-            table = self._pad(make_table(spread, radius, min(int(np.ceil(radius + 0.5)), self.half)))
-            self.beyond_px = max(self.beyond_px, float(distances[table > 0].max() - radius))
+            reach = radius * self.wide
+            table = self._pad(make_table(spread, radius, min(int(np.ceil(reach + 0.5)), self.half)))
+            self.beyond_px = max(self.beyond_px, float(distances[table > 0].max() - reach))
             rows = np.pad(table, ((_ROWS - 1, _ROWS - 1), (0, 0)))
             packed[step] = np.stack([rows[i : i + side + _ROWS - 1] for i in range(_ROWS)], axis=-1)
         if with_differences:
@@ -167,9 +208,12 @@ class SpreadTables:
     def _pad(self, table: DoubleArray) -> DoubleArray:
         return np.pad(table, self.half - len(table) // 2)
 
+    def _last_step(self, spread: Spread, most_px: float) -> int:
+        return step_of(min(most_px, MAX_RADIUS_PX / spread.wide), self.step_px)
+
     def cover(self, spread: Spread, most_px: float) -> bool:
         """True where these are the tables of a spread, up to a radius."""
-        return self.spread == spread and step_of(most_px, self.step_px) < self.count
+        return self.spread == spread and self._last_step(spread, most_px) < self.count
 
     def release(self) -> None:
         """Release the memory."""

@@ -12,6 +12,8 @@ layout(r32f, binding = 1) uniform writeonly image2D heights;
 
 #include "layers/outline.glsl"
 
+const float ROUNDING = 1e-6;    // share of all added light below which a sum is none
+
 uniform sampler2D intensity;
 uniform sampler2D radii;
 uniform sampler2D tile_radius;  // greatest radius in each tile of a row
@@ -19,6 +21,7 @@ uniform int first_row;          // first new row of the picture
 uniform int rows;               // number of new rows
 uniform int ring;               // stored rows; a row takes the place of the one that many above it
 uniform int most;               // slices of a half, less one
+uniform int across;             // greatest distance along a row
 
 ivec2 own;                      // column and stored row of this invocation
 int highest = -1;               // highest slice of a half that a column can end in
@@ -39,13 +42,32 @@ void put(int first, vec4 light, float extent)
     add(first + min(k, highest), light * shares.y);
 }
 
-// Accumulate the slices from the top down, and return the contribution to the row itself.
+#ifdef TWO_SIDED
+// Add light between two heights of a half. Nothing is added where the half is empty.
+void put_between(int first, vec4 light, float from, float to)
+{
+    if (to <= 0.0) return;
+    put(first, light, to);
+    if (from > 0.0) put(first, -light, from);
+}
+#endif
+
+// Accumulate the slices from the top down, and return the contribution to the row itself. A remainder of light that begins and
+// ends is no light.
 vec4 accumulate(int first)
 {
     vec4 total = vec4(0.0);
+#ifdef TWO_SIDED
+    float passed = 0.0;
+#endif
     for (int z = highest; z >= 0; --z) {
         ivec3 at = ivec3(own, first + z);
-        total += imageLoad(contributions, at);
+        vec4 more = imageLoad(contributions, at);
+        total += more;
+#ifdef TWO_SIDED
+        passed += abs(more.a);
+        if (total.a < ROUNDING * passed) total = vec4(0.0);
+#endif
         imageStore(contributions, at, total);
     }
     return total;
@@ -55,12 +77,12 @@ void gather(ivec2 at, int dx)
 {
     ivec2 source = ivec2(at.x + dx, at.y);
     float radius = texelFetch(radii, source, 0).r;
-    if (radius <= 0.0 || float(abs(dx)) >= radius && dx != 0) return;
+    if (radius <= 0.0 || !has_column(-dx, radius)) return;
     vec4 light = texelFetch(intensity, source, 0);
-    vec2 extents = reach_at(-dx, radius);
+    vec2 extents = reach_at(float(-dx), radius);
 #ifdef TWO_SIDED
-    put(0, light, extents.x);
-    put(most + 1, light, extents.y);
+    put_between(0, light, -extents.y, extents.x);
+    put_between(most + 1, light, -extents.x, extents.y);
 #else
     put(0, light, 0.5 * (extents.x + extents.y));
 #endif
@@ -71,7 +93,7 @@ bool reaches(ivec2 at, int tile, int from, int to, out float extent)
 {
     float nearest = float(max(max(from - at.x, at.x - to), 0));
     extent = texelFetch(tile_radius, ivec2(tile, at.y), 0).r;
-    return extent > 0.0 && (nearest == 0.0 || extent > nearest);
+    return extent > 0.0 && (nearest == 0.0 || extent * max(-span.x, span.y) > nearest);
 }
 
 void main()
@@ -85,7 +107,7 @@ void main()
         imageStore(heights, own, vec4(-1.0));
         return;
     }
-    int low = max(at.x - most, 0), high = min(at.x + most, size.x - 1);
+    int low = max(at.x - across, 0), high = min(at.x + across, size.x - 1);
     float extent;
     for (int tile = low / TILE; tile <= high / TILE; ++tile) {
         if (reaches(at, tile, max(tile * TILE, low), min(tile * TILE + TILE - 1, high), extent)) highest = max(highest, int(extent + 0.5));

@@ -1,6 +1,6 @@
 #version 450 core
 // Spread of each pixel's light over its circle of confusion.
-// in:  light of a field (premultiplied), its radii in pixels, the area of the blur shape (blur_shape.py)
+// in:  light of a field (premultiplied), its radii in pixels, the outline of the blur shape (blur_shape.py)
 // out: `intensity`: light that each covered pixel gets; `radius_px`: radius in pixels, 0 where there is no light
 // Moersch & Hamilton 2014, section 3.2.1, keep light and radius together as well.
 
@@ -9,11 +9,32 @@ layout(rgba32f, binding = 0) uniform writeonly image2D intensity;
 layout(r32f, binding = 1) uniform writeonly image2D radius_px;
 
 #include "flag/radius_window.glsl"
+#include "layers/outline.glsl"
 
 uniform sampler2D light;
 uniform sampler2D radii;
-uniform sampler2D area;     // over radii of 1 / AREA_STEPS pixels
 uniform int channel;        // of the radii
+
+float height_at(float dx, float radius)
+{
+    vec2 extents = reach_at(dx, radius);
+    return extents.x + extents.y;
+}
+
+// Area that the blurs draw: the sum of the columns' heights. A sum of more columns than the outline has is the integral, less what
+// lies beyond the outer columns: to 1e-4.
+float drawn_area(float radius)
+{
+    vec2 ends = radius * span, last = vec2(min(floor(ends.x) + 1.0, 0.0), max(ceil(ends.y) - 1.0, 0.0));
+    if (last.y - last.x < float(textureSize(outline, 0).x)) {
+        float total = 0.0;
+        for (int dx = int(last.x); dx <= int(last.y); ++dx) total += height_at(float(dx), radius);
+        return total;
+    }
+    vec2 outer = vec2(height_at(last.x, radius), height_at(last.y, radius));
+    vec2 edge = vec2(height_at(ends.x, radius), height_at(ends.y, radius));
+    return radius * radius * unit_area + 0.5 * (outer.x + outer.y - dot(abs(ends - last), outer + edge));
+}
 
 void main()
 {
@@ -22,7 +43,6 @@ void main()
     float radius = texelFetch(radii, at, 0)[channel];
     vec4 from = radius > 0.0 ? texelFetch(light, at, 0) * window_share(radius) : vec4(0.0);
     radius = from.a > 0.0 ? max(radius, LEAST) : 0.0;
-    float spread = textureLod(area, vec2((radius * AREA_STEPS + 0.5) / float(textureSize(area, 0).x), 0.5), 0.0).r;
-    imageStore(intensity, at, radius > 0.0 ? from / spread : vec4(0.0));
+    imageStore(intensity, at, radius > 0.0 ? from / drawn_area(radius) : vec4(0.0));
     imageStore(radius_px, at, vec4(radius));
 }

@@ -1,5 +1,5 @@
-// Exact spreading of light onto a column of ROWS pixels: weights are multiples of 2^-20 and light of 2^-29 of the picture's scale,
-// so that every sum of products is a multiple of 2^-49 that 53 bits hold, in any order of summation (linear.py).
+// Exact spreading of light onto a column of ROWS pixels: weights are multiples of 2^-20 and light of 2^-29 of the picture's scale
+// (2^-25 through a mask), so that every sum of products is a multiple that 53 bits hold, in any order of summation (linear.py).
 
 uniform sampler2DArray weights;     // spread_tables.py: slices are tables, texels hold the weights of four rows
 uniform int half_px;                // pixels from the middle of a table to its edge, where the weight is 0; offsets beyond are clamped to it

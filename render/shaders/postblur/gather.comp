@@ -14,16 +14,25 @@ uniform sampler2D intensity;
 uniform sampler2D radii;
 uniform ivec2 first;        // pixel of the rectangle
 uniform ivec2 piece_px;     // its size
-uniform int most;           // greatest radius in pixels
+uniform ivec2 most;         // greatest distance in pixels, across and down
+
+// Share of the pixel `steps` above or below a column's middle that lies within this extent of it.
+float share_below(float extent, int steps)
+{
+    return extent < 0.5 ? 0.0 : clamp(extent + 0.5 - float(steps), 0.0, 1.0);
+}
 
 // Share of a pixel's intensity on another, `dx` to the right of it and `dy` below: along a column, the last pixel of the circle
 // gets its share.
 float share_at(int dx, int dy, float radius)
 {
-    vec2 extents = reach_at(dx, radius);
-    if (dy == 0) return 0.5 * (min(2.0 * extents.x, 1.0) + min(2.0 * extents.y, 1.0));
-    float extent = dy < 0 ? extents.x : extents.y;
-    return extent < 0.5 ? 0.0 : clamp(extent + 0.5 - abs(float(dy)), 0.0, 1.0);
+    vec2 extents = reach_at(float(dx), radius);
+    if (dy == 0) {
+        vec4 halves = clamp(2.0 * vec4(extents, -extents), 0.0, 1.0);
+        return 0.5 * (halves.x + halves.y - halves.z - halves.w);
+    }
+    if (dy > 0) extents = extents.yx;
+    return share_below(extents.x, abs(dy)) - share_below(-extents.y, abs(dy));
 }
 
 void main()
@@ -36,7 +45,7 @@ void main()
         for (int x = low.x; x <= high.x; ++x) {
             float radius = texelFetch(radii, ivec2(x, y), 0).r;
             ivec2 off = at - ivec2(x, y);
-            if (radius <= 0.0 || off.x != 0 && float(abs(off.x)) >= radius) continue;
+            if (radius <= 0.0 || !has_column(off.x, radius)) continue;
             float share = share_at(off.x, off.y, radius);
             if (share > 0.0) total += share * texelFetch(intensity, ivec2(x, y), 0);
         }

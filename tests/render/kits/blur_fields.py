@@ -7,7 +7,7 @@ import numpy as np
 
 from render.model.arrays import FloatArray
 from render.model.lens import IrisShape
-from render.postblur.blur_shape import AREA_STEPS, BlurShape
+from render.postblur.blur_shape import COLUMNS, BlurShape
 from render.postblur.point_spread import Field
 
 IRISES = {
@@ -18,24 +18,37 @@ IRISES = {
 }
 
 
-def blur_by_point(light: FloatArray, radii: FloatArray, shape: BlurShape, areas: FloatArray) -> FloatArray:
+def columns_of(shape: BlurShape, radius: float) -> list[tuple[int, float, float]]:
+    """Columns of a shape in pixels: offset to the right, extents up and down."""
+    left, right = (radius * end for end in shape.span)
+    offsets = [dx for dx in range(int(left) - 1, int(right) + 2) if dx == 0 or left < dx < right]
+    ends = np.linspace(left, right, COLUMNS)
+    up, down = (radius * np.interp(offsets, ends, side) for side in shape.edges.T)
+    return list(zip(offsets, up, down, strict=True))
+
+
+def _half(extent: float, steps: int) -> float:
+    """Share of a pixel within this extent of the middle; half a pixel belongs to each side of the middle row."""
+    if steps == 0:
+        return float(np.clip(extent, 0, 0.5))
+    return float(np.clip(extent + 0.5 - steps, 0, 1)) if extent >= 0.5 else 0.0
+
+
+def blur_by_point(light: FloatArray, radii: FloatArray, shape: BlurShape) -> FloatArray:
     """Blur light ``(h, w, 4)`` by radii ``(h, w)`` point by point: the reference for FLAG and gather."""
     height, width, _ = light.shape
     total = np.zeros(light.shape)
     for y, x in np.argwhere(radii > 0):
         radius = max(float(radii[y, x]), 0.25)
-        area = np.interp(radius * AREA_STEPS, np.arange(len(areas)), areas)
-        reach = int(np.ceil(radius)) + 1
-        for column in range(max(x - reach, 0), min(x + reach + 1, width)):
-            if column != x and abs(column - x) >= radius:
+        columns, reach = columns_of(shape, radius), int(np.ceil(radius)) + 1
+        area = sum(up + down for _, up, down in columns)
+        for offset, up, down in columns:
+            if not 0 <= x + offset < width:
                 continue
-            up, down = radius * shape.reach(np.array((column - x) / radius))
             for row in range(max(y - reach, 0), min(y + reach + 1, height)):
-                side = up if row < y else down
-                share = np.clip(side + 0.5 - abs(row - y), 0, 1) if side >= 0.5 else 0.0
-                if row == y:
-                    share = (min(2 * up, 1) + min(2 * down, 1)) / 2
-                total[row, column] += share * light[y, x] / area
+                sides = [(up, down), (down, up)][: 2 if row == y else 1] if row <= y else [(down, up)]
+                share = sum(_half(far, abs(row - y)) - _half(-near, abs(row - y)) for far, near in sides)
+                total[row, x + offset] += share * light[y, x] / area
     return total
 
 

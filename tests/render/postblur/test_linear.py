@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.frame import FrameRenderer, FrameSettings
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
@@ -19,13 +20,25 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.model.scene import Scene
-from render.postblur.linear import CUTOFF_PX, CUTOFF_SHARE, NO_CUTOFF, FieldSpreader, LinearField
+from render.optics.iris import transmission
+from render.postblur import spread_tables
+from render.postblur.focus_split import FocusSplit
+from render.postblur.linear import (
+    CUTOFF_PX,
+    CUTOFF_SHARE,
+    DOUBLE_BITS,
+    NO_CUTOFF,
+    FieldSpreader,
+    LinearBlur,
+    LinearField,
+)
 from render.postblur.spread_tables import (
     MAX_RADIUS_PX,
     WEIGHT_BITS,
     Gaussian,
     IrisImage,
     Spread,
+    SpreadTables,
     make_table,
     step_of,
     step_radius,
@@ -37,6 +50,7 @@ SPREADS: dict[str, Spread] = {
     "round": IrisImage(IrisShape()),
     "five, turned": IrisImage(IrisShape(blades=5, rotation_rad=0.4)),
     "squeezed": IrisImage(IrisShape(blades=6), is_behind=False, squeeze=2.0),
+    "widened": IrisImage(IrisShape(blades=6), squeeze=0.5),
 }
 
 
@@ -64,7 +78,7 @@ def shed(light: FloatArray, radii: FloatArray, spread: Spread, cutoff_px: float)
     rounded = np.sign(radii) * np.array([[step_radius(step) for step in row] for row in steps])
     total = np.zeros((height, width, 4))
     for y, x in np.argwhere((light != 0).any(axis=-1)):
-        half = int(np.ceil(abs(rounded[y, x]) + 0.5))
+        half = int(np.ceil(spread.wide * abs(rounded[y, x]) + 0.5))
         table = make_table(spread, abs(rounded[y, x]), half)
         top, left = max(y - half, 0), max(x - half, 0)
         seen = rounded[top : y + half + 1, left : x + half + 1]
@@ -79,16 +93,63 @@ def shed(light: FloatArray, radii: FloatArray, spread: Spread, cutoff_px: float)
 @given(step=st.integers(0, 80), name=st.sampled_from(sorted(SPREADS)))
 def test_a_table_is_whole_and_as_wide_as_its_circle(step: int, name: str) -> None:
     radius = step_radius(step)
-    half = int(np.ceil(radius + 0.5))
+    half = int(np.ceil(SPREADS[name].wide * radius + 0.5))
     table = make_table(SPREADS[name], radius, half)
     assert table.sum() == 1
     assert (table * 2**WEIGHT_BITS == np.round(table * 2**WEIGHT_BITS)).all()
     assert (table >= 0).all()
     offsets = np.arange(-half, half + 1.0)
-    assert np.hypot(offsets[:, None], offsets)[table > 0].max() <= radius + 1
+    assert np.hypot(offsets[:, None], offsets)[table > 0].max() <= SPREADS[name].wide * radius + 1
     if radius > 4:
         middle = [(table.sum(axis=axis) * offsets).sum() for axis in (0, 1)]
         assert np.hypot(*middle) < 0.1 * radius
+
+
+@pytest.mark.parametrize("most_px", [5.0, 1e9])
+def test_no_table_cuts_a_widened_circle_off(ctx: moderngl.Context, most_px: float) -> None:
+    """A squeeze below 1 widens circles; the widest table stays as large as without it."""
+    spread = IrisImage(IrisShape(), squeeze=0.25)
+    tables = SpreadTables(ctx, spread, most_px)
+    widest = step_radius(tables.count - 1)
+    assert 4 * widest == pytest.approx(min(4 * most_px, MAX_RADIUS_PX), abs=2)
+    assert 4 * widest <= tables.half - 1 <= MAX_RADIUS_PX + 4
+    assert -0.5 <= tables.beyond_px <= 1
+    tables.release()
+
+
+@pytest.mark.parametrize("spread", [*SPREADS.values(), IrisImage(IrisShape(radial_weights=(0,) * 60 + (1,)))])
+def test_a_double_holds_all_that_a_pixel_may_get(ctx: moderngl.Context, spread: Spread) -> None:
+    """Where each pixel around it has the radius by which it adds the most."""
+    side = 2 * int(MAX_RADIUS_PX + 4) + 1
+    most = np.zeros((side, side))
+    for radius in np.unique(
+        [step_radius(step_of(radius)) for radius in np.arange(0.5, MAX_RADIUS_PX / spread.wide, 0.5)]
+    ):
+        table = spread.weights(float(radius), side // 2)
+        most = np.maximum(most, table / table.sum())
+    spreader = FieldSpreader(ctx, ProgramCache(ctx))
+    spreader.update_tables(spread, 1.0)
+    assert 2.0 ** (spreader.light_bits + WEIGHT_BITS) * (most.sum() + 1) < 2.0**DOUBLE_BITS
+    assert spreader.light_bits >= 25
+    spreader.release()
+
+
+def test_the_iris_is_drawn_for_new_tables_only(ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = []
+
+    def counted(iris: IrisShape) -> DoubleArray:
+        drawn.append(iris)
+        return transmission(iris)
+
+    monkeypatch.setattr(spread_tables, "transmission", counted)
+    linear = LinearBlur(ctx, ProgramCache(ctx))
+    with Resources() as scope:
+        near, far = (scope.keep(ctx.texture((8, 8), 4, bytes(16 * 64), dtype="f4")) for _ in range(2))
+        radii = scope.keep(ctx.texture((8, 8), 2, bytes(8 * 64), dtype="f4"))
+        for _ in range(3):
+            linear.blur(FocusSplit(near, far, radii, 3.0, IrisShape(blades=5)), scope)
+    linear.release()
+    assert len(drawn) == 2, "one for each field"
 
 
 def test_an_even_disc_is_the_circle_of_confusion() -> None:

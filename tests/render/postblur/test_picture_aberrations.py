@@ -18,7 +18,7 @@ from render.optics.photometry.illuminance import light_over_picture
 from render.optics.view import PinholeView
 from render.pictures.image_space import ImageSpace, renders_in_image_space
 from render.postblur.aberrate_passes import aberrate_on_device
-from render.postblur.picture_errors import PictureErrors, make_picture_errors
+from render.postblur.picture_errors import SIGMAS, PictureErrors, make_picture_errors
 from tests.render.kits.lens_pictures import SHEET_SETTINGS, SOFT_SHEET, glowing_point, sheet_camera, spot_size
 
 PX_MM = 0.1
@@ -99,6 +99,21 @@ def test_the_shaders_do_what_numpy_does(renderer: FrameRenderer, squeeze: float)
     np.testing.assert_allclose(ours, aberrate(picture, view, errors), atol=2e-4)
     sharp = errors_of(DataSheet((0.0,)), view)
     np.testing.assert_allclose(aberrate_on_device(renderer.graphics.ctx, picture, view, sharp), picture, atol=2e-5)
+
+
+@pytest.mark.parametrize("squeeze", [1.0, 0.5])
+def test_a_blur_reaches_at_most_over_the_picture(renderer: FrameRenderer, squeeze: float) -> None:
+    """Also by a sheet that asks for ten thousand pixels."""
+    view = view_of(40, 30)
+    sheet = DataSheet((0.0, 20.0), sagittal_blur_mm=(1e3,) * 2, tangential_blur_mm=(1e3,) * 2, f_stop=2.8)
+    errors = errors_of(sheet, view, squeeze=squeeze)
+    widest = np.hypot(errors.even, np.maximum(errors.along, errors.across)).max()
+    assert SIGMAS * widest * max(view.fx / squeeze, view.fy) <= 1.001 * np.hypot(view.width, view.height)
+    assert errors.margin(view) <= (view.width, view.height)
+    picture = np.random.default_rng(4).uniform(0, 4, (30, 40, 4)).astype(np.float32)
+    ours = aberrate_on_device(renderer.graphics.ctx, picture, view, errors)
+    np.testing.assert_allclose(ours, aberrate(picture, view, errors), atol=2e-4)
+    assert ours.std() < 0.2 * picture.std()
 
 
 def test_a_flat_chart_looks_as_through_the_rays(renderer: FrameRenderer) -> None:

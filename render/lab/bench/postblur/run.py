@@ -19,7 +19,7 @@ from render.lab.bench.postblur.speed import Growth, growth, memory_mb
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.postblur.flag import BAND_BYTES, flag_bytes
-from render.postblur.flag_blur import SPLIT_PX
+from render.postblur.focus_split import SPLIT_PX
 
 GOAL_LINEAR, GOAL_QUADRATIC = 1.2, 1.7
 GOAL_GAIN_DB = 3.0

@@ -36,10 +36,18 @@ RESTARTS_CODE = 1012
 """Code of a WebSocket that is closed because the service stops; the client may connect again."""
 MAX_UNACKNOWLEDGED = 2
 """Pictures that may be sent before the client acknowledges one."""
-CROWDED_S = 0.1
-"""Least time between two requests of a client that reach a crowded lane: others would wait for each of them, and see few."""
+CROWDED_S = 0.01
+"""Time in which a client is not received from in a crowded lane and starts no second request, for each job that waits there, s.
+
+Its turn comes once those that wait have had theirs. What it has sent until then is read at once, and only the newest request
+counts.
+"""
+MAX_CROWDED_S = 1.0
+_QUIET_S = 0.005  # a message that took longer to come was the last one of those that had been sent
 MAX_PROBLEMS = 32
 """Problems that may wait to be sent; a client that does not read them is not received from any more."""
+_NO_REQUEST = '"ack"', '"stop"', "\\"
+"""Texts that a message has where it may be no request: the keys of the others, or an escape, which may hide one of them."""
 
 Value = TypeVar("Value")
 
@@ -96,17 +104,27 @@ class LiveConnection:
     async def _receive_all(self) -> None:
         while True:
             await self._can_receive.wait()
+            began_s = time.perf_counter()
             message = await self._socket.receive()
             if message["type"] == "websocket.disconnect":
                 return
-            fields: Any = None
-            try:
-                fields = _json_of(message.get("text"))
-                self._handle(fields)
-            except Exception as error:
-                self._report_problem(fields.get("id") if isinstance(fields, dict) else None, error)
+            self._take(message.get("text"))
+            if time.perf_counter() - began_s > _QUIET_S:
+                await self._let_others_go_first()
 
-    def _handle(self, fields: dict[str, Any]) -> None:
+    def _take(self, text: object) -> None:
+        """Do what a message says; one that is a request is not even parsed until it is started."""
+        if isinstance(text, str) and not any(key in text for key in _NO_REQUEST):
+            self._request(text)
+            return
+        fields: dict[str, Any] = {}
+        try:
+            fields = _json_of(text)
+            self._handle(fields, text)
+        except Exception as error:
+            self._report_problem(fields.get("id"), error)
+
+    def _handle(self, fields: dict[str, Any], text: object) -> None:
         if "ack" in fields:
             ack = min(LiveAck.model_validate(fields).ack, self._sent_count)
             self._acknowledged_count = max(self._acknowledged_count, ack)
@@ -115,25 +133,35 @@ class LiveConnection:
             LiveStop.model_validate(fields)
             self._stop()
         else:
-            self._request_count += 1
-            self._unstarted = _Message(fields, self._request_count, time.perf_counter())
-            self._to_start.set()
+            self._request(str(text))
+
+    def _request(self, text: str) -> None:
+        """Take note of a request, in place of one that has not been started."""
+        self._request_count += 1
+        self._unstarted = _Message(text, self._request_count, time.perf_counter())
+        self._to_start.set()
 
     async def _start_all(self) -> None:
-        """Start the newest request, again and again. Those that it overtakes are not even validated."""
+        """Start the newest request, again and again. Those that it overtakes are not even parsed."""
         while True:
             await self._to_start.wait()
             self._to_start.clear()
             newest, self._unstarted = self._unstarted, None
             if newest is None:  # stopped
                 continue
+            fields: dict[str, Any] = {}
             try:
-                request = LiveRequest.model_validate(newest.fields)
+                fields = _json_of(newest.text)
+                request = LiveRequest.model_validate(fields)
                 await self._start(_Request(request, newest.number, newest.received_s))
             except Exception as error:
-                self._report_problem(newest.fields.get("id"), error)
-            if self._service.lanes.live.waiting > CROWD:
-                await asyncio.sleep(CROWDED_S)
+                self._report_problem(fields.get("id"), error)
+            await self._let_others_go_first()
+
+    async def _let_others_go_first(self) -> None:
+        waiting = self._service.lanes.live.waiting
+        if waiting > CROWD:
+            await asyncio.sleep(min(CROWDED_S * waiting, MAX_CROWDED_S))
 
     async def _start(self, pending: _Request) -> None:
         """Start a stream of pictures, in place of the one before, or send the final picture from the cache."""
@@ -254,12 +282,12 @@ class _Message(NamedTuple):
     """A request as it was received.
 
     Attributes:
-        fields: of its JSON.
+        text: its JSON, not read yet.
         number: counts the requests of the connection.
         received_s: time of its arrival, by `time.perf_counter`.
     """
 
-    fields: dict[str, Any]
+    text: str
     number: int
     received_s: float
 

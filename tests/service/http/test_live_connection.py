@@ -13,7 +13,7 @@ import pytest
 from service.http.admission import Admission
 from service.http.errors import ServiceError
 from service.http.frame_cache import FrameCache
-from service.http.live_connection import CROWDED_S, MAX_PROBLEMS, LiveConnection
+from service.http.live_connection import MAX_PROBLEMS, LiveConnection
 from service.http.metrics import Metrics
 from service.http.stopping import Stopping
 from service.models.cameras import READOUT_EXAMPLE, Readout
@@ -85,6 +85,18 @@ class Pictures:
     async def show(self, index: int, shown: LivePicture) -> None:
         self.streams[index].on_item(shown)
         await settled()
+
+
+def started_times(pictures: Pictures) -> list[float]:
+    """Times of the frames of all streams, which are the numbers of their requests."""
+    return [stream.view[1] for stream in pictures.streams]
+
+
+async def started(pictures: Pictures, number: int) -> None:
+    """Wait until a request has been started."""
+    async with asyncio.timeout(10):
+        while number not in started_times(pictures):
+            await asyncio.sleep(0.001)
 
 
 async def settled() -> None:
@@ -172,15 +184,51 @@ def test_after_a_stop_nothing_is_sent_until_the_next_request():
     serve(play)
 
 
-def test_in_a_crowd_only_the_newest_of_quick_requests_is_started():
+def test_in_a_crowd_few_of_quick_requests_are_started_and_the_newest_is():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        pictures.waiting = 20
+        for number in range(1, 20):
+            await socket.request(number, moving=True)
+        await started(pictures, 19)
+        await pictures.show(-1, PREVIEW)
+        assert socket.pictures == [(19, "preview")]
+        assert len(pictures.streams) <= 6
+
+    serve(play)
+
+
+def test_a_message_that_is_overtaken_is_not_even_parsed():
     async def play(socket: Socket, pictures: Pictures) -> None:
         pictures.waiting = 50
-        for number in range(1, 6):
-            await socket.request(number, moving=True)
-        while len(pictures.streams) < 2:
-            await asyncio.sleep(0.001)
-        await pictures.show(1, PREVIEW)
-        assert socket.pictures == [(5, "preview")]
+        await socket.request(1, moving=True)
+        await socket.request(2, moving=True)  # after which the client is not received from for a while
+        for text in ("no json", json.dumps({"id": 3, "width": "broad"})):
+            socket.to_service.put_nowait(text)
+        await socket.request(4, moving=True)
+        await started(pictures, 4)
+        assert socket.texts == []
+
+    serve(play)
+
+
+@pytest.mark.parametrize("camera", ["/\u0061ck", '/say "stop"'])
+def test_a_request_may_say_what_other_messages_say(camera):
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        await socket.request(1, camera=camera)
+        await pictures.show(0, PREVIEW)
+        assert socket.pictures == [(1, "preview")]
+
+    serve(play)
+
+
+def test_an_ack_may_be_written_with_an_escape():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        await socket.request(1)
+        for shown in (PREVIEW, REFINING, BETTER):  # the last one waits for an ack
+            await pictures.show(0, shown)
+        socket.to_service.put_nowait('{"\\u0061ck": 2}')
+        await settled()
+        assert len(socket.pictures) == 3
 
     serve(play)
 
@@ -188,14 +236,12 @@ def test_in_a_crowd_only_the_newest_of_quick_requests_is_started():
 def test_a_stop_in_a_crowd_discards_what_was_not_started():
     async def play(socket: Socket, pictures: Pictures) -> None:
         pictures.waiting = 50
-        await socket.request(1, moving=True)
-        await socket.request(2, moving=True)
+        for number in range(1, 6):
+            await socket.request(number, moving=True)
         await socket.send(stop=True)
-        await asyncio.sleep(2 * CROWDED_S)
-        assert len(pictures.streams) == 1
-        await socket.request(3)
-        await asyncio.sleep(2 * CROWDED_S)
-        assert len(pictures.streams) == 2
+        await socket.request(6, moving=True)
+        await started(pictures, 6)
+        assert not {3, 4, 5} & set(started_times(pictures))
 
     serve(play)
 
@@ -204,7 +250,7 @@ def test_a_client_that_never_reads_is_not_received_from():
     async def play(socket: Socket, pictures: Pictures) -> None:
         socket.reads.clear()
         for _ in range(10 * MAX_PROBLEMS):
-            socket.to_service.put_nowait("no json")
+            socket.to_service.put_nowait('{"ack": "no number"}')
         await settled()
         assert MAX_PROBLEMS <= socket.received_count <= MAX_PROBLEMS + 2
         socket.reads.set()

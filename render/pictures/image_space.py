@@ -100,13 +100,15 @@ class ImageSpace:
 
         Raises:
             GraphicsError: OpenGL reports an error.
+            Cancelled: the work is stale, within `CancellationPoint.cancel_when`.
         """
         if self.errors is None or self.view is None:
             return frame
         from render.postblur.aberrate_passes import aberrate_on_device
 
         renderer.graphics.make_current()
-        color = aberrate_on_device(renderer.graphics.ctx, frame.color, self.view, self.errors)
+        graphics = renderer.graphics
+        color = aberrate_on_device(graphics.ctx, frame.color, self.view, self.errors, graphics.cancellation)
         rows, columns = self._green_source(self.view, self.errors)
         return replace(
             frame,

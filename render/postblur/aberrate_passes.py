@@ -5,6 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import load_source, set_uniforms
 from render.model.arrays import DoubleArray, FloatArray
@@ -19,13 +20,18 @@ LEAST_COMA_PX = 0.1
 """Flare below which no coma is drawn."""
 
 _ROWS, _FLARE = 4, 5  # as the shaders bind them
+_GROUP_PX, _FIRST_PIECE = 8, 4  # side of a work group; groups of rows of the first piece
 _LINES = 4  # directions of the blur: rows, columns, along the radius and across it
 _DEFINES = {"ROW_LENGTH": 14, "SIGMAS": SIGMAS, "THREE_TAPS": THREE_TAPS}
 _BEND, _BLUR, _COMA = "postblur/aberrate_bend.comp", "postblur/aberrate_blur.comp", "postblur/aberrate_coma.comp"
 
 
 def aberrate_on_device(
-    ctx: moderngl.Context, picture: FloatArray, view: PinholeView, errors: PictureErrors
+    ctx: moderngl.Context,
+    picture: FloatArray,
+    view: PinholeView,
+    errors: PictureErrors,
+    cancellation: CancellationPoint = NEVER_CANCELLED,
 ) -> FloatArray:
     """Apply a lens's picture errors to a sharp picture on the device; nothing stays allocated there.
 
@@ -34,9 +40,13 @@ def aberrate_on_device(
         picture: ``(height, width, 4)`` float32 scene-linear, premultiplied, sharp everywhere.
         view: view of the picture, of the same size.
         errors: picture errors of the lens.
+        cancellation: polled between pieces of the work.
 
     Returns:
         ``(height, width, 4)`` float32; alpha is treated as green.
+
+    Raises:
+        Cancelled: the work is stale.
     """
     size = (view.width, view.height)
     has_coma = float(np.abs(errors.coma).max()) * max(view.fx / errors.squeeze, view.fy) >= LEAST_COMA_PX
@@ -54,8 +64,11 @@ def aberrate_on_device(
             set_uniforms(program, centre=(view.cx, view.cy), focal_px=(view.fx, view.fy), line=line, picture=0)
             first.use(0)
             second.bind_to_image(0, read=False, write=True)
-            program.run(-(-view.width // 8), -(-view.height // 8))
-            ctx.memory_barrier()
+            columns, rows = -(-view.width // _GROUP_PX), -(-view.height // _GROUP_PX)
+            for start, end in PieceSize(_FIRST_PIECE).cut(rows, cancellation):
+                set_uniforms(program, first_row=_GROUP_PX * start)
+                program.run(columns, end - start)
+                ctx.memory_barrier()
             first, second = second, first
         return np.frombuffer(first.read(), np.float32).reshape(view.height, view.width, 4).copy()
 

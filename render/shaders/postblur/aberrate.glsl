@@ -8,11 +8,14 @@ layout(rgba32f, binding = 0) writeonly uniform image2D target;
 layout(std430, binding = 4) readonly buffer Rows { float rows[]; };  // ROW_LENGTH each, see below
 
 uniform sampler2D picture;
+uniform int first_row;      // of this dispatch
 uniform int row_count;
 uniform float last;         // height of the last row
 uniform vec2 centre;        // pixels
 uniform vec2 focal_px;      // focal length of the picture
 uniform float squeeze;      // anamorphic squeeze, by which bending and blur are narrower from side to side
+
+ivec2 own_pixel() { return ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row); }
 
 float error_at(float height, int field)
 {

@@ -32,7 +32,7 @@ vec4 cubic(vec2 at)
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 pixel = own_pixel();
     if (any(greaterThanEqual(pixel, imageSize(target)))) return;
     vec2 place = place_of(pixel);
     vec3 source = errors_at(length(place), 0);

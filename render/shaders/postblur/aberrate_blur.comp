@@ -18,7 +18,7 @@ vec4 weights_of(int k, vec4 steps)
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 pixel = own_pixel();
     if (any(greaterThanEqual(pixel, imageSize(target)))) return;
     vec2 place = place_of(pixel), direction = outward_of(place);
     if (line == 3) direction = vec2(-direction.y, direction.x);

@@ -11,7 +11,7 @@ uniform int flare_points;  // 0 for no coma
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 pixel = own_pixel();
     if (any(greaterThanEqual(pixel, imageSize(target)))) return;
     vec2 place = place_of(pixel), along = outward_of(place), across = vec2(-along.y, along.x);
     float height = length(place), third = error_at(height, 12);

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer
+from render.gl.cancellation import Cancelled
 from render.lab.reference.aberrate import aberrate
 from render.lab.reference.metrics import psnr_db
 from render.model.arrays import FloatArray
@@ -99,6 +100,26 @@ def test_the_shaders_do_what_numpy_does(renderer: FrameRenderer, squeeze: float)
     np.testing.assert_allclose(ours, aberrate(picture, view, errors), atol=2e-4)
     sharp = errors_of(DataSheet((0.0,)), view)
     np.testing.assert_allclose(aberrate_on_device(renderer.graphics.ctx, picture, view, sharp), picture, atol=2e-5)
+
+
+def test_a_large_blur_can_be_cancelled(renderer: FrameRenderer) -> None:
+    view = view_of(90, 70)
+    picture = np.random.default_rng(4).uniform(0, 4, (70, 90, 4)).astype(np.float32)
+    errors = errors_of(SOFT_SHEET, view)
+    polls = 0
+
+    def is_stale() -> bool:
+        nonlocal polls
+        polls += 1
+        return polls == 10
+
+    cancellation = renderer.graphics.cancellation
+    with pytest.raises(Cancelled), cancellation.cancel_when(is_stale):
+        aberrate_on_device(renderer.graphics.ctx, picture, view, errors, cancellation)
+    assert polls == 10
+    with cancellation.cancel_when(lambda: False):
+        pieces = aberrate_on_device(renderer.graphics.ctx, picture, view, errors, cancellation)
+    np.testing.assert_array_equal(pieces, aberrate_on_device(renderer.graphics.ctx, picture, view, errors))
 
 
 @pytest.mark.parametrize("squeeze", [1.0, 0.5])

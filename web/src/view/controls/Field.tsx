@@ -98,6 +98,8 @@ function useDrag({ value, fresh, startDrag }: FieldProps): {
   cancel: () => void;
 } {
   const drag = useRef<Drag<number> | null>(null);
+  // The last value that was moved to, which may not have been rendered yet.
+  const last = useRef(value);
   // After Escape the pointer may still be down: until it is let go, nothing moves.
   const givenUp = useRef(false);
   const [draft, setDraft] = useState<number | null>(null);
@@ -110,14 +112,15 @@ function useDrag({ value, fresh, startDrag }: FieldProps): {
       if (givenUp.current) return;
       drag.current ??= startDrag();
       setDraft(next);
+      last.current = next;
       drag.current.move(next);
     },
     commit: (typed) => {
-      const last = typed ?? draft;
       givenUp.current = false;
-      if (last === null || (typed === undefined && !drag.current)) return;
-      setDraft(last);
-      (drag.current ?? startDrag()).commit(last);
+      if (typed === undefined && !drag.current) return;
+      const next = typed ?? last.current;
+      setDraft(next);
+      (drag.current ?? startDrag()).commit(next);
       drag.current = null;
     },
     cancel: () => {

@@ -30,6 +30,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
     parser.add_argument("--all", action="store_true", help="all cases, which takes hours; as --every 1")
     parser.add_argument("--every", type=int, default=10, metavar="N", help="every Nth case (default: 10)")
+    parser.add_argument(
+        "--skip", type=int, default=0, metavar="N", help="leave the first N cases out: go on with a run"
+    )
     parser.add_argument("--brief", action="store_true", help="ask for data and frames alone: no live or long pictures")
     parser.add_argument("--only", default="", help="cases whose names contain this")
     parser.add_argument("--json", action="store_true", help="one line of JSON for each case")
@@ -37,7 +40,7 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, hostile_world(Path(folder)) as world:
         cases = [case for case in all_cases(world.canaries) if options.only in case.name]
-        cases = cases[:: 1 if options.all or options.only else options.every]
+        cases = cases[options.skip :: 1 if options.all or options.only else options.every]
         verdicts, ask = [], ask_briefly if options.brief else ask_all
         bystander, trace = Bystander(world.client.base_url, next(controls())), Path(folder) / "trace"
         tracing = traced(world.template(), trace) if options.trace else nullcontext()

@@ -184,7 +184,7 @@ def test_after_a_stop_nothing_is_sent_until_the_next_request():
     serve(play)
 
 
-def test_in_a_crowd_few_of_quick_requests_are_started_and_the_newest_is():
+def test_in_a_crowd_few_requests_are_started_the_newest_last():
     async def play(socket: Socket, pictures: Pictures) -> None:
         pictures.waiting = 20
         for number in range(1, 20):

@@ -38,6 +38,7 @@ import { HintError } from "../net/errors";
 import { base64Of } from "../net/files";
 import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
+import { KeyEditing } from "./key_editing";
 import { CameraPhotography } from "./photography";
 import type { Fail } from "./fail";
 import type { Identity } from "./identity";
@@ -63,6 +64,7 @@ export class Session {
   readonly pictures: Pictures;
   readonly photography: CameraPhotography;
   readonly picks: Picks;
+  readonly keys: KeyEditing;
   readonly notes = signal<readonly Note[]>([]);
   /** Name of the selected focus point, which may be gone. */
   readonly selected = signal<string | null>(null);
@@ -92,6 +94,7 @@ export class Session {
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek());
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
     this.picks = new Picks(service, this, fail);
+    this.keys = new KeyEditing(this, fail);
     this.#stop = this.#follow();
   }
 

@@ -159,8 +159,8 @@ export function toPick(json: Json["Pick"]): Pick | null {
 
 /** Without those that the shot says no finite value for. */
 function toKeys(json: readonly Json["Key"][] = []): Key[] {
-  return json.flatMap(({ time, value, interpolation = "linear" }) =>
-    value === null ? [] : [{ time, value, interpolation }],
+  return json.flatMap(({ time, value, interpolation = "linear", tangents }) =>
+    value === null ? [] : [{ time, value, interpolation, ...(tangents ? { tangents } : {}) }],
   );
 }
 

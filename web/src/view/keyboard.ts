@@ -28,8 +28,17 @@ export const SHORTCUTS: readonly Shortcut[] = [
   { keys: "F", does: "Pull focus to the selected point at this time" },
   { keys: ", .", does: "Go to its previous or next key" },
   { keys: "K", does: "Set or remove its weight key at this time" },
-  { keys: "Delete", does: "Remove the selected point" },
+  { keys: "Delete", does: "Remove the selected keys, or else the selected point" },
   { keys: "Esc", does: "Select nothing" },
+  {
+    keys: "Drag a key",
+    does: "Move the selected keys in time; they snap to frames, keys and the playhead, unless Alt is held",
+  },
+  {
+    keys: "Shift click a key",
+    does: "Select one more key, or one fewer; drag beside the keys to select those in a box",
+  },
+  { keys: "← → on a key", does: "Move the selected keys by a frame; with Shift by ten, with Alt by a tenth" },
   { keys: "Ctrl Z", does: "Undo" },
   { keys: "Ctrl Shift Z", does: "Redo" },
   { keys: "M", does: "Show or hide the points" },
@@ -79,7 +88,7 @@ function plainKeys(event: KeyboardEvent, editor: Editor, session: Session | null
     guide.value = names[(names.indexOf(guide.value) + 1) % names.length] ?? "";
     return true;
   }
-  return session !== null && (timeKeys(event, session) || pointKeys(event, session));
+  return session !== null && (timeKeys(event, session) || keyKeys(event, session) || pointKeys(event, session));
 }
 
 function timeKeys(event: KeyboardEvent, session: Session): boolean {
@@ -91,6 +100,14 @@ function timeKeys(event: KeyboardEvent, session: Session): boolean {
   else if (event.key === "Home") playhead.goTo(playhead.range.start);
   else if (event.key === "End") playhead.goTo(playhead.range.end);
   else return false;
+  return true;
+}
+
+/** Keys for the selected keys. */
+function keyKeys(event: KeyboardEvent, { keys }: Session): boolean {
+  if (event.key === "Escape") return keys.clear();
+  if ((event.key !== "Delete" && event.key !== "Backspace") || keys.selectedStacks.value.length === 0) return false;
+  keys.remove();
   return true;
 }
 

@@ -1,61 +1,284 @@
-/** A lane of keys for each focus point that has any: click a key to go there. */
+/**
+ * A lane of keys for each setting and focus point that has any. A click on a key selects it and goes there, a drag moves the
+ * selected keys in time; a drag beside the keys selects those in a box.
+ */
 
 import type { JSX } from "preact";
+import { useRef, useState } from "preact/hooks";
 import type { Session } from "../../editor/session";
-import type { Key } from "../../model/keys";
-import { KEYED_ATTRIBUTES, keysOf, type FocusPoint, type KeyedAttribute } from "../../model/shot";
+import type { KeyDrag, KeyShift } from "../../editor/key_editing";
+import { labelOf, stackId, type KeyLane, type KeyStack } from "../../model/key_lanes";
 import { formatFrame, sameTime } from "../../model/time";
+import { followPointer } from "../hooks";
 import type { TimeAxis } from "./time_axis";
 
+/** How far a pointer goes before it drags, and how near a key snaps to something. */
+const SLACK_PX = 3;
+const SNAP_PX = 6;
+
+interface Box {
+  readonly left: number;
+  readonly top: number;
+  readonly right: number;
+  readonly bottom: number;
+}
+
 export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
-  const points = session.document.points.value.filter((point) => keysOfPage(point).length > 0);
+  const lanes = session.keys.lanes.value;
+  const list = useRef<HTMLDivElement>(null);
+  const [box, setBox] = useState<Box | null>(null);
   return (
-    <div class="lanes" role="group" aria-label="Keys of the focus points">
-      {points.length === 0 && (
+    <div
+      class="lanes"
+      role="group"
+      aria-label="Keys"
+      ref={list}
+      onPointerDown={(event) => {
+        const isOnButton = event.target instanceof Element && event.target.closest("button") !== null;
+        if (event.button === 0 && !isOnButton && list.current) selectInBox(session, event, list.current, setBox);
+      }}
+    >
+      {lanes.length === 0 && (
         <p class="lane-hint muted" style={{ left: `${axis.left}px` }}>
-          The focus points’ keys show here.
+          Keys of focus points and of the camera show here.
         </p>
       )}
-      {points.map((point) => (
-        <Lane key={point.name} session={session} axis={axis} point={point} />
+      {lanes.map((lane) => (
+        <Lane key={lane.id} session={session} axis={axis} lane={lane} />
       ))}
+      {box && (
+        <div
+          class="lane-box"
+          style={{
+            left: `${box.left}px`,
+            top: `${box.top}px`,
+            width: `${box.right - box.left}px`,
+            height: `${box.bottom - box.top}px`,
+          }}
+        />
+      )}
     </div>
   );
 }
 
-function keysOfPage(point: FocusPoint): { attribute: KeyedAttribute; key: Key }[] {
-  return KEYED_ATTRIBUTES.flatMap((attribute) => keysOf(point, attribute).map((key) => ({ attribute, key })));
+/** Selects the keys in the box that a pointer draws; none where it only clicks. */
+function selectInBox(
+  session: Session,
+  down: PointerEvent,
+  list: HTMLDivElement,
+  show: (box: Box | null) => void,
+): void {
+  const place = (event: PointerEvent): readonly [number, number] => {
+    const frame = list.getBoundingClientRect();
+    return [event.clientX - frame.left, event.clientY - frame.top + list.scrollTop];
+  };
+  const [fromX, fromY] = place(down);
+  const boxTo = (event: PointerEvent): Box => {
+    const [x, y] = place(event);
+    return { left: Math.min(x, fromX), top: Math.min(y, fromY), right: Math.max(x, fromX), bottom: Math.max(y, fromY) };
+  };
+  followPointer(
+    down,
+    (event) => {
+      show(boxTo(event));
+    },
+    (event) => {
+      show(null);
+      const box = boxTo(event);
+      const inside = new Set(
+        [...list.querySelectorAll<HTMLElement>("[data-stack]")]
+          .filter((key) => {
+            const frame = key.getBoundingClientRect();
+            const [left, top] = [list.getBoundingClientRect().left, list.getBoundingClientRect().top - list.scrollTop];
+            const [x, y] = [(frame.left + frame.right) / 2 - left, (frame.top + frame.bottom) / 2 - top];
+            return x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
+          })
+          .map((key) => key.dataset.stack),
+      );
+      const stacks = session.keys.lanes.value.flatMap((lane) => lane.stacks.filter(({ id }) => inside.has(id)));
+      session.keys.select(stacks, down.shiftKey && stacks.length > 0);
+    },
+  );
 }
 
-function Lane({ session, axis, point }: { session: Session; axis: TimeAxis; point: FocusPoint }): JSX.Element {
-  const selected = session.selected.value === point.name;
-  const now = session.playhead.time.value;
+function Lane({ session, axis, lane }: { session: Session; axis: TimeAxis; lane: KeyLane }): JSX.Element {
+  const isSelected = lane.point !== null && session.selected.value === lane.point;
+  const selected = session.keys.selected.value;
+  const entry = lane.stacks.find(({ id }) => selected.has(id)) ?? lane.stacks[0];
   return (
-    <div class={selected ? "lane selected" : "lane"}>
+    <div class={isSelected ? "lane selected" : "lane"}>
       <button
         type="button"
         class="lane-name"
-        aria-pressed={selected}
-        onClick={() => (session.selected.value = point.name)}
+        title={lane.label}
+        aria-pressed={lane.point === null ? undefined : isSelected}
+        onClick={() => {
+          if (lane.point === null) session.keys.select(lane.stacks);
+          else session.selected.value = lane.point;
+        }}
       >
-        {point.name}
+        {lane.label}
       </button>
       <div class="lane-line" style={{ left: `${axis.left}px`, width: `${axis.right - axis.left}px` }} />
-      {keysOfPage(point).map(({ attribute, key }) => (
-        <button
-          key={`${attribute} ${key.time}`}
-          type="button"
-          tabIndex={-1}
-          class={`lane-key ${attribute}${sameTime(key.time, now) ? " now" : ""}${key.value === 0 ? " zero" : ""}`}
-          style={{ left: `${axis.x(key.time)}px` }}
-          aria-label={`${attribute} of ${point.name} is ${key.value} at frame ${formatFrame(key.time)}`}
-          title={`${attribute} ${Number(key.value.toFixed(2))} at ${formatFrame(key.time)}, ${key.interpolation}`}
-          onClick={() => {
-            session.selected.value = point.name;
-            session.playhead.goTo(key.time);
-          }}
-        />
+      {lane.stacks.map((stack) => (
+        <StackKey key={stack.id} session={session} axis={axis} lane={lane} stack={stack} isEntry={stack === entry} />
       ))}
     </div>
   );
+}
+
+interface StackKeyProps {
+  readonly session: Session;
+  readonly axis: TimeAxis;
+  readonly lane: KeyLane;
+  readonly stack: KeyStack;
+  /** Whether Tab comes to it; from there `,` and `.` go on. */
+  readonly isEntry: boolean;
+}
+
+function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.Element {
+  const { keys, playhead } = session;
+  const held = useRef<HeldKey | null>(null);
+  const isSelected = keys.selected.value.has(stack.id);
+  const time = keys.timeOf(stack);
+  const says = stack.keys
+    .map(({ owner, key }) => `${labelOf(owner)} ${Number(key.value.toFixed(2)).toString()}, ${key.interpolation}`)
+    .join("; ");
+  const isZero = stack.keys.every(({ key }) => key.value === 0);
+  const isEnabled = stack.keys.every(({ owner }) => "attribute" in owner && owner.attribute === "enabled");
+  const classes = ["lane-key", isEnabled && "enabled", isZero && "zero", isSelected && "selected"];
+  if (sameTime(time, playhead.time.value)) classes.push("now");
+  return (
+    <button
+      type="button"
+      data-stack={stack.id}
+      tabIndex={isEntry ? 0 : -1}
+      class={classes.filter(Boolean).join(" ")}
+      style={{ left: `${axis.x(time)}px` }}
+      aria-pressed={isSelected}
+      aria-label={`${lane.label} at frame ${formatFrame(time)}: ${says}`}
+      title={`${formatFrame(time)}: ${says}`}
+      onPointerDown={(event) => {
+        if (event.button === 0) dragKey(session, axis, stack, event);
+      }}
+      onKeyDown={(event) => {
+        if (moveByKey(session, stack, event, held) || goToNext(session, lane, stack, event)) event.preventDefault();
+      }}
+      onKeyUp={(event) => {
+        if (!ARROWS.has(event.key)) return;
+        const list = event.currentTarget.closest(".lanes");
+        void letGo(held).then((at) => {
+          if (at === null) return;
+          requestAnimationFrame(() => {
+            focusOn(list, stackId(lane.id, at));
+          });
+        });
+      }}
+      onBlur={() => void letGo(held)}
+      onClick={(event) => {
+        if (event.detail > 0) return; // a pointer's, which `dragKey` sees
+        keys.select([stack]);
+        playhead.goTo(stack.time);
+      }}
+    />
+  );
+}
+
+/** Selects a key, and moves the selected ones with the pointer; a click goes there. */
+function dragKey(session: Session, axis: TimeAxis, stack: KeyStack, down: PointerEvent): void {
+  const { keys, playhead } = session;
+  if (down.shiftKey) {
+    keys.select([stack], true);
+    return;
+  }
+  if (!keys.selected.value.has(stack.id)) keys.select([stack]);
+  const perFrame = (axis.right - axis.left) / Math.max(1, axis.range.end - axis.range.start);
+  const shift = (event: PointerEvent): KeyShift => ({
+    by: (event.clientX - down.clientX) / perFrame,
+    reach: event.altKey ? null : SNAP_PX / perFrame,
+  });
+  let drag: KeyDrag | null = null;
+  const giveUp = new AbortController();
+  const stop = followPointer(
+    down,
+    (event) => {
+      if (!drag && Math.abs(event.clientX - down.clientX) < SLACK_PX) return;
+      drag ??= keys.drag(stack);
+      drag.move(shift(event));
+    },
+    (event) => {
+      giveUp.abort();
+      if (drag && event.type === "pointerup") void drag.commit(shift(event));
+      else if (drag) drag.cancel();
+      else {
+        keys.select([stack]);
+        playhead.goTo(stack.time);
+      }
+    },
+  );
+  addEventListener(
+    "keydown",
+    (event) => {
+      if (event.key !== "Escape") return;
+      event.preventDefault();
+      event.stopPropagation();
+      giveUp.abort();
+      stop();
+      drag?.cancel();
+    },
+    { capture: true, signal: giveUp.signal },
+  );
+}
+
+const ARROWS: ReadonlySet<string> = new Set(["ArrowLeft", "ArrowRight"]);
+
+/** An arrow key that is down: what it moves, and how far it has. */
+interface HeldKey {
+  readonly drag: KeyDrag;
+  readonly by: number;
+}
+
+/** Moves the selected keys by an arrow key, for as long as it is down; Escape puts them back. */
+function moveByKey(
+  session: Session,
+  stack: KeyStack,
+  event: KeyboardEvent,
+  held: { current: HeldKey | null },
+): boolean {
+  const { keys } = session;
+  if (event.key === "Escape" && held.current) {
+    held.current.drag.cancel();
+    held.current = null;
+    return true;
+  }
+  if (!ARROWS.has(event.key)) return false;
+  if (!keys.selected.value.has(stack.id)) keys.select([stack]);
+  const step = event.altKey ? 0.1 : event.shiftKey ? 10 : 1;
+  const { drag, by } = held.current ?? { drag: keys.drag(stack), by: 0 };
+  held.current = { drag, by: by + (event.key === "ArrowRight" ? step : -step) };
+  drag.move({ by: held.current.by, reach: null });
+  return true;
+}
+
+/** Ends the move of an arrow key; resolves to where the key is then. */
+async function letGo(held: { current: HeldKey | null }): Promise<number | null> {
+  const last = held.current;
+  held.current = null;
+  return last ? last.drag.commit({ by: last.by, reach: null }) : null;
+}
+
+/** Goes to the key before or after in the lane by `,` or `.`. */
+function goToNext({ keys, playhead }: Session, lane: KeyLane, stack: KeyStack, event: KeyboardEvent): boolean {
+  if (event.key !== "," && event.key !== ".") return false;
+  const next = lane.stacks[lane.stacks.indexOf(stack) + (event.key === "." ? 1 : -1)];
+  if (next) {
+    keys.select([next]);
+    playhead.goTo(next.time);
+    focusOn((event.currentTarget as HTMLElement).closest(".lanes"), next.id);
+  }
+  return true;
+}
+
+function focusOn(lanes: Element | null, stack: string): void {
+  lanes?.querySelector<HTMLElement>(`[data-stack="${CSS.escape(stack)}"]`)?.focus();
 }

@@ -8,6 +8,7 @@ import { formatFrame } from "../../model/time";
 import { TypedNumber } from "../controls/TypedNumber";
 import { Icon, type IconName } from "../icons";
 import { parseQuantity } from "../numbers";
+import { KeyBar } from "./KeyBar";
 
 export function Transport({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const { playhead } = session;
@@ -63,7 +64,11 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
         {Number(range.framesPerSecond.toFixed(3))} fps
       </span>
       <div class="spacer" />
-      <Legend session={session} unit={unit} />
+      {session.keys.selectedStacks.value.length > 0 ? (
+        <KeyBar session={session} unit={unit} />
+      ) : (
+        <Legend session={session} unit={unit} />
+      )}
     </div>
   );
 }

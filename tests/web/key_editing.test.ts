@@ -1,0 +1,184 @@
+import { signal } from "@preact/signals";
+import { Session } from "@/editor/session";
+import type { KeyStack } from "@/model/key_lanes";
+import { FakeService, SHOT, turn } from "./fake_service";
+import { point } from "./points";
+
+beforeEach(() => {
+  vi.stubGlobal("cancelAnimationFrame", () => undefined);
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+interface Opened {
+  readonly fake: FakeService;
+  readonly session: Session;
+  readonly failed: unknown[];
+}
+
+/** A session whose one point has keys at frames 1, 10 and 20. */
+async function opened(): Promise<Opened> {
+  const fake = new FakeService();
+  const failed: unknown[] = [];
+  fake.points = [point("pip", { weight: { 1: 1, 10: 0, 20: 1 } })];
+  const rights = { noEdits: signal(null), noPictures: signal(null) };
+  const session = new Session(fake.service, SHOT, "/cam", 1, (error) => failed.push(error), rights);
+  await turn();
+  return { fake, session, failed };
+}
+
+function stackAt({ keys }: Session, time: number): KeyStack {
+  const found = keys.lanes.value.flatMap(({ stacks }) => stacks).find((stack) => stack.time === time);
+  if (!found) throw new Error(`There is no key at ${time.toString()}.`);
+  return found;
+}
+
+/** Gives the point other keys, as the service has them after an edit. */
+function nowAt(fake: FakeService, ...times: number[]): void {
+  const points = [point("pip", { weight: Object.fromEntries(times.map((time) => [time, 1])) })];
+  fake.points = points;
+  fake.state = { points, readout: null, focusSettings: null, photography: null, curve: null };
+}
+
+describe("a drag of keys", () => {
+  it("is seen in the picture, and is one edit", async () => {
+    const { fake, session } = await opened();
+    const stack = stackAt(session, 10);
+    session.keys.select([stack]);
+    const drag = session.keys.drag(stack);
+    drag.move({ by: 1.9, reach: 0.1 });
+    drag.move({ by: 4.2, reach: 0.1 });
+    expect(session.keys.timeOf(stack)).toBe(14);
+    expect(session.document.unsaved.value.map(({ type }) => type)).toEqual(["unkeyPoint", "keyPoint"]);
+    nowAt(fake, 1, 14, 20);
+    expect(await drag.commit({ by: 4.2, reach: 0.1 })).toBe(14);
+    expect(fake.made).toHaveLength(1);
+    await turn();
+    expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([14]);
+    expect(session.document.unsaved.value).toEqual([]);
+  });
+
+  it("moves all that are selected, and snaps to the playhead and other keys but not to itself", async () => {
+    const { fake, session } = await opened();
+    session.playhead.time.value = 12.25;
+    session.keys.select([stackAt(session, 10), stackAt(session, 20)]);
+    const drag = session.keys.drag(stackAt(session, 10));
+    drag.move({ by: 2.3, reach: 0.2 });
+    expect(session.keys.shift.value).toBe(2.25);
+    drag.move({ by: 9.6, reach: 0.2 });
+    expect(session.keys.shift.value).toBe(10);
+    await drag.commit({ by: -9.1, reach: 0.2 });
+    expect(fake.made[0]?.slice(2)).toMatchObject([{ key: { time: 1 } }, { key: { time: 11 } }]);
+  });
+
+  it("that is given up leaves everything as it was", async () => {
+    const { fake, session } = await opened();
+    const stack = stackAt(session, 10);
+    session.keys.select([stack]);
+    const drag = session.keys.drag(stack);
+    drag.move({ by: 5, reach: null });
+    drag.cancel();
+    expect([session.keys.timeOf(stack), session.document.unsaved.value, fake.made]).toEqual([10, [], []]);
+    expect(session.document.dragging.value).toBe(false);
+  });
+});
+
+describe("a drag of keys whose service is slow", () => {
+  it("goes on from where the one before it goes, though that is not there yet", async () => {
+    const { fake, session } = await opened();
+    const stack = stackAt(session, 10);
+    session.keys.select([stack]);
+    const first = session.keys.drag(stack).commit({ by: 1, reach: null });
+    const second = session.keys.drag(stack);
+    second.move({ by: 1, reach: null });
+    expect(session.keys.timeOf(stack)).toBe(12);
+    nowAt(fake, 1, 12, 20);
+    await Promise.all([first, second.commit({ by: 1, reach: null })]);
+    expect(fake.made.map((changes) => changes.map((change) => ("time" in change ? change.time : 0)))).toEqual([
+      [10, 0],
+      [11, 0],
+    ]);
+    await turn();
+    expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([12]);
+    expect(session.keys.shift.value).toBe(0);
+  });
+
+  it("goes on where it is when the one before it is made", async () => {
+    const { fake, session } = await opened();
+    session.keys.select([stackAt(session, 10)]);
+    const first = session.keys.drag(stackAt(session, 10)).commit({ by: 1, reach: null });
+    const second = session.keys.drag(stackAt(session, 10));
+    second.move({ by: 1, reach: null });
+    nowAt(fake, 1, 11, 20);
+    await first;
+    await turn();
+    second.move({ by: 3, reach: null });
+    expect(session.keys.timeOf(stackAt(session, 11))).toBe(14);
+    expect(await second.commit({ by: 3, reach: null })).toBe(14);
+    expect(fake.made.at(-1)).toMatchObject([{ time: 11 }, { key: { time: 14 } }]);
+  });
+});
+
+describe("while keys are moved", () => {
+  it("others that are selected then stay", async () => {
+    const { fake, session } = await opened();
+    session.keys.select([stackAt(session, 10)]);
+    const first = session.keys.drag(stackAt(session, 10)).commit({ by: 1, reach: null });
+    session.keys.select([stackAt(session, 20)]);
+    expect(session.keys.timeOf(stackAt(session, 20))).toBe(20);
+    session.keys.drag(stackAt(session, 20)).move({ by: 3, reach: null });
+    expect(session.document.unsaved.value[0]).toMatchObject({ type: "unkeyPoint", time: 20 });
+    nowAt(fake, 1, 11, 20);
+    await first;
+    await turn();
+    expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([20]);
+  });
+
+  it("a refusal of the service puts them back", async () => {
+    const { fake, session, failed } = await opened();
+    fake.failing = "keyPoint";
+    const stack = stackAt(session, 10);
+    session.keys.select([stack]);
+    expect(await session.keys.drag(stack).commit({ by: 3, reach: null })).toBe(null);
+    await turn();
+    expect([session.keys.timeOf(stackAt(session, 10)), failed.length]).toEqual([10, 1]);
+  });
+});
+
+it("who may not edit sees the keys where they were", async () => {
+  const fake = new FakeService();
+  fake.points = [point("pip", { weight: { 1: 1, 10: 0 } })];
+  const failed: unknown[] = [];
+  const rights = { noEdits: signal("You may not."), noPictures: signal(null) };
+  const session = new Session(fake.service, SHOT, "/cam", 1, (error) => failed.push(error), rights);
+  await turn();
+  const stack = stackAt(session, 10);
+  session.keys.select([stack]);
+  await session.keys.drag(stack).commit({ by: 3, reach: null });
+  expect([session.keys.timeOf(stack), session.document.unsaved.value, failed.length]).toEqual([10, [], 1]);
+});
+
+it("more keys than an edit takes are refused with what to do", async () => {
+  const { fake, session, failed } = await opened();
+  fake.points = [point("pip", { weight: Object.fromEntries(Array.from({ length: 129 }, (_, i) => [i + 1, 1])) })];
+  session.document.refresh();
+  await turn();
+  session.keys.select(session.keys.lanes.value.flatMap(({ stacks }) => stacks));
+  session.keys.moveTo(2);
+  await turn();
+  expect([fake.made, failed.length, session.keys.shift.value]).toEqual([[], 1, 0]);
+});
+
+it("stacks are added to the selection and taken out of it", async () => {
+  const { session } = await opened();
+  const { keys } = session;
+  const [one, ten] = [stackAt(session, 1), stackAt(session, 10)];
+  keys.select([one]);
+  keys.select([ten], true);
+  expect(keys.selectedStacks.value).toEqual([one, ten]);
+  keys.select([one], true);
+  expect(keys.selectedStacks.value).toEqual([ten]);
+  expect([keys.clear(), keys.clear()]).toEqual([true, false]);
+});

@@ -1,0 +1,120 @@
+import {
+  interpolateStacks,
+  interpolationOf,
+  labelOf,
+  lanesOf,
+  moveStacks,
+  removeStacks,
+  setKeyValue,
+  snapShift,
+  type KeyStack,
+} from "@/model/key_lanes";
+import type { Key } from "@/model/keys";
+import { point } from "./points";
+
+const RANGE = { start: 1, end: 96, framesPerSecond: 24 };
+
+function key(time: number, value = 1, more: Partial<Key> = {}): Key {
+  return { time, value, interpolation: "auto", ...more };
+}
+
+function stacksOf(...lanes: ReturnType<typeof lanesOf>): readonly KeyStack[] {
+  return lanes.flatMap(({ stacks }) => stacks);
+}
+
+describe("lanes", () => {
+  it("are of what has keys: the camera's settings, then the points", () => {
+    const lanes = lanesOf(
+      [{ fStop: [key(4, 2.8)], tiltDeg: [] }, { iso: [key(1, 800)] }],
+      [point("pip", { weight: { 1: 1, 20: 0 }, enabled: { 20: 1 } }), point("mara")],
+    );
+    expect(lanes.map(({ label, point: name }) => [label, name])).toEqual([
+      ["f-number", null],
+      ["ISO", null],
+      ["pip", "pip"],
+    ]);
+  });
+
+  it("hold the keys of one time in one stack", () => {
+    const [lane] = lanesOf([], [point("pip", { weight: { 1: 1, 20: 0 }, enabled: { 20: 1 } })]);
+    expect(lane?.stacks.map(({ time, keys }) => [time, keys.length])).toEqual([
+      [1, 1],
+      [20, 2],
+    ]);
+  });
+
+  it("name settings that have no slider in words", () => {
+    expect(labelOf({ setting: "shutterClose" })).toBe("Shutter close");
+    expect(labelOf({ setting: "exposureTimeS" })).toBe("Exposure time");
+  });
+});
+
+describe("a move of keys", () => {
+  it("takes all of them away before it sets any, so that none falls on another one that moves", () => {
+    const stacks = stacksOf(...lanesOf([{ fStop: [key(4, 2.8), key(5, 4)] }], []));
+    expect(moveStacks(stacks, 1, "points")).toEqual([
+      { type: "unkeySetting", setting: "fStop", time: 4 },
+      { type: "unkeySetting", setting: "fStop", time: 5 },
+      { type: "keySetting", setting: "fStop", key: key(5, 2.8) },
+      { type: "keySetting", setting: "fStop", key: key(6, 4) },
+    ]);
+    expect(moveStacks(stacks, 0, "points")).toEqual([]);
+  });
+
+  it("keeps handles", () => {
+    const tangents = { inSlope: 1, inWidth: 2, outSlope: 3, outWidth: 4 };
+    const stacks = stacksOf(...lanesOf([{ fStop: [key(4, 2.8, { interpolation: "bezier", tangents })] }], []));
+    expect(moveStacks(stacks, 1, "manual")[1]).toMatchObject({ key: { interpolation: "bezier", tangents } });
+  });
+
+  it("leaves the focus with the points, whose camera has keys of its own distance", () => {
+    const stacks = stacksOf(...lanesOf([{ focusDistanceM: [key(4, 3)] }], []));
+    const back = { type: "setFocus", values: { mode: "tiltPlane" } };
+    expect(moveStacks(stacks, 1, "tiltPlane").at(-1)).toEqual(back);
+    expect(interpolateStacks(stacks, "held", "tiltPlane").at(-1)).toEqual(back);
+    expect(moveStacks(stacks, 1, "manual").at(-1)).toMatchObject({ type: "keySetting" });
+  });
+});
+
+it("keys of points and of settings are removed alike", () => {
+  const stacks = stacksOf(...lanesOf([{ fStop: [key(4)] }], [point("pip", { weight: { 1: 1 } })]));
+  expect(removeStacks(stacks)).toEqual([
+    { type: "unkeySetting", setting: "fStop", time: 4 },
+    { type: "unkeyPoint", name: "pip", attribute: "weight", time: 1 },
+  ]);
+});
+
+it("switches take no other interpolation", () => {
+  const stacks = stacksOf(...lanesOf([], [point("pip", { weight: { 1: 1 }, enabled: { 1: 1 } })]));
+  expect(interpolationOf(stacks)).toBe("linear");
+  expect(interpolateStacks(stacks, "held", "points")).toEqual([
+    { type: "keyPoint", name: "pip", attribute: "weight", key: { time: 1, value: 1, interpolation: "held" } },
+  ]);
+});
+
+it("a value is set without moving the key or its interpolation", () => {
+  const [stack] = stacksOf(...lanesOf([{ fStop: [key(4, 2.8, { interpolation: "held" })] }], []));
+  const [owned] = stack?.keys ?? [];
+  if (!owned) throw new Error("There is no key.");
+  expect(setKeyValue(owned, 4, "points")).toEqual([
+    { type: "keySetting", setting: "fStop", key: { time: 4, value: 4, interpolation: "held" } },
+  ]);
+});
+
+describe("a key that is dragged snaps", () => {
+  it.each([
+    ["to whole frames", 10, 3.4, [], 3],
+    ["to a whole frame from between two", 10.25, 1, [], 0.75],
+    ["to another key that is near", 10, 3.4, [13.25], 3.25],
+    ["to the nearer of two", 10, 3.4, [13, 13.5], 3.5],
+    ["to the last frame", 10, 200, [], 86],
+    ["to the first frame", 10, -200, [], -9],
+  ])("%s", (_, from, by, targets, expected) => {
+    expect(snapShift(RANGE, from, by, targets, 0.5)).toBeCloseTo(expected);
+  });
+
+  it("and one that is outside of the shot need not come in", () => {
+    expect(snapShift(RANGE, 100, -2, [], 0.5)).toBe(-2);
+    expect(snapShift(RANGE, 100, 5, [], 0.5)).toBe(0);
+  });
+});

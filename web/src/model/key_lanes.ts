@@ -1,0 +1,195 @@
+/**
+ * The keys of a shot as the timeline shows them: a lane for each focus point and for each setting of the camera that has keys.
+ * The keys of a lane that stand at one time are a *stack*: they are selected, moved and removed as one.
+ */
+
+import type { Changes } from "./changes";
+import type { Interpolation, Key, Keyed, KeyedSetting } from "./keys";
+import { EXPOSURE_SLIDERS, FILM_SLIDERS, FOCUS_SLIDERS, LENS_SLIDERS, POINT_SLIDERS } from "./settings.gen";
+import { KEYED_ATTRIBUTES, keysOf, type FocusMode, type FocusPoint, type KeyedAttribute } from "./shot";
+import { sameTime, type FrameRange } from "./time";
+
+/** What has a key: an attribute of a focus point, or a setting of the camera. */
+export type KeyOwner =
+  { readonly point: string; readonly attribute: KeyedAttribute } | { readonly setting: KeyedSetting };
+
+export interface OwnedKey {
+  readonly owner: KeyOwner;
+  readonly key: Key;
+}
+
+export interface KeyStack {
+  readonly id: string;
+  /** Id of its lane. */
+  readonly lane: string;
+  /** USD time code. */
+  readonly time: number;
+  readonly keys: readonly OwnedKey[];
+}
+
+export interface KeyLane {
+  readonly id: string;
+  readonly label: string;
+  /** Name of the focus point; null for a setting of the camera. */
+  readonly point: string | null;
+  /** In the order of time. */
+  readonly stacks: readonly KeyStack[];
+}
+
+/** Changes in one edit, as the service takes them. */
+export const MOST_CHANGES = 256;
+
+const DECLARED: Readonly<Record<string, { readonly label: string }>> = {
+  ...FILM_SLIDERS,
+  ...EXPOSURE_SLIDERS,
+  ...FOCUS_SLIDERS,
+  ...LENS_SLIDERS,
+};
+const POINT_LABELS: Readonly<Record<string, { readonly label: string }>> = POINT_SLIDERS;
+
+/** The lanes of what has keys: the camera's settings first, as `keyed` lists them, then the focus points. */
+export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[]): KeyLane[] {
+  const settings = keyed.flatMap((keys) => Object.entries(keys)).filter(([, keys]) => keys.length > 0);
+  return [
+    ...settings.map(([name, keys]): KeyLane => {
+      const owner: KeyOwner = { setting: name as KeyedSetting };
+      return lane(
+        `camera ${name}`,
+        labelOf(owner),
+        null,
+        keys.map((key) => ({ owner, key })),
+      );
+    }),
+    ...points.flatMap((point): KeyLane[] => {
+      const keys = KEYED_ATTRIBUTES.flatMap((attribute) =>
+        keysOf(point, attribute).map((key): OwnedKey => ({ owner: { point: point.name, attribute }, key })),
+      );
+      return keys.length > 0 ? [lane(`point ${point.name}`, point.name, point.name, keys)] : [];
+    }),
+  ];
+}
+
+function lane(id: string, label: string, point: string | null, keys: readonly OwnedKey[]): KeyLane {
+  const stacks: { time: number; keys: OwnedKey[] }[] = [];
+  for (const owned of keys.toSorted((a, b) => a.key.time - b.key.time)) {
+    const last = stacks.at(-1);
+    if (last && sameTime(last.time, owned.key.time)) last.keys.push(owned);
+    else stacks.push({ time: owned.key.time, keys: [owned] });
+  }
+  return { id, label, point, stacks: stacks.map((stack) => ({ ...stack, id: stackId(id, stack.time), lane: id })) };
+}
+
+/** The id of the stack of a lane at a time. */
+export function stackId(lane: string, time: number): string {
+  return `${lane}@${Number(time.toFixed(4)).toString()}`;
+}
+
+/** The name of a setting or attribute for people. */
+export function labelOf(owner: KeyOwner): string {
+  const [name, declared] = "setting" in owner ? [owner.setting, DECLARED] : [owner.attribute, POINT_LABELS];
+  return declared[name]?.label ?? inWords(name);
+}
+
+function inWords(name: string): string {
+  const words = name.replace(/(Mm|M|S|K|E|Deg|DegS|Um)$/, "").replace(/[A-Z]/g, (letter) => ` ${letter.toLowerCase()}`);
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** Whether keys of it hold until the next one, whatever they say: it is on or off. */
+export function isSwitch(owner: KeyOwner): boolean {
+  return "setting" in owner
+    ? owner.setting === "solveStop" || owner.setting === "drivenByPoints"
+    : owner.attribute === "enabled";
+}
+
+/**
+ * Moves stacks in time. Other keys that stand where one of them arrives are replaced.
+ *
+ * @param by time codes.
+ * @param mode of the focus, which a key of the camera's own distance would change.
+ */
+export function moveStacks(stacks: readonly KeyStack[], by: number, mode: FocusMode): Changes {
+  if (by === 0) return [];
+  const keys = stacks.flatMap((stack) => stack.keys);
+  const moved = stacks.flatMap((stack) => movedStack(stack, by).keys).map(({ owner, key }) => setOwned(owner, key));
+  return keepMode([...keys.map(remove), ...moved], keys, mode);
+}
+
+/** A stack as it is after `moveStacks`. */
+export function movedStack({ lane, time, keys }: KeyStack, by: number): KeyStack {
+  const later = (at: number): number => Number((at + by).toFixed(6));
+  const moved = keys.map(({ owner, key }) => ({ owner, key: { ...key, time: later(key.time) } }));
+  return { id: stackId(lane, later(time)), lane, time: later(time), keys: moved };
+}
+
+/** Removes all keys of stacks. */
+export function removeStacks(stacks: readonly KeyStack[]): Changes {
+  return stacks.flatMap((stack) => stack.keys).map(remove);
+}
+
+/** Sets how values go on from the keys of stacks to the next ones; switches stay as they are. */
+export function interpolateStacks(stacks: readonly KeyStack[], interpolation: Interpolation, mode: FocusMode): Changes {
+  const keys = stacks.flatMap((stack) => stack.keys).filter(({ owner }) => !isSwitch(owner));
+  const changed = keys.map(({ owner, key: { time, value } }) => setOwned(owner, { time, value, interpolation }));
+  return keepMode(changed, keys, mode);
+}
+
+/** Sets the value of one key. */
+export function setKeyValue({ owner, key }: OwnedKey, value: number, mode: FocusMode): Changes {
+  return keepMode([setOwned(owner, { ...key, value })], [{ owner, key }], mode);
+}
+
+function setOwned(owner: KeyOwner, key: Key): Changes[number] {
+  return "setting" in owner
+    ? { type: "keySetting", setting: owner.setting, key }
+    : { type: "keyPoint", name: owner.point, attribute: owner.attribute, key };
+}
+
+function remove({ owner, key: { time } }: OwnedKey): Changes[number] {
+  return "setting" in owner
+    ? { type: "unkeySetting", setting: owner.setting, time }
+    : { type: "unkeyPoint", name: owner.point, attribute: owner.attribute, time };
+}
+
+/** Adds what keeps the focus mode: with a key of its own distance, a camera is focused by hand. */
+function keepMode(changes: Changes, keys: readonly OwnedKey[], mode: FocusMode): Changes {
+  const isByHand = keys.some(({ owner }) => "setting" in owner && owner.setting === "focusDistanceM");
+  return isByHand && mode !== "manual" ? [...changes, { type: "setFocus", values: { mode } }] : changes;
+}
+
+/**
+ * How far a key goes that is dragged: to a time to snap to, where one is near, else to a whole frame.
+ *
+ * @param from time of the key.
+ * @param by how far it is dragged.
+ * @param targets times to snap to, such as the playhead's and those of other keys.
+ * @param reach how near a target must be, time codes.
+ */
+export function snapShift(
+  range: FrameRange,
+  from: number,
+  by: number,
+  targets: readonly number[],
+  reach: number,
+): number {
+  const wanted = Math.min(Math.max(from + by, Math.min(range.start, from)), Math.max(range.end, from));
+  const near = targets.filter((time) => Math.abs(time - wanted) <= reach);
+  const frame = range.start + Math.round(wanted - range.start);
+  const best = near.reduce<number | null>(
+    (found, time) => (found === null || Math.abs(time - wanted) < Math.abs(found - wanted) ? time : found),
+    null,
+  );
+  return (best ?? frame) - from;
+}
+
+/** The interpolation that all keys of stacks have; null where they differ or hold by themselves. */
+export function interpolationOf(stacks: readonly KeyStack[]): Interpolation | null {
+  const found = new Set(
+    stacks
+      .flatMap((stack) => stack.keys)
+      .filter(({ owner }) => !isSwitch(owner))
+      .map(({ key }) => key.interpolation),
+  );
+  const [only = null] = found;
+  return found.size === 1 ? only : null;
+}

@@ -1,0 +1,89 @@
+/** The selected keys in numbers: their frame, their value, and how the value goes on from them. */
+
+import type { JSX } from "preact";
+import type { Session } from "../../editor/session";
+import { interpolationOf, isSwitch, labelOf, type OwnedKey } from "../../model/key_lanes";
+import type { Interpolation } from "../../model/keys";
+import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
+import { formatFrame } from "../../model/time";
+import { TypedNumber } from "../controls/TypedNumber";
+import { parseQuantity, trim } from "../numbers";
+
+const INTERPOLATIONS: Readonly<Record<Interpolation, string>> = {
+  held: "Held",
+  linear: "Linear",
+  auto: "Smooth",
+  bezier: "Handles",
+};
+
+export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+  const { keys } = session;
+  const stacks = keys.selectedStacks.value;
+  const owned = stacks.flatMap((stack) => stack.keys);
+  const [first] = stacks;
+  const [only] = owned;
+  const interpolation = interpolationOf(stacks);
+  return (
+    <div class="key-bar" role="group" aria-label="Selected keys">
+      <span class="muted">{owned.length === 1 && only ? labelOf(only.owner) : `${owned.length.toString()} keys`}</span>
+      {first && (
+        <TypedNumber
+          kind="frame"
+          label="Frame of the keys"
+          value={keys.timeOf(first)}
+          format={formatFrame}
+          parse={(text) => parseQuantity(text, "")}
+          example={formatFrame(session.shot.range.end)}
+          onTyped={(time) => {
+            keys.moveTo(time);
+          }}
+        />
+      )}
+      {owned.length === 1 && only && !isSwitch(only.owner) && <Value session={session} owned={only} unit={unit} />}
+      {!owned.every(({ owner }) => isSwitch(owner)) && (
+        <select
+          aria-label="Interpolation of the keys"
+          title="How the value goes on to the next key"
+          value={interpolation ?? ""}
+          onChange={({ currentTarget }) => {
+            keys.interpolate(currentTarget.value as Interpolation);
+          }}
+        >
+          {interpolation === null && <option value="">Mixed</option>}
+          {Object.entries(INTERPOLATIONS).map(([name, label]) => (
+            <option key={name} value={name}>
+              {label}
+            </option>
+          ))}
+        </select>
+      )}
+      <button
+        type="button"
+        class="button small"
+        title="Remove the keys (Delete)"
+        onClick={() => {
+          keys.remove();
+        }}
+      >
+        Remove
+      </button>
+    </div>
+  );
+}
+
+/** The value of one key; a distance in the unit of the page. */
+function Value({ session, owned, unit }: { session: Session; owned: OwnedKey; unit: LengthUnit }): JSX.Element {
+  const isDistance = "setting" in owned.owner && owned.owner.setting === "focusDistanceM";
+  return (
+    <TypedNumber
+      label={`Value of ${labelOf(owned.owner)}`}
+      value={owned.key.value}
+      format={isDistance ? (value) => formatDistance(value, unit) : (value) => trim(value, 3)}
+      parse={isDistance ? (text) => parseDistance(text, unit) : (text) => parseQuantity(text, "")}
+      example={isDistance ? formatDistance(3, unit) : trim(owned.key.value, 3)}
+      onTyped={(value) => {
+        session.keys.setValue(owned, value);
+      }}
+    />
+  );
+}

@@ -83,6 +83,7 @@ function RackTo({ session, point }: { session: Session; point: FocusPoint }): JS
   const [ease, setEase] = useState<Ease>("smooth");
   const target = others.find((name) => name === to) ?? others[0];
   const length = parseQuantity(frames, "");
+  const isLength = length !== null && length > 0;
   if (target === undefined) return null;
   return (
     <form
@@ -90,7 +91,7 @@ function RackTo({ session, point }: { session: Session; point: FocusPoint }): JS
       aria-label={`Rack from ${point.name}`}
       onSubmit={(event) => {
         event.preventDefault();
-        if (length !== null && length > 0) session.rack(point, target, length, ease);
+        if (isLength) session.rack(point, target, length, ease);
       }}
     >
       <span>Rack to</span>
@@ -111,8 +112,8 @@ function RackTo({ session, point }: { session: Session; point: FocusPoint }): JS
         class="number"
         inputMode="decimal"
         aria-label="Length of the rack in frames"
-        aria-invalid={length === null || length <= 0}
-        title={length === null ? "Type for example 24" : `${trim(length / perSecond, 2)} s`}
+        aria-invalid={!isLength}
+        title={isLength ? `${trim(length / perSecond, 2)} s` : undefined}
         value={frames}
         onInput={(event) => {
           setFrames(event.currentTarget.value);
@@ -135,7 +136,16 @@ function RackTo({ session, point }: { session: Session; point: FocusPoint }): JS
       <button type="submit" class="button small" title="Starts at the playhead; the lens may need longer than this">
         Rack
       </button>
+      {!isLength && <LengthHint example={Math.round(perSecond)} />}
     </form>
+  );
+}
+
+function LengthHint({ example }: { example: number }): JSX.Element {
+  return (
+    <span class="number-hint" role="alert">
+      Type for example {example}
+    </span>
   );
 }
 

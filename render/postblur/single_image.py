@@ -26,7 +26,10 @@ from render.trace.rays import make_ray_pattern
 MAX_MARGIN = 0.125
 """Largest margin peeled around the picture for the light that is blurred into it, as a share of the longer side."""
 MOST_DIAGONALS = 4.0
-"""Largest radius of a circle of confusion in diagonals of the picture, all of which then gets nearly even light."""
+"""Largest radius, up and down, of a circle of confusion in diagonals of the picture.
+
+Without a squeeze, all of the picture then gets nearly even light.
+"""
 _MOST_PUPIL_PX = 1e30  # px·m; the shaders' numbers end at 3e38
 _RAYS_ALIKE = 100
 """Rays of the lens tracer whose texture filter a blur's layers have."""

@@ -66,9 +66,10 @@ def measure(plan: LoadPlan) -> ServiceBench:
     """
     machine = _machine()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name, running_service(Path(name), plan) as port:
+        soak_shot = write_soak_shot(Path(name))
         try:
             at_start, running = (_found(asyncio.run(drag_for(port, "demo", plan, plan.viewers))) for _ in range(2))
-            other_shot = _upload(port, write_soak_shot(Path(name)))
+            other_shot = _upload(port, soak_shot)
             absurd, delays = _delays(port, plan, other_shot)
         except (OSError, http.client.HTTPException) as error:
             raise PullfocusError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import http.client
 import json
 import re
 import subprocess
@@ -80,11 +81,14 @@ def _wait_until_ready(port: int, *, may_warm: bool) -> None:
         may_warm: do not wait until it has compiled its shaders.
 
     Raises:
-        PullfocusError: it is not ready in time.
+        PullfocusError: it is not ready in time, or it has ended.
     """
     until_s = time.monotonic() + START_S
     while True:
-        status, detail = ask(port, FIRST_CLIENT, "GET", "/readyz")
+        try:
+            status, detail = ask(port, FIRST_CLIENT, "GET", "/readyz")
+        except (OSError, http.client.HTTPException) as error:
+            raise PullfocusError(f"the service ended before it was ready: {type(error).__name__}: {error}") from error
         if status == 200 and (may_warm or not json.loads(detail)["warming"]):
             return
         if time.monotonic() > until_s:

@@ -10,6 +10,7 @@ import math
 import threading
 from bisect import bisect_right
 from collections import OrderedDict
+from math import ceil
 from typing import NamedTuple
 
 from render.engines import all_engines
@@ -113,6 +114,8 @@ class Admission:
     def most_px(self, shot_id: str, picture: PictureSettings, limit_px: int) -> int:
         """Return the most pixels that a picture may have: where its camera chooses the height, those that its cost allows too.
 
+        A picture of the shape that `check` has taken it for may always have its pixels.
+
         Args:
             shot_id: the shot.
             picture: its settings.
@@ -123,7 +126,8 @@ class Admission:
         with self._lock:
             most_s = self._limit_s / self._factors.get(shot_id, 1.0)
         heights = range(1, limit_px // picture.width + 1)
-        return picture.width * bisect_right(heights, most_s, key=lambda height: estimate_s(picture, height))
+        height = bisect_right(heights, most_s, key=lambda height: estimate_s(picture, height))
+        return min(limit_px, picture.width * max(height, ceil(SHAPE * picture.width)))
 
     def learn(self, finished: Finished) -> None:
         """Learn from a picture how much its shot costs: more than others, or as much.

@@ -79,6 +79,7 @@ class ImpatientProtocol(H11Protocol):
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
         """Hand the connection over, with the usual limits of what waits to be sent."""
         self.transport.set_write_buffer_limits()
+        self._stop_waiting_for_reader()
         super().handle_websocket_upgrade(event)
 
     def on_response_complete(self) -> None:
@@ -94,6 +95,9 @@ class ImpatientProtocol(H11Protocol):
     def resume_writing(self) -> None:
         """Go on writing."""
         super().resume_writing()
+        self._stop_waiting_for_reader()
+
+    def _stop_waiting_for_reader(self) -> None:
         if self._writing is not None:
             self._writing.cancel()
             self._writing = None
@@ -124,9 +128,10 @@ class ImpatientProtocol(H11Protocol):
         self._came_bytes, self._was_paused = 0, self._is_paused()
 
     def _end_time(self) -> None:
-        """Close the connection, unless a body goes on coming or the service does not read it."""
+        """Close the connection, unless a body goes on coming, the service does not read it, or an answer is still being read."""
         may_go_on = self._was_paused or self._came_bytes >= STALL_S * LEAST_BYTES_PER_S
-        if self._phase == "body" and may_go_on:
+        is_read = self.transport.get_write_buffer_size() > 0  # for as long as `_wait_for_reader` allows
+        if is_read or (self._phase == "body" and may_go_on):
             self._begin_time()
         else:
             self.transport.abort()

@@ -37,13 +37,11 @@ RESTARTS_CODE = 1012
 MAX_UNACKNOWLEDGED = 2
 """Pictures that may be sent before the client acknowledges one."""
 CROWDED_S = 0.01
-"""Time in which a client is not received from in a crowded lane and starts no second request, for each job that waits there, s.
+"""Least time between two requests of a client that reach a crowded lane, for each job that waits there, s.
 
-Its turn comes once those that wait have had theirs. What it has sent until then is read at once, and only the newest request
-counts.
+Its turn comes once those that wait have had theirs, and only the newest request counts then.
 """
 MAX_CROWDED_S = 1.0
-_QUIET_S = 0.005  # a message that took longer to come was the last one of those that had been sent
 MAX_PROBLEMS = 32
 """Problems that may wait to be sent; a client that does not read them is not received from any more."""
 _NO_REQUEST = '"ack"', '"stop"', "\\"
@@ -75,7 +73,7 @@ class LiveConnection:
         self._unsent_picture: tuple[_Request, LivePicture] | None = None
         self._sent_count = self._acknowledged_count = 0
         self._request_count = 0
-        self._unstarted: _Message | None = None
+        self._unstarted: _Request | _Unread | None = None
         self._to_start = asyncio.Event()
         self._oldest_valid = (
             0  # number of the oldest request that may still send: earlier ones were overtaken or stopped
@@ -104,27 +102,21 @@ class LiveConnection:
     async def _receive_all(self) -> None:
         while True:
             await self._can_receive.wait()
-            began_s = time.perf_counter()
             message = await self._socket.receive()
             if message["type"] == "websocket.disconnect":
                 return
-            self._take(message.get("text"))
-            if time.perf_counter() - began_s > _QUIET_S:
-                await self._let_others_go_first()
+            text = message.get("text")
+            fields: dict[str, Any] = {}
+            try:
+                if self._crowd and isinstance(text, str) and not any(key in text for key in _NO_REQUEST):
+                    self._put(_Unread(text, self._next_number(), time.perf_counter()))
+                else:
+                    fields = _json_of(text)
+                    self._handle(fields)
+            except Exception as error:
+                self._report_problem(fields.get("id"), error)
 
-    def _take(self, text: object) -> None:
-        """Do what a message says; one that is a request is not even parsed until it is started."""
-        if isinstance(text, str) and not any(key in text for key in _NO_REQUEST):
-            self._request(text)
-            return
-        fields: dict[str, Any] = {}
-        try:
-            fields = _json_of(text)
-            self._handle(fields, text)
-        except Exception as error:
-            self._report_problem(fields.get("id"), error)
-
-    def _handle(self, fields: dict[str, Any], text: object) -> None:
+    def _handle(self, fields: dict[str, Any]) -> None:
         if "ack" in fields:
             ack = min(LiveAck.model_validate(fields).ack, self._sent_count)
             self._acknowledged_count = max(self._acknowledged_count, ack)
@@ -133,35 +125,49 @@ class LiveConnection:
             LiveStop.model_validate(fields)
             self._stop()
         else:
-            self._request(str(text))
+            request = LiveRequest.model_validate(fields)
+            self._put(_Request(request, self._next_number(), time.perf_counter()))
 
-    def _request(self, text: str) -> None:
-        """Take note of a request, in place of one that has not been started."""
+    def _next_number(self) -> int:
         self._request_count += 1
-        self._unstarted = _Message(text, self._request_count, time.perf_counter())
+        return self._request_count
+
+    def _put(self, newest: _Request | _Unread) -> None:
+        """Put a request in place of one that has not been started."""
+        self._unstarted = newest
         self._to_start.set()
 
     async def _start_all(self) -> None:
-        """Start the newest request, again and again. Those that it overtakes are not even parsed."""
+        """Start the newest request, again and again. Those that it overtakes in a crowded lane are not even parsed."""
         while True:
             await self._to_start.wait()
             self._to_start.clear()
             newest, self._unstarted = self._unstarted, None
             if newest is None:  # stopped
                 continue
-            fields: dict[str, Any] = {}
-            try:
-                fields = _json_of(newest.text)
-                request = LiveRequest.model_validate(fields)
-                await self._start(_Request(request, newest.number, newest.received_s))
-            except Exception as error:
-                self._report_problem(fields.get("id"), error)
-            await self._let_others_go_first()
+            request = self._read(newest) if isinstance(newest, _Unread) else newest
+            if request is not None:
+                try:
+                    await self._start(request)
+                except Exception as error:
+                    self._report_problem(request.request.id, error)
+            await asyncio.sleep(min(CROWDED_S * self._crowd, MAX_CROWDED_S))
 
-    async def _let_others_go_first(self) -> None:
+    def _read(self, unread: _Unread) -> _Request | None:
+        """Read a message; None where it is no valid request, which is reported."""
+        fields: dict[str, Any] = {}
+        try:
+            fields = _json_of(unread.text)
+            return _Request(LiveRequest.model_validate(fields), unread.number, unread.received_s)
+        except Exception as error:
+            self._report_problem(fields.get("id"), error)
+            return None
+
+    @property
+    def _crowd(self) -> int:
+        """Jobs that wait in the lane, where they are a crowd; 0 where they are none."""
         waiting = self._service.lanes.live.waiting
-        if waiting > CROWD:
-            await asyncio.sleep(min(CROWDED_S * waiting, MAX_CROWDED_S))
+        return waiting if waiting > CROWD else 0
 
     async def _start(self, pending: _Request) -> None:
         """Start a stream of pictures, in place of the one before, or send the final picture from the cache."""
@@ -278,11 +284,11 @@ class LiveConnection:
         self._job = None
 
 
-class _Message(NamedTuple):
-    """A request as it was received.
+class _Unread(NamedTuple):
+    """A message of a crowded lane that may only be a request.
 
     Attributes:
-        text: its JSON, not read yet.
+        text: the message.
         number: counts the requests of the connection.
         received_s: time of its arrival, by `time.perf_counter`.
     """

@@ -40,7 +40,7 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, hostile_world(Path(folder)) as world:
         cases = [case for case in all_cases(world.canaries) if options.only in case.name]
-        cases = cases[options.skip :: 1 if options.all or options.only else options.every]
+        cases = cases[:: 1 if options.all or options.only else options.every][options.skip :]
         verdicts, ask = [], ask_briefly if options.brief else ask_all
         bystander, trace = Bystander(world.client.base_url, next(controls())), Path(folder) / "trace"
         tracing = traced(world.template(), trace) if options.trace else nullcontext()
@@ -52,7 +52,7 @@ def main() -> int:
         tried = read_trace(trace.open(errors="replace")) if options.trace else None
         inside = (*world.places, sys.base_prefix, str(Path.cwd()), str(Path.home() / CACHES))
     bad = [verdict for verdict in verdicts if not verdict.is_good]
-    slowest = max(v.seconds for v in verdicts)
+    slowest = max((v.seconds for v in verdicts), default=0.0)
     memory = ", ".join(f"{worker} {peak:,} of {limit:,}" for worker, (peak, limit) in sorted(peaks.items()))
     print(
         f"{len(verdicts)} files, {len(bad)} bad, slowest {slowest:.1f} s; peak memory, MiB: {memory}", file=sys.stderr

@@ -126,6 +126,28 @@ def test_the_end_of_an_answer_has_to_be_read_too(monkeypatch: pytest.MonkeyPatch
     assert asyncio.run(read_most()) < size
 
 
+def test_an_answer_may_be_read_slowly_on_a_kept_connection(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Though all of it is given to the connection at once, and the next request could begin then."""
+    monkeypatch.setattr(connections, "HEAD_S", 0.3)
+    size = 1 << 20
+
+    async def read_slowly() -> int:
+        loop, received = asyncio.get_running_loop(), 0
+        ours, theirs = socket.socketpair()
+        theirs.setblocking(False)
+        config = uvicorn.Config(Response(b"x" * size), log_config=None, lifespan="off")
+        config.load()
+        await loop.create_connection(lambda: connections.ImpatientProtocol(config, ServerState(), {}), sock=ours)
+        await loop.sock_sendall(theirs, HEAD + b"\r\n")
+        with theirs, suppress(ConnectionResetError):
+            while received < size and (content := await loop.sock_recv(theirs, 32 << 10)):
+                received += len(content)
+                await asyncio.sleep(0.03)
+        return received
+
+    assert asyncio.run(read_slowly()) >= size
+
+
 def test_whoever_reads_slowly_gets_the_whole_answer(impatient: Running) -> None:
     with connect(impatient) as connection:
         connection.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")

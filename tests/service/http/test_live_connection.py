@@ -184,37 +184,52 @@ def test_after_a_stop_nothing_is_sent_until_the_next_request():
     serve(play)
 
 
-def test_in_a_crowd_few_requests_are_started_the_newest_last():
+def test_in_a_crowd_only_the_newest_of_quick_requests_is_started():
     async def play(socket: Socket, pictures: Pictures) -> None:
-        pictures.waiting = 20
-        for number in range(1, 20):
+        pictures.waiting = 50
+        for number in range(1, 6):
             await socket.request(number, moving=True)
-        await started(pictures, 19)
+        await started(pictures, 5)
+        assert started_times(pictures) == [1, 5]
         await pictures.show(-1, PREVIEW)
-        assert socket.pictures == [(19, "preview")]
-        assert len(pictures.streams) <= 6
+        assert socket.pictures == [(5, "preview")]
 
     serve(play)
 
 
-def test_a_message_that_is_overtaken_is_not_even_parsed():
+def test_in_a_crowd_what_is_overtaken_is_not_even_parsed():
     async def play(socket: Socket, pictures: Pictures) -> None:
         pictures.waiting = 50
         await socket.request(1, moving=True)
-        await socket.request(2, moving=True)  # after which the client is not received from for a while
-        for text in ("no json", json.dumps({"id": 3, "width": "broad"})):
+        for text in ("no json", json.dumps({"id": 2, "width": "broad"})):
             socket.to_service.put_nowait(text)
-        await socket.request(4, moving=True)
-        await started(pictures, 4)
+        await socket.request(3, moving=True)
+        await started(pictures, 3)
         assert socket.texts == []
 
     serve(play)
 
 
-@pytest.mark.parametrize("camera", ["/\u0061ck", '/say "stop"'])
-def test_a_request_may_say_what_other_messages_say(camera):
+@pytest.mark.parametrize("text", ["no json", '{"id": 2, "width": "broad"}'])
+def test_what_is_no_request_replaces_none(text):
     async def play(socket: Socket, pictures: Pictures) -> None:
-        await socket.request(1, camera=camera)
+        for sent in (json.dumps({"id": 1, "width": 96, "height": 54, "rays": 8, "time": 1}), text):
+            socket.to_service.put_nowait(sent)  # both are there before the first one is started
+        await settled()
+        assert started_times(pictures) == [1]
+        assert len(socket.texts) == 1
+
+    serve(play)
+
+
+@pytest.mark.parametrize("waiting", [0, 50])
+@pytest.mark.parametrize(
+    "fields", [{"camera": "/\\u0061"}, {"camera": '/"stop"'}, {"film": "ack"}, {"film": "stop"}], ids=str
+)
+def test_a_request_may_say_what_other_messages_say(fields, waiting):
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        pictures.waiting = waiting
+        await socket.request(1, **fields)
         await pictures.show(0, PREVIEW)
         assert socket.pictures == [(1, "preview")]
 
@@ -236,12 +251,13 @@ def test_an_ack_may_be_written_with_an_escape():
 def test_a_stop_in_a_crowd_discards_what_was_not_started():
     async def play(socket: Socket, pictures: Pictures) -> None:
         pictures.waiting = 50
-        for number in range(1, 6):
-            await socket.request(number, moving=True)
+        await socket.request(1, moving=True)
+        await socket.request(2, moving=True)
         await socket.send(stop=True)
-        await socket.request(6, moving=True)
-        await started(pictures, 6)
-        assert not {3, 4, 5} & set(started_times(pictures))
+        assert pictures.dropped == pictures.streams
+        await socket.request(3)
+        await started(pictures, 3)
+        assert started_times(pictures) == [1, 3]
 
     serve(play)
 

@@ -205,7 +205,7 @@ export class KeyEditing {
     const { document } = this.#parts;
     if (changes.length > MOST_CHANGES) {
       document.endPreview();
-      const advice = `An edit takes ${(MOST_CHANGES / 2).toString()} keys at most: select fewer of them.`;
+      const advice = `An edit takes some ${Math.floor((MOST_CHANGES - 1) / 2).toString()} keys: select fewer of them.`;
       this.#fail(new HintError("These are too many keys at once.", advice), () => undefined);
       return false;
     }

@@ -20,7 +20,7 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
   const { keys } = session;
   const stacks = keys.selectedStacks.value;
   const owned = stacks.flatMap((stack) => stack.keys);
-  const [first] = stacks;
+  const first = stacks.toSorted((a, b) => a.time - b.time)[0];
   const [only] = owned;
   const interpolation = interpolationOf(stacks);
   return (

@@ -210,7 +210,7 @@ function dragKey(session: Session, axis: TimeAxis, stack: KeyStack, down: Pointe
       giveUp.abort();
       if (drag && event.type === "pointerup") void drag.commit(shift(event));
       else if (drag) drag.cancel();
-      else {
+      else if (event.type === "pointerup") {
         keys.select([stack]);
         playhead.goTo(stack.time);
       }

@@ -1,4 +1,4 @@
-"""Reads JSON as RFC 8259 has it: in UTF-8, with no NaN, and no key twice in an object."""
+"""Reads JSON as RFC 8259 has it: in UTF-8, with no NaN, and no key twice in an object; no object has very many keys."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ import json
 import sys
 from typing import Any
 
+MAX_KEYS = 1000
+"""Keys of one object: each that a model does not know costs the event loop an error of its own."""
+
 
 def read_json(content: bytes) -> Any:
     """Parse JSON.
 
     Raises:
-        json.JSONDecodeError: it is none, says the same key twice, or is nested too deeply; NaN and Infinity are none.
+        json.JSONDecodeError: it is none, says the same key twice, has more than `MAX_KEYS` in an object, or is nested too deeply;
+            NaN and Infinity are none.
         UnicodeDecodeError: it is no UTF-8.
     """
     text = content.decode("utf-8")
@@ -32,6 +36,8 @@ def _refuse_constant(name: str) -> Any:
 
 def _to_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found: dict[str, Any] = {}
+    if len(pairs) > MAX_KEYS:
+        raise json.JSONDecodeError(f"an object has more than {MAX_KEYS:,} keys", pairs[0][0], 0)
     for name, value in pairs:
         if name in found:
             raise json.JSONDecodeError(f"the key {name[:80]!r} stands there twice", name, 0)

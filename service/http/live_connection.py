@@ -17,8 +17,8 @@ from starlette.concurrency import run_in_threadpool
 from service.http.clients import present_client
 from service.http.errors import ServiceError, answer_to
 from service.http.frame_requests import frame_request, tag_of_frame
+from service.http.json_bodies import read_json
 from service.http.service import Service
-from service.json_text import parse_json
 from service.models.base import Model, Problem
 from service.models.cameras import Readout
 from service.models.frames import FrameQuery, PictureQuery
@@ -334,8 +334,8 @@ def _to_json(model: Model) -> str:
 
 def _json_of(text: object) -> dict[str, Any]:
     """Parse a message. Raises `ServiceError` 422 where it is no JSON object."""
-    with suppress(ValueError, TypeError):
-        fields = parse_json(text)  # type: ignore[arg-type]  # a binary message has no text: TypeError
+    with suppress(ValueError):
+        fields = read_json(text.encode()) if isinstance(text, str) else None  # a binary message has no text
         if isinstance(fields, dict):
             return fields
     raise ServiceError(422, "invalid_request", "A message to the service is a JSON object, sent as text.")

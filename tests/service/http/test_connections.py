@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -146,6 +146,48 @@ def test_an_answer_may_be_read_slowly_on_a_kept_connection(monkeypatch: pytest.M
         return received
 
     assert asyncio.run(read_slowly()) >= size
+
+
+UPGRADE = (
+    b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+)
+
+
+async def send_for_ever(scope: dict, receive: Callable, send: Callable) -> None:
+    """Application whose answers are large, and whose WebSockets send until nobody is there any more."""
+    if scope["type"] == "http":
+        await Response(b"x" * MEBIBYTE)(scope, receive, send)
+        return
+    await send({"type": "websocket.accept"})
+    while True:
+        await send({"type": "websocket.send", "bytes": b"x" * 65536})
+
+
+async def ends(sent: bytes, within_s: float) -> bool:
+    """Whether a client that sends this and never reads is disconnected."""
+    loop = asyncio.get_running_loop()
+    ours, theirs = socket.socketpair()
+    theirs.setblocking(False)
+    options = {"log_config": None, "lifespan": "off", "ws": connections.ImpatientWebSocket, "ws_ping_interval": None}
+    config = uvicorn.Config(send_for_ever, **options)
+    config.load()
+    transport, _ = await loop.create_connection(
+        lambda: connections.ImpatientProtocol(config, ServerState(), {}), sock=ours
+    )
+    with theirs:
+        await loop.sock_sendall(theirs, sent)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(within_s):
+                while not transport.is_closing():
+                    await asyncio.sleep(0.05)
+        return transport.is_closing()
+
+
+@pytest.mark.parametrize("sent", [UPGRADE, HEAD + b"\r\n" + UPGRADE], ids=["alone", "after a request"])
+def test_a_websocket_whose_client_never_reads_is_ended(monkeypatch: pytest.MonkeyPatch, sent: bytes) -> None:
+    monkeypatch.setattr(connections, "STALL_S", 0.5)
+    assert asyncio.run(ends(sent, 4))
 
 
 def test_whoever_reads_slowly_gets_the_whole_answer(impatient: Running) -> None:

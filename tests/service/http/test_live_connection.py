@@ -302,7 +302,12 @@ def test_only_the_newest_unsent_readout_is_sent():
     serve(play)
 
 
-@pytest.mark.parametrize("text", ["[" * 500_000, '{"id":' * 500_000, '{"stop": false}', '{"stop": true, "id": 1}'])
+MANY_KEYS = json.dumps({"ack": 1} | dict.fromkeys(map(str, range(50_000)), 0))
+
+
+@pytest.mark.parametrize(
+    "text", [MANY_KEYS, "[" * 500_000, '{"id":' * 500_000, '{"stop": false}', '{"stop": true, "id": 1}']
+)
 def test_an_invalid_message_is_reported_and_the_next_one_answered(text):
     async def play(socket: Socket, pictures: Pictures) -> None:
         socket.to_service.put_nowait(text)

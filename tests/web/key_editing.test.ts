@@ -66,9 +66,9 @@ describe("a drag of keys", () => {
     session.keys.select([stackAt(session, 10), stackAt(session, 20)]);
     const drag = session.keys.drag(stackAt(session, 10));
     drag.move({ by: 2.3, reach: 0.2 });
-    expect(session.keys.shift.value).toBe(2.25);
+    expect(session.keys.timeOf(stackAt(session, 10))).toBe(12.25);
     drag.move({ by: 9.6, reach: 0.2 });
-    expect(session.keys.shift.value).toBe(10);
+    expect(session.keys.timeOf(stackAt(session, 10))).toBe(20);
     await drag.commit({ by: -9.1, reach: 0.2 });
     expect(fake.made[0]?.slice(2)).toMatchObject([{ key: { time: 1 } }, { key: { time: 11 } }]);
   });
@@ -102,7 +102,7 @@ describe("a drag of keys whose service is slow", () => {
     ]);
     await turn();
     expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([12]);
-    expect(session.keys.shift.value).toBe(0);
+    expect(session.keys.timeOf(stackAt(session, 12))).toBe(12);
   });
 
   it("goes on where it is when the one before it is made", async () => {
@@ -147,6 +147,50 @@ describe("while keys are moved", () => {
   });
 });
 
+describe("edits of selected keys", () => {
+  it("go on from each other, though none is there yet", async () => {
+    const { fake, session } = await opened();
+    const stack = stackAt(session, 10);
+    session.keys.select([stack]);
+    session.keys.setValue(0.5);
+    session.keys.interpolate("held");
+    const key = { time: 12, value: 0.5, interpolation: "held" };
+    await session.keys.drag(stack).commit({ by: 2, reach: null });
+    expect(fake.made.at(-1)?.[1]).toMatchObject({ type: "keyPoint", key });
+  });
+
+  it("that are refused leave the keys selected", async () => {
+    const { fake, session } = await opened();
+    fake.failing = "unkeyPoint";
+    session.keys.select([stackAt(session, 10)]);
+    await session.keys.remove();
+    expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([10]);
+    fake.failing = null;
+    await session.keys.remove();
+    expect(session.keys.selectedStacks.value).toEqual([]);
+  });
+
+  it("keep the keys in the shot", async () => {
+    const { fake, session } = await opened();
+    session.keys.select([stackAt(session, 10)]);
+    await session.keys.drag(stackAt(session, 10)).commit({ by: -50, reach: null });
+    session.keys.select([stackAt(session, 20)]);
+    session.keys.moveTo(1000);
+    await session.document.idle();
+    expect(fake.made.map((changes) => changes[1])).toMatchObject([{ key: { time: 1 } }, { key: { time: 96 } }]);
+  });
+
+  it("stop the playing, and are of the keys that were selected last", async () => {
+    const { session } = await opened();
+    session.playhead.playing.value = true;
+    session.keys.select([stackAt(session, 10)]);
+    session.keys.drag(stackAt(session, 10)).move({ by: 1, reach: null });
+    expect(session.playhead.playing.value).toBe(false);
+    session.selected.value = "pip";
+    expect(session.keys.selectedStacks.value).toEqual([]);
+  });
+});
+
 it("who may not edit sees the keys where they were", async () => {
   const fake = new FakeService();
   fake.points = [point("pip", { weight: { 1: 1, 10: 0 } })];
@@ -168,7 +212,7 @@ it("more keys than an edit takes are refused with what to do", async () => {
   session.keys.select(session.keys.lanes.value.flatMap(({ stacks }) => stacks));
   session.keys.moveTo(2);
   await turn();
-  expect([fake.made, failed.length, session.keys.shift.value]).toEqual([[], 1, 0]);
+  expect([fake.made, failed.length, session.keys.timeOf(stackAt(session, 1))]).toEqual([[], 1, 1]);
 });
 
 it("stacks are added to the selection and taken out of it", async () => {

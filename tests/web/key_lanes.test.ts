@@ -92,6 +92,20 @@ it("switches take no other interpolation", () => {
   ]);
 });
 
+it("handles that are set stay as they are", () => {
+  const tangents = { inSlope: 1, inWidth: 2, outSlope: 3, outWidth: 4 };
+  const keys = [key(4, 2.8, { interpolation: "bezier", tangents }), key(8)];
+  const changes = interpolateStacks(stacksOf(...lanesOf([{ fStop: keys }], [])), "bezier", "manual");
+  expect(changes).toMatchObject([{ key: { time: 8, interpolation: "bezier" } }]);
+});
+
+it("a distance of infinity is keyed as one far away", () => {
+  const [stack] = stacksOf(...lanesOf([{ focusDistanceM: [key(4, 3)] }], []));
+  const [owned] = stack?.keys ?? [];
+  if (!owned) throw new Error("There is no key.");
+  expect(setKeyValue(owned, Infinity, "manual")).toMatchObject([{ key: { value: 100_000 } }]);
+});
+
 it("a value is set without moving the key or its interpolation", () => {
   const [stack] = stacksOf(...lanesOf([{ fStop: [key(4, 2.8, { interpolation: "held" })] }], []));
   const [owned] = stack?.keys ?? [];
@@ -107,10 +121,16 @@ describe("a key that is dragged snaps", () => {
     ["to a whole frame from between two", 10.25, 1, [], 0.75],
     ["to another key that is near", 10, 3.4, [13.25], 3.25],
     ["to the nearer of two", 10, 3.4, [13, 13.5], 3.5],
+    ["to any frame, though something is near", 10, 3.1, [14], 3],
+    ["not to where it is", 10.25, 0.1, [10.25], -0.25],
     ["to the last frame", 10, 200, [], 86],
     ["to the first frame", 10, -200, [], -9],
   ])("%s", (_, from, by, targets, expected) => {
     expect(snapShift(RANGE, from, by, targets, 0.5)).toBeCloseTo(expected);
+  });
+
+  it("and the last frame is in the shot", () => {
+    expect(snapShift({ ...RANGE, end: 10.6 }, 5, 10, [], 0.5)).toBe(5);
   });
 
   it("and one that is outside of the shot need not come in", () => {

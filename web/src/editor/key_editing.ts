@@ -3,8 +3,11 @@
 import { batch, computed, signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
 import {
+  holdShift,
+  interpolated,
   interpolateStacks,
   lanesOf,
+  mapKeys,
   MOST_CHANGES,
   movedStack,
   moveStacks,
@@ -12,7 +15,6 @@ import {
   setKeyValue,
   snapShift,
   type KeyStack,
-  type OwnedKey,
 } from "../model/key_lanes";
 import type { Interpolation } from "../model/keys";
 import type { FocusMode } from "../model/shot";
@@ -48,20 +50,30 @@ export interface KeyDrag {
   cancel(): void;
 }
 
-/** Stacks whose moves are under way: as the service will have them, and how far that is from where it has them now. */
-interface Moving {
+/** The selected stacks as the edits under way leave them. */
+interface Pending {
+  /** Their ids as the service has them now. */
+  readonly of: ReadonlySet<string>;
   readonly stacks: readonly KeyStack[];
+  /** How far they are from where the service has them now, time codes. */
+  readonly by: number;
+}
+
+/** Stacks that are shown elsewhere than the service has them. */
+interface Shifted {
+  readonly of: ReadonlySet<string>;
+  /** Time codes. */
   readonly by: number;
 }
 
 export class KeyEditing {
   /** Ids of the selected stacks. */
   readonly selected = signal<ReadonlySet<string>>(NONE);
-  /** How far the selected stacks are dragged, time codes, until the service has them there. */
-  readonly shift = signal(0);
+  /** The stacks that are dragged, until the service has them there. */
+  readonly #shifted = signal<Shifted>({ of: NONE, by: 0 });
   readonly #parts: KeyedParts;
   readonly #fail: Fail;
-  #moving: Moving | null = null;
+  #pending: Pending | null = null;
 
   constructor(parts: KeyedParts, fail: Fail) {
     this.#parts = parts;
@@ -83,14 +95,20 @@ export class KeyEditing {
     return this.lanes.value.flatMap(({ stacks }) => stacks).filter(({ id }) => selected.has(id));
   });
 
+  /** Reason why keys may not be edited; null where they may. */
+  get noEdits(): string | null {
+    return this.#parts.document.noEdits.value;
+  }
+
   /** Where a stack is shown. */
   timeOf(stack: KeyStack): number {
-    return this.selected.value.has(stack.id) ? stack.time + this.shift.value : stack.time;
+    const { of, by } = this.#shifted.value;
+    return of.has(stack.id) ? stack.time + by : stack.time;
   }
 
   /** Selects stacks in place of others; with `adds`, beside them, or no longer where all of them are selected. */
   select(stacks: readonly KeyStack[], adds = false): void {
-    this.#forgetMove();
+    this.#forgetPending();
     const ids = stacks.map(({ id }) => id);
     const before = this.selected.value;
     if (!adds) this.selected.value = new Set(ids);
@@ -101,7 +119,7 @@ export class KeyEditing {
 
   /** Selects nothing; returns whether anything was selected. */
   clear(): boolean {
-    this.#forgetMove();
+    this.#forgetPending();
     const had = this.selectedStacks.value.length > 0;
     this.selected.value = NONE;
     return had;
@@ -115,19 +133,23 @@ export class KeyEditing {
   drag(grabbed: KeyStack): KeyDrag {
     const base = this.#base();
     const { stacks } = base;
-    const own = new Set(stacks.map(({ id }) => id));
+    const lanes = new Set(stacks.map(({ lane }) => lane));
     const from = grabbed.time + base.by;
     const { document, playhead } = this.#parts;
-    const others = this.lanes.peek().flatMap((lane) => lane.stacks.filter(({ id }) => !own.has(id)));
+    // Not to the lane's other keys, which would be replaced.
+    const others = this.lanes.peek().flatMap((lane) => (lanes.has(lane.id) ? [] : lane.stacks));
     const targets = [playhead.time.peek(), ...others.map(({ time }) => time)];
     const snapped = ({ by, reach }: KeyShift): number =>
-      reach === null ? Number(by.toFixed(2)) : snapShift(playhead.range, from, by, targets, reach);
+      reach === null
+        ? Number(holdShift(playhead.range, from, by).toFixed(2))
+        : snapShift(playhead.range, from, by, targets, reach);
     return {
       move: (shift) => {
         const by = snapped(shift);
         const changes = moveStacks(stacks, by, this.#mode);
+        playhead.pause();
         batch(() => {
-          this.shift.value = this.#shiftOf(base) + by;
+          this.#show(base, by);
           if (changes.length <= MOST_CHANGES) document.preview(changes);
         });
       },
@@ -136,79 +158,110 @@ export class KeyEditing {
         return (await this.#move(base, by)) ? from + by : null;
       },
       cancel: () => {
-        this.shift.value = this.#shiftOf(base);
+        this.#show(base, 0);
         document.endPreview();
       },
     };
   }
 
-  /** Moves the selected stacks together, so that the first one comes to a time. */
+  /** Moves the selected stacks together, so that the first one comes to a time of the shot. */
   moveTo(time: number): void {
     const base = this.#base();
-    void this.#move(base, time - Math.min(...base.stacks.map((stack) => stack.time)));
+    const first = Math.min(...base.stacks.map((stack) => stack.time));
+    void this.#move(base, holdShift(this.#parts.playhead.range, first, time - first));
   }
 
-  remove(): void {
+  async remove(): Promise<void> {
     const { stacks } = this.#base();
-    this.clear();
-    void this.#edit(`Remove ${named(stacks)}`, removeStacks(stacks));
+    const before = this.selected.value;
+    const isMade = await this.#edit(`Remove ${named(stacks)}`, removeStacks(stacks));
+    if (isMade && this.selected.value === before) this.clear();
   }
 
   interpolate(interpolation: Interpolation): void {
-    const { stacks } = this.#base();
-    void this.#edit(`Interpolate ${named(stacks)}`, interpolateStacks(stacks, interpolation, this.#mode));
+    const base = this.#base();
+    const after = mapKeys(base.stacks, (owned) => interpolated(owned, interpolation));
+    const changes = interpolateStacks(base.stacks, interpolation, this.#mode);
+    void this.#apply(`Interpolate ${named(base.stacks)}`, base, after, 0, changes);
   }
 
-  /** Sets the value of a selected key. */
-  setValue({ owner, key }: OwnedKey, value: number): void {
-    const now: OwnedKey = { owner, key: { ...key, time: key.time + this.#base().by } };
-    void this.#edit("Value of a key", setKeyValue(now, value, this.#mode));
+  /** Sets the value of the only selected key. */
+  setValue(value: number): void {
+    const base = this.#base();
+    const [owned] = base.stacks.flatMap((stack) => stack.keys);
+    if (!owned) return;
+    const after = mapKeys(base.stacks, ({ owner, key }) => ({ owner, key: { ...key, value } }));
+    void this.#apply("Value of a key", base, after, 0, setKeyValue(owned, value, this.#mode));
   }
 
   get #mode(): FocusMode {
     return this.#parts.document.readout.peek()?.focusMode ?? "manual";
   }
 
-  /** The selected stacks, where the edits under way leave them. */
-  #base(): Moving {
-    return this.#moving ?? { stacks: this.selectedStacks.peek(), by: 0 };
+  /** The selected stacks, as the edits under way leave them. */
+  #base(): Pending {
+    if (this.#pending) return this.#pending;
+    const stacks = this.selectedStacks.peek();
+    return { of: new Set(stacks.map(({ id }) => id)), stacks, by: 0 };
   }
 
-  /** How far stacks are from where the service has them now. */
-  #shiftOf(base: Moving): number {
-    return this.#moving === base ? base.by : 0;
+  /** Shows stacks so much farther than the edits under way leave them. */
+  #show(base: Pending, by: number): void {
+    // Where those edits are made meanwhile, the service has the stacks by other ids.
+    const isUnderWay = this.#pending === base || base.by === 0;
+    const of = isUnderWay ? base.of : new Set(base.stacks.map(({ id }) => id));
+    this.#shifted.value = { of, by: (isUnderWay ? base.by : 0) + by };
   }
 
-  /** Shows the keys where the service has them, though moves of them may be under way. */
-  #forgetMove(): void {
-    this.#moving = null;
-    this.shift.value = 0;
+  /** Shows the keys where the service has them, though edits of them may be under way. */
+  #forgetPending(): void {
+    this.#pending = null;
+    this.#shifted.value = { of: NONE, by: 0 };
   }
 
-  async #move(base: Moving, by: number): Promise<boolean> {
-    const { stacks } = base;
-    const moving: Moving = { stacks: stacks.map((stack) => movedStack(stack, by)), by: this.#shiftOf(base) + by };
-    this.#moving = moving;
-    this.shift.value = moving.by;
-    const isMoved = await this.#edit(`Move ${named(stacks)}`, moveStacks(stacks, by, this.#mode));
-    if (this.#moving === moving || !isMoved) {
+  /** Whether the newest edit under way is this one; with null, whether there is any. */
+  #isUnderWay(pending: Pending | null): boolean {
+    return this.#pending !== null && (pending === null || this.#pending === pending);
+  }
+
+  #move(base: Pending, by: number): Promise<boolean> {
+    const after = base.stacks.map((stack) => movedStack(stack, by));
+    return this.#apply(`Move ${named(base.stacks)}`, base, after, by, moveStacks(base.stacks, by, this.#mode));
+  }
+
+  /** Edits stacks, which stay selected as they are afterwards. */
+  async #apply(
+    label: string,
+    base: Pending,
+    after: readonly KeyStack[],
+    by: number,
+    changes: Changes,
+  ): Promise<boolean> {
+    this.#show(base, by);
+    const pending: Pending = { ...this.#shifted.value, stacks: after };
+    const ids = after.map(({ id }) => id);
+    this.#pending = pending;
+    this.selected.value = new Set([...pending.of, ...ids]); // those that the service will have, too
+    const isMade = await this.#edit(label, changes);
+    if (this.#isUnderWay(isMade ? pending : null)) {
       batch(() => {
-        this.#forgetMove();
-        if (isMoved) this.selected.value = new Set(moving.stacks.map(({ id }) => id));
+        this.#forgetPending();
+        this.selected.value = isMade ? new Set(ids) : pending.of;
       });
     }
-    return isMoved;
+    return isMade;
   }
 
   /** Makes an edit that the picture shows at once; resolves to whether it was made. */
   async #edit(label: string, changes: Changes): Promise<boolean> {
-    const { document } = this.#parts;
+    const { document, playhead } = this.#parts;
     if (changes.length > MOST_CHANGES) {
       document.endPreview();
       const advice = `An edit takes some ${Math.floor((MOST_CHANGES - 1) / 2).toString()} keys: select fewer of them.`;
       this.#fail(new HintError("These are too many keys at once.", advice), () => undefined);
       return false;
     }
+    playhead.pause();
     document.unsaved.value = changes;
     const edited = document.edit(label, changes, changes);
     document.dragging.value = false;

@@ -302,6 +302,9 @@ export class Session {
         if (!box) return;
         this.pictures.request({ time, revision, unsaved, moving, quality: restQuality(box.width, box.height, motion) });
       }),
+      this.selected.subscribe(() => {
+        this.keys.clear(); // what is removed or moved next is what was selected last
+      }),
       effect(() => {
         this.photography.follow(this.playhead.time.value, this.moving.value, this.document.revision.value);
       }),

@@ -140,7 +140,7 @@ export function settingKeyAt(keys: Keyed, setting: string, time: number): Key | 
 }
 
 /** Stands for infinity among the keys of a distance: a curve through infinity has no middle. */
-const FAR_AWAY_M = 100_000;
+export const FAR_AWAY_M = 100_000;
 
 /** Removes the key of a setting if there is one at the time, else sets one with the value that it has there. */
 export function toggleSettingKey(setting: KeyedSetting, value: number, time: number, keys: Keyed): Changes {

@@ -3,7 +3,7 @@
  * The keys of a lane that stand at one time are a *stack*: they are selected, moved and removed as one.
  */
 
-import type { Changes } from "./changes";
+import { FAR_AWAY_M, type Changes } from "./changes";
 import type { Interpolation, Key, Keyed, KeyedSetting } from "./keys";
 import { EXPOSURE_SLIDERS, FILM_SLIDERS, FOCUS_SLIDERS, LENS_SLIDERS, POINT_SLIDERS } from "./settings.gen";
 import { KEYED_ATTRIBUTES, keysOf, type FocusMode, type FocusPoint, type KeyedAttribute } from "./shot";
@@ -129,14 +129,27 @@ export function removeStacks(stacks: readonly KeyStack[]): Changes {
 
 /** Sets how values go on from the keys of stacks to the next ones; switches stay as they are. */
 export function interpolateStacks(stacks: readonly KeyStack[], interpolation: Interpolation, mode: FocusMode): Changes {
-  const keys = stacks.flatMap((stack) => stack.keys).filter(({ owner }) => !isSwitch(owner));
-  const changed = keys.map(({ owner, key: { time, value } }) => setOwned(owner, { time, value, interpolation }));
-  return keepMode(changed, keys, mode);
+  const keys = stacks.flatMap((stack) => stack.keys);
+  const changed = keys.filter((owned) => interpolated(owned, interpolation) !== owned);
+  const changes = changed.map((owned) => setOwned(owned.owner, interpolated(owned, interpolation).key));
+  return keepMode(changes, changed, mode);
+}
+
+/** A key with another interpolation; the same one where it has it already, or is a switch's. */
+export function interpolated(owned: OwnedKey, interpolation: Interpolation): OwnedKey {
+  const { owner, key } = owned;
+  if (isSwitch(owner) || key.interpolation === interpolation) return owned;
+  return { owner, key: { time: key.time, value: key.value, interpolation } };
+}
+
+/** Stacks with a change of each of their keys. */
+export function mapKeys(stacks: readonly KeyStack[], change: (owned: OwnedKey) => OwnedKey): KeyStack[] {
+  return stacks.map((stack) => ({ ...stack, keys: stack.keys.map(change) }));
 }
 
 /** Sets the value of one key. */
 export function setKeyValue({ owner, key }: OwnedKey, value: number, mode: FocusMode): Changes {
-  return keepMode([setOwned(owner, { ...key, value })], [{ owner, key }], mode);
+  return keepMode([setOwned(owner, { ...key, value: Math.min(value, FAR_AWAY_M) })], [{ owner, key }], mode);
 }
 
 function setOwned(owner: KeyOwner, key: Key): Changes[number] {
@@ -163,7 +176,7 @@ function keepMode(changes: Changes, keys: readonly OwnedKey[], mode: FocusMode):
  * @param from time of the key.
  * @param by how far it is dragged.
  * @param targets times to snap to, such as the playhead's and those of other keys.
- * @param reach how near a target must be, time codes.
+ * @param reach how near a target must be, time codes; half a frame at most, so that each frame can be reached.
  */
 export function snapShift(
   range: FrameRange,
@@ -172,14 +185,20 @@ export function snapShift(
   targets: readonly number[],
   reach: number,
 ): number {
-  const wanted = Math.min(Math.max(from + by, Math.min(range.start, from)), Math.max(range.end, from));
-  const near = targets.filter((time) => Math.abs(time - wanted) <= reach);
-  const frame = range.start + Math.round(wanted - range.start);
+  const wanted = from + holdShift(range, from, by);
+  const near = targets.filter((time) => Math.abs(time - wanted) <= Math.min(reach, 0.5) && !sameTime(time, from));
+  const last = wanted > range.end ? Infinity : Math.floor(range.end - range.start + 1e-6);
+  const frame = range.start + Math.min(Math.round(wanted - range.start), last);
   const best = near.reduce<number | null>(
     (found, time) => (found === null || Math.abs(time - wanted) < Math.abs(found - wanted) ? time : found),
     null,
   );
   return (best ?? frame) - from;
+}
+
+/** How far a key goes that is to go so far: it stays in the shot, or comes no farther out of it. */
+export function holdShift(range: FrameRange, from: number, by: number): number {
+  return Math.min(Math.max(from + by, Math.min(range.start, from)), Math.max(range.end, from)) - from;
 }
 
 /** The interpolation that all keys of stacks have; null where they differ or hold by themselves. */

@@ -73,6 +73,7 @@ export function followPointer(
   );
   element.addEventListener("pointerup", end, { signal });
   element.addEventListener("pointercancel", end, { signal });
+  element.addEventListener("lostpointercapture", end, { signal });
   return () => {
     listening.abort();
   };

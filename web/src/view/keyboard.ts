@@ -107,7 +107,7 @@ function timeKeys(event: KeyboardEvent, session: Session): boolean {
 function keyKeys(event: KeyboardEvent, { keys }: Session): boolean {
   if (event.key === "Escape") return keys.clear();
   if ((event.key !== "Delete" && event.key !== "Backspace") || keys.selectedStacks.value.length === 0) return false;
-  keys.remove();
+  void keys.remove();
   return true;
 }
 

@@ -6,6 +6,7 @@ import { interpolationOf, isSwitch, labelOf, type OwnedKey } from "../../model/k
 import type { Interpolation } from "../../model/keys";
 import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
 import { formatFrame } from "../../model/time";
+import { Edits } from "../controls/Edits";
 import { TypedNumber } from "../controls/TypedNumber";
 import { parseQuantity, trim } from "../numbers";
 
@@ -25,48 +26,52 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
   const interpolation = interpolationOf(stacks);
   return (
     <div class="key-bar" role="group" aria-label="Selected keys">
-      <span class="muted">{owned.length === 1 && only ? labelOf(only.owner) : `${owned.length.toString()} keys`}</span>
-      {first && (
-        <TypedNumber
-          kind="frame"
-          label="Frame of the keys"
-          value={keys.timeOf(first)}
-          format={formatFrame}
-          parse={(text) => parseQuantity(text, "")}
-          example={formatFrame(session.shot.range.end)}
-          onTyped={(time) => {
-            keys.moveTo(time);
-          }}
-        />
-      )}
-      {owned.length === 1 && only && !isSwitch(only.owner) && <Value session={session} owned={only} unit={unit} />}
-      {!owned.every(({ owner }) => isSwitch(owner)) && (
-        <select
-          aria-label="Interpolation of the keys"
-          title="How the value goes on to the next key"
-          value={interpolation ?? ""}
-          onChange={({ currentTarget }) => {
-            keys.interpolate(currentTarget.value as Interpolation);
+      <Edits session={session}>
+        <span class="muted">
+          {owned.length === 1 && only ? labelOf(only.owner) : `${owned.length.toString()} keys`}
+        </span>
+        {first && (
+          <TypedNumber
+            kind="frame"
+            label="Frame of the keys"
+            value={keys.timeOf(first)}
+            format={formatFrame}
+            parse={(text) => parseQuantity(text, "")}
+            example={formatFrame(session.shot.range.end)}
+            onTyped={(time) => {
+              keys.moveTo(time);
+            }}
+          />
+        )}
+        {owned.length === 1 && only && !isSwitch(only.owner) && <Value session={session} owned={only} unit={unit} />}
+        {!owned.every(({ owner }) => isSwitch(owner)) && (
+          <select
+            aria-label="Interpolation of the keys"
+            title="How the value goes on to the next key"
+            value={interpolation ?? ""}
+            onChange={({ currentTarget }) => {
+              keys.interpolate(currentTarget.value as Interpolation);
+            }}
+          >
+            {interpolation === null && <option value="">Mixed</option>}
+            {Object.entries(INTERPOLATIONS).map(([name, label]) => (
+              <option key={name} value={name}>
+                {label}
+              </option>
+            ))}
+          </select>
+        )}
+        <button
+          type="button"
+          class="button small"
+          title="Remove the keys (Delete)"
+          onClick={() => {
+            void keys.remove();
           }}
         >
-          {interpolation === null && <option value="">Mixed</option>}
-          {Object.entries(INTERPOLATIONS).map(([name, label]) => (
-            <option key={name} value={name}>
-              {label}
-            </option>
-          ))}
-        </select>
-      )}
-      <button
-        type="button"
-        class="button small"
-        title="Remove the keys (Delete)"
-        onClick={() => {
-          keys.remove();
-        }}
-      >
-        Remove
-      </button>
+          Remove
+        </button>
+      </Edits>
     </div>
   );
 }
@@ -82,7 +87,7 @@ function Value({ session, owned, unit }: { session: Session; owned: OwnedKey; un
       parse={isDistance ? (text) => parseDistance(text, unit) : (text) => parseQuantity(text, "")}
       example={isDistance ? formatDistance(3, unit) : trim(owned.key.value, 3)}
       onTyped={(value) => {
-        session.keys.setValue(owned, value);
+        session.keys.setValue(value);
       }}
     />
   );

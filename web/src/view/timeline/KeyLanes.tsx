@@ -4,7 +4,7 @@
  */
 
 import type { JSX } from "preact";
-import { useRef, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Session } from "../../editor/session";
 import type { KeyDrag, KeyShift } from "../../editor/key_editing";
 import { labelOf, stackId, type KeyLane, type KeyStack } from "../../model/key_lanes";
@@ -35,7 +35,10 @@ export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }
       ref={list}
       onPointerDown={(event) => {
         const isOnButton = event.target instanceof Element && event.target.closest("button") !== null;
-        if (event.button === 0 && !isOnButton && list.current) selectInBox(session, event, list.current, setBox);
+        const isOnScrollbar =
+          event.clientX > (list.current?.getBoundingClientRect().left ?? 0) + event.currentTarget.clientWidth;
+        if (event.button !== 0 || isOnButton || isOnScrollbar) return;
+        if (list.current) selectInBox(session, event, list.current, setBox);
       }}
     >
       {lanes.length === 0 && (
@@ -84,6 +87,7 @@ function selectInBox(
     },
     (event) => {
       show(null);
+      if (event.type !== "pointerup") return;
       const box = boxTo(event);
       const inside = new Set(
         [...list.querySelectorAll<HTMLElement>("[data-stack]")]
@@ -96,7 +100,7 @@ function selectInBox(
           .map((key) => key.dataset.stack),
       );
       const stacks = session.keys.lanes.value.flatMap((lane) => lane.stacks.filter(({ id }) => inside.has(id)));
-      session.keys.select(stacks, down.shiftKey && stacks.length > 0);
+      session.keys.select(stacks, down.shiftKey);
     },
   );
 }
@@ -120,8 +124,8 @@ function Lane({ session, axis, lane }: { session: Session; axis: TimeAxis; lane:
         {lane.label}
       </button>
       <div class="lane-line" style={{ left: `${axis.left}px`, width: `${axis.right - axis.left}px` }} />
-      {lane.stacks.map((stack) => (
-        <StackKey key={stack.id} session={session} axis={axis} lane={lane} stack={stack} isEntry={stack === entry} />
+      {lane.stacks.map((stack, place) => (
+        <StackKey key={place} session={session} axis={axis} lane={lane} stack={stack} isEntry={stack === entry} />
       ))}
     </div>
   );
@@ -139,6 +143,14 @@ interface StackKeyProps {
 function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.Element {
   const { keys, playhead } = session;
   const held = useRef<HeldKey | null>(null);
+  const giveUp = useRef<(() => void) | null>(null);
+  useEffect(
+    () => () => {
+      giveUp.current?.();
+      held.current?.drag.cancel();
+    },
+    [],
+  );
   const isSelected = keys.selected.value.has(stack.id);
   const time = keys.timeOf(stack);
   const says = stack.keys
@@ -159,7 +171,7 @@ function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.E
       aria-label={`${lane.label} at frame ${formatFrame(time)}: ${says}`}
       title={`${formatFrame(time)}: ${says}`}
       onPointerDown={(event) => {
-        if (event.button === 0) dragKey(session, axis, stack, event);
+        if (event.button === 0) giveUp.current = dragKey(session, axis, stack, event);
       }}
       onKeyDown={(event) => {
         if (moveByKey(session, stack, event, held) || goToNext(session, lane, stack, event)) event.preventDefault();
@@ -170,26 +182,30 @@ function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.E
         void letGo(held).then((at) => {
           if (at === null) return;
           requestAnimationFrame(() => {
-            focusOn(list, stackId(lane.id, at));
+            // Unless something else has been taken up meanwhile.
+            const isOnKey = document.activeElement?.matches("[data-stack]") ?? false;
+            if (isOnKey || document.activeElement === document.body) focusOn(list, stackId(lane.id, at));
           });
         });
       }}
       onBlur={() => void letGo(held)}
       onClick={(event) => {
         if (event.detail > 0) return; // a pointer's, which `dragKey` sees
-        keys.select([stack]);
-        playhead.goTo(stack.time);
+        keys.select([stack], event.shiftKey);
+        if (!event.shiftKey) playhead.goTo(stack.time);
       }}
     />
   );
 }
 
-/** Selects a key, and moves the selected ones with the pointer; a click goes there. */
-function dragKey(session: Session, axis: TimeAxis, stack: KeyStack, down: PointerEvent): void {
+/** Selects a key, and moves the selected ones with the pointer; a click goes there. Returns what gives the move up. */
+function dragKey(session: Session, axis: TimeAxis, stack: KeyStack, down: PointerEvent): (() => void) | null {
   const { keys, playhead } = session;
+  // What is typed elsewhere is entered first: it is for the keys that are selected until now.
+  (down.currentTarget as HTMLElement).focus();
   if (down.shiftKey) {
     keys.select([stack], true);
-    return;
+    return null;
   }
   if (!keys.selected.value.has(stack.id)) keys.select([stack]);
   const perFrame = (axis.right - axis.left) / Math.max(1, axis.range.end - axis.range.start);
@@ -198,36 +214,41 @@ function dragKey(session: Session, axis: TimeAxis, stack: KeyStack, down: Pointe
     reach: event.altKey ? null : SNAP_PX / perFrame,
   });
   let drag: KeyDrag | null = null;
-  const giveUp = new AbortController();
+  const listening = new AbortController();
   const stop = followPointer(
     down,
     (event) => {
-      if (!drag && Math.abs(event.clientX - down.clientX) < SLACK_PX) return;
+      if (!drag && (keys.noEdits !== null || Math.abs(event.clientX - down.clientX) < SLACK_PX)) return;
       drag ??= keys.drag(stack);
       drag.move(shift(event));
     },
     (event) => {
-      giveUp.abort();
-      if (drag && event.type === "pointerup") void drag.commit(shift(event));
-      else if (drag) drag.cancel();
-      else if (event.type === "pointerup") {
+      listening.abort();
+      if (event.type !== "pointerup") drag?.cancel();
+      else if (drag) void drag.commit(shift(event));
+      else {
         keys.select([stack]);
         playhead.goTo(stack.time);
       }
     },
   );
+  const giveUp = (): void => {
+    if (listening.signal.aborted) return;
+    listening.abort();
+    stop();
+    drag?.cancel();
+  };
   addEventListener(
     "keydown",
     (event) => {
       if (event.key !== "Escape") return;
       event.preventDefault();
       event.stopPropagation();
-      giveUp.abort();
-      stop();
-      drag?.cancel();
+      giveUp();
     },
-    { capture: true, signal: giveUp.signal },
+    { capture: true, signal: listening.signal },
   );
+  return giveUp;
 }
 
 const ARROWS: ReadonlySet<string> = new Set(["ArrowLeft", "ArrowRight"]);
@@ -251,7 +272,7 @@ function moveByKey(
     held.current = null;
     return true;
   }
-  if (!ARROWS.has(event.key)) return false;
+  if (!ARROWS.has(event.key) || keys.noEdits !== null) return false;
   if (!keys.selected.value.has(stack.id)) keys.select([stack]);
   const step = event.altKey ? 0.1 : event.shiftKey ? 10 : 1;
   const { drag, by } = held.current ?? { drag: keys.drag(stack), by: 0 };

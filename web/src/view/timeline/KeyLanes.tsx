@@ -168,7 +168,7 @@ function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.E
       class={classes.filter(Boolean).join(" ")}
       style={{ left: `${axis.x(time)}px` }}
       aria-pressed={isSelected}
-      aria-label={`${lane.label} at frame ${formatFrame(time)}: ${says}`}
+      aria-label={`At frame ${formatFrame(time)}, ${lane.label}: ${says}`}
       title={`${formatFrame(time)}: ${says}`}
       onPointerDown={(event) => {
         if (event.button === 0) giveUp.current = dragKey(session, axis, stack, event);

@@ -159,6 +159,15 @@ describe("edits of selected keys", () => {
     expect(fake.made.at(-1)?.[1]).toMatchObject({ type: "keyPoint", key });
   });
 
+  it("move a distance of infinity as one far away, before it is there", async () => {
+    const { fake, session } = await opened();
+    const stack = stackAt(session, 10);
+    session.keys.select([stack]);
+    session.keys.setValue(Infinity);
+    await session.keys.drag(stack).commit({ by: 2, reach: null });
+    expect(fake.made.at(-1)?.[1]).toMatchObject({ key: { time: 12, value: 100_000 } });
+  });
+
   it("that are refused leave the keys selected", async () => {
     const { fake, session } = await opened();
     fake.failing = "unkeyPoint";

@@ -14,6 +14,7 @@ import {
   removeStacks,
   setKeyValue,
   snapShift,
+  valued,
   type KeyStack,
 } from "../model/key_lanes";
 import type { Interpolation } from "../model/keys";
@@ -190,7 +191,7 @@ export class KeyEditing {
     const base = this.#base();
     const [owned] = base.stacks.flatMap((stack) => stack.keys);
     if (!owned) return;
-    const after = mapKeys(base.stacks, ({ owner, key }) => ({ owner, key: { ...key, value } }));
+    const after = mapKeys(base.stacks, (one) => valued(one, value));
     void this.#apply("Value of a key", base, after, 0, setKeyValue(owned, value, this.#mode));
   }
 

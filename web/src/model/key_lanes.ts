@@ -7,7 +7,7 @@ import { FAR_AWAY_M, type Changes } from "./changes";
 import type { Interpolation, Key, Keyed, KeyedSetting } from "./keys";
 import { EXPOSURE_SLIDERS, FILM_SLIDERS, FOCUS_SLIDERS, LENS_SLIDERS, POINT_SLIDERS } from "./settings.gen";
 import { KEYED_ATTRIBUTES, keysOf, type FocusMode, type FocusPoint, type KeyedAttribute } from "./shot";
-import { sameTime, type FrameRange } from "./time";
+import { nearestTime, sameTime, type FrameRange } from "./time";
 
 /** What has a key: an attribute of a focus point, or a setting of the camera. */
 export type KeyOwner =
@@ -148,8 +148,13 @@ export function mapKeys(stacks: readonly KeyStack[], change: (owned: OwnedKey) =
 }
 
 /** Sets the value of one key. */
-export function setKeyValue({ owner, key }: OwnedKey, value: number, mode: FocusMode): Changes {
-  return keepMode([setOwned(owner, { ...key, value: Math.min(value, FAR_AWAY_M) })], [{ owner, key }], mode);
+export function setKeyValue(owned: OwnedKey, value: number, mode: FocusMode): Changes {
+  return keepMode([setOwned(owned.owner, valued(owned, value).key)], [owned], mode);
+}
+
+/** A key with another value; one far away stands for infinity. */
+export function valued({ owner, key }: OwnedKey, value: number): OwnedKey {
+  return { owner, key: { ...key, value: Math.min(value, FAR_AWAY_M) } };
 }
 
 function setOwned(owner: KeyOwner, key: Key): Changes[number] {
@@ -189,11 +194,7 @@ export function snapShift(
   const near = targets.filter((time) => Math.abs(time - wanted) <= Math.min(reach, 0.5) && !sameTime(time, from));
   const last = wanted > range.end ? Infinity : Math.floor(range.end - range.start + 1e-6);
   const frame = range.start + Math.min(Math.round(wanted - range.start), last);
-  const best = near.reduce<number | null>(
-    (found, time) => (found === null || Math.abs(time - wanted) < Math.abs(found - wanted) ? time : found),
-    null,
-  );
-  return (best ?? frame) - from;
+  return (nearestTime(near, wanted) ?? frame) - from;
 }
 
 /** How far a key goes that is to go so far: it stays in the shot, or comes no farther out of it. */

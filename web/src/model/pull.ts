@@ -8,7 +8,7 @@
 
 import type { Key } from "./keys";
 import { keysOf, type FocusPoint } from "./shot";
-import { sameTime } from "./time";
+import { nearestTime, sameTime } from "./time";
 
 /** One weight key to set. */
 export interface WeightKey {
@@ -27,11 +27,11 @@ export function pullTo(name: string, time: number, points: readonly FocusPoint[]
   const rivals = others.filter((point) => point.settings.weight > 0);
   const own = points.filter((point) => point.name === name).flatMap((point) => keysOf(point, "weight"));
   const decided = others.flatMap((point) => keysOf(point, "weight").map((key) => key.time));
-  const before = nearest(
+  const before = nearestTime(
     decided.filter((t) => t < time && !sameTime(t, time)),
     time,
   );
-  const after = nearest(
+  const after = nearestTime(
     decided.filter((t) => t > time && !sameTime(t, time)),
     time,
   );
@@ -48,13 +48,6 @@ export function pullTo(name: string, time: number, points: readonly FocusPoint[]
 /** A point that is off now and is never switched on does not pull, and is left alone. */
 function counts(point: FocusPoint): boolean {
   return point.settings.enabled || keysOf(point, "enabled").length > 0;
-}
-
-function nearest(times: readonly number[], time: number): number | null {
-  return times.reduce<number | null>(
-    (best, t) => (best === null || Math.abs(t - time) < Math.abs(best - time) ? t : best),
-    null,
-  );
 }
 
 /** Whether the point itself already has a say at `edge`, or between it and `time`. */

@@ -50,6 +50,14 @@ export function sameTime(a: number, b: number): boolean {
   return Math.abs(a - b) < 1e-4;
 }
 
+/** The nearest of some times, the first of equal ones; null where there is none. */
+export function nearestTime(times: readonly number[], time: number): number | null {
+  return times.reduce<number | null>(
+    (best, t) => (best === null || Math.abs(t - time) < Math.abs(best - time) ? t : best),
+    null,
+  );
+}
+
 /** A frame number as people write it: whole where it is whole. */
 export function formatFrame(time: number): string {
   return Number.isInteger(time) ? time.toString() : time.toFixed(2);

@@ -6,7 +6,7 @@ import json
 import sys
 from typing import Any
 
-MAX_KEYS = 1000
+MAX_KEYS = 20_000
 """Keys of one object: each that a model does not know costs the event loop an error of its own."""
 
 

@@ -73,7 +73,7 @@ def slow_frame(service: Served) -> Iterator:
     """Ask for a frame of some seconds; yields the future answer once it is being drawn."""
     with ThreadPoolExecutor() as threads:
         answer = threads.submit(
-            lambda: httpx.get(service.client.base_url.join(f"/v1/shots/{service.shot}/frame"), params=SLOW, timeout=120)
+            lambda: httpx.get(service.client.base_url.join(f"/v1/shots/{service.shot}/frame"), params=SLOW, timeout=600)
         )
         until(lambda: service.is_busy() or answer.done())
         assert not answer.done(), answer.result().text
@@ -81,7 +81,7 @@ def slow_frame(service: Served) -> Iterator:
 
 
 def test_a_frame_in_progress_ends_before_the_service(tmp_path):
-    with served(tmp_path, stop_grace_s=100) as service, slow_frame(service) as frame:
+    with served(tmp_path, stop_grace_s=600) as service, slow_frame(service) as frame:
         processes = service.descendants()
         assert len(processes) >= 2
         address = str(service.client.base_url.join(f"/v1/shots/{service.shot}/live")).replace("http", "ws")
@@ -98,7 +98,7 @@ def test_a_frame_in_progress_ends_before_the_service(tmp_path):
             connect(address)
         assert service.client.get("/livez").status_code == 200
         assert not frame.done()
-        picture = frame.result(120)
+        picture = frame.result(600)
         assert picture.status_code == 200, picture.text
         assert Image.open(BytesIO(picture.content)).convert("RGB").width == SLOW["width"]
         assert service.process.wait(30) == 0

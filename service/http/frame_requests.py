@@ -6,6 +6,7 @@ from render.model.edit_history import revision_of
 from service.http.frame_cache import frame_tag
 from service.http.service import Service
 from service.models.frames import FrameQuery, PictureQuery
+from service.models.picture_limits import PictureLimits
 from service.picture.requests import FrameRequest
 from service.storage.store import ShotRecord
 
@@ -22,14 +23,14 @@ def tag_of_frame(service: Service, record: ShotRecord, edits: str, query: FrameQ
     return frame_tag(parameters | shot | {"run": service.run_id})
 
 
-def frame_request(record: ShotRecord, edits: str, query: PictureQuery, max_px: int) -> FrameRequest:
+def frame_request(record: ShotRecord, edits: str, query: PictureQuery, limits: PictureLimits) -> FrameRequest:
     """Return a query as the picture process takes it.
 
     Args:
         record: the shot.
         edits: text of its edit layer.
         query: what is asked for.
-        max_px: limit of width times height.
+        limits: what the picture may have.
     """
     return FrameRequest(
         record=record,
@@ -37,7 +38,7 @@ def frame_request(record: ShotRecord, edits: str, query: PictureQuery, max_px: i
         camera=query.camera,
         time=query.time,
         height=query.height,
-        max_px=max_px,
+        limits=limits,
         settings=query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH}),
         finish=query.model_dump(include=FINISH),
     )

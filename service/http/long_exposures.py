@@ -15,6 +15,7 @@ from render.model.shutter_intervals import ShutterInterval
 from service.http.clients import present_client
 from service.http.errors import ServiceError
 from service.models.long_exposure import LongExposureBegin, LongExposureState
+from service.models.picture_limits import PictureLimits
 from service.picture.calls import long_exposure
 from service.picture.calls import state as picture_state
 from service.picture.requests import ExposureProgress, FrameRequest
@@ -112,14 +113,14 @@ class LongExposures:
         self._by_shot: dict[str, _Exposure] = {}
 
     async def begin(
-        self, record: ShotRecord, request: LongExposureBegin, max_px: int, check: SenderCheck
+        self, record: ShotRecord, request: LongExposureBegin, limits: PictureLimits, check: SenderCheck
     ) -> LongExposureState:
         """Begin a long exposure with the shutter open, in place of the one that the shot had.
 
         Args:
             record: the shot.
             request: what is asked for.
-            max_px: limit of width times height of the picture.
+            limits: what the picture may have.
             check: called before each interval; raises `ServiceError` where the sender may no longer use the service.
 
         Raises:
@@ -135,7 +136,7 @@ class LongExposures:
             camera=request.camera,
             time=request.first,
             height=request.height,
-            max_px=max_px,
+            limits=limits,
             settings=request.model_dump(exclude={"camera", "first", "last", "step", "nd_stops", "height", "film"}),
             finish={"film": request.film, "display": None, "view": None, "look": None},
         )

@@ -102,7 +102,7 @@ class Service:
             on_blame=quarantine.blame,
         )
         metrics = Metrics(pool)
-        admission = Admission(settings.max_picture_s)
+        admission = Admission(settings.max_picture_s, settings.max_picture_px)
 
         def note_finished(finished: Finished) -> None:
             metrics.note_finished(finished)

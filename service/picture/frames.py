@@ -13,7 +13,6 @@ from render.pictures.picture_height import picture_height
 from render.shot import Shot
 from render.steps import step
 from service.models.focus import Anchor, Pick
-from service.models.picture_size import check_pixels
 from service.models.shots import PickRequest
 from service.picture.requests import FrameRequest
 from service.picture.state import PictureWorkerState, picture_function
@@ -58,10 +57,16 @@ def render_frame(state: PictureWorkerState, request: FrameRequest, file_format: 
 
 
 def frame_settings(request: FrameRequest, shot: Shot) -> FrameSettings:
-    """Return the settings of a requested frame. Raises `SettingsError`: it has too many pixels; `CameraError`."""
-    height = request.height or gate_height(
-        shot, request.camera, request.time, request.settings["width"], request.max_px
-    )
+    """Return the settings of a requested frame, in the shape of the camera's film gate where it has no height.
+
+    Raises:
+        SettingsError: it has too many pixels, or is expected to take too long.
+        CameraError: it is no camera, or has impossible values.
+    """
+    height, width = request.height, request.settings["width"]
+    if height is None:
+        height = picture_height(shot, request.camera, request.time, width)
+        request.limits.check(width, height)
     return FrameSettings(**request.settings, height=height)
 
 
@@ -70,26 +75,6 @@ def grade_choice(request: FrameRequest) -> GradeChoice | None:
     finish = request.finish
     choice = GradeChoice(display=finish["display"], view=finish["view"], look=finish["look"])
     return None if choice == GradeChoice() else choice
-
-
-def gate_height(shot: Shot, camera: str | None, time: float, width: int, max_px: int, path: str = "query.width") -> int:
-    """Return the height in pixels at which a picture has the shape of the camera's film gate.
-
-    Args:
-        shot: the shot.
-        camera: prim path, or None for the default camera.
-        time: USD time code.
-        width: px.
-        max_px: limit of width times height.
-        path: the parameter that sets the width, for the message.
-
-    Raises:
-        SettingsError: the picture has more pixels than are rendered.
-        CameraError: it is no camera, or has impossible values.
-    """
-    height = picture_height(shot, camera, time, width)
-    check_pixels(width, height, max_px, path)
-    return height
 
 
 @picture_function

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from render.errors import NotFoundError
-from render.frame import FrameSettings
 from render.output import encode
 from render.pictures.long_exposure import LongExposure
-from service.picture.frames import gate_height
+from service.picture.frames import frame_settings
 from service.picture.requests import ExposureProgress, FrameRequest
 from service.picture.state import PictureWorkerState, picture_function
 from service.storage.store import ShotRecord
@@ -25,12 +24,15 @@ def begin_exposure(state: PictureWorkerState, key: str, request: FrameRequest, n
     Raises:
         PullfocusError: as `render.pictures.long_exposure.LongExposure`.
     """
-    camera, width = request.camera, request.settings["width"]
     with state.opened.use(request.record, request.edits) as shot:
-        height = request.height or gate_height(shot, camera, request.time, width, request.max_px, "body.width")
-        settings = FrameSettings(**request.settings, height=height)
         exposure = LongExposure(
-            state.renderer, shot, camera, request.time, settings, nd_stops=nd_stops, stock=request.finish["film"]
+            state.renderer,
+            shot,
+            request.camera,
+            request.time,
+            frame_settings(request, shot),
+            nd_stops=nd_stops,
+            stock=request.finish["film"],
         )
     state.exposure = key, exposure
 

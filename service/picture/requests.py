@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from service.models.live import Stage
+from service.models.picture_limits import PictureLimits
 from service.storage.store import ShotRecord
 
 
@@ -20,7 +21,7 @@ class FrameRequest:
         camera: prim path, or None for the default camera.
         time: USD time code.
         height: px, or None for the shape of the film gate.
-        max_px: limit of width times height.
+        limits: what the picture may have, where the film gate gives the height.
         settings: the other fields of `render.frame.FrameSettings`, ``width`` among them.
         finish: ``film``, ``display``, ``view`` and ``look`` in place of the shot's; None keeps the shot's.
     """
@@ -30,7 +31,7 @@ class FrameRequest:
     camera: str | None
     time: float
     height: int | None
-    max_px: int
+    limits: PictureLimits
     settings: Mapping[str, Any]
     finish: Mapping[str, str | None]
 

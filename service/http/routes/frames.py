@@ -15,7 +15,6 @@ from service.http.routes.parameters import ShotId, problems
 from service.http.service import Service, ServiceDep
 from service.models.focus import Pick
 from service.models.frames import FrameQuery
-from service.models.picture_size import check_pixels
 from service.models.shots import PickRequest
 from service.picture.calls import frames
 from service.storage.store import ShotRecord
@@ -44,7 +43,6 @@ async def get_frame(
     if_none_match: Annotated[str | None, Header(examples=['"e3b0c44298fc1c14"'])] = None,
 ) -> Response:
     """Render one frame. Its `ETag` is a hash of everything that the picture depends on: same tag, same pixels."""
-    check_pixels(query.width, query.height, service.settings.max_picture_px)
     record = service.store.get(shot)
     edits = record.edit_text()
     tag = tag_of_frame(service, record, edits, query)
@@ -64,15 +62,14 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
     live = query.live and query.format != "exr"  # an EXR holds scene-linear light, which has no film or grade
     client = present_client()
     group = (client, query.client, record.id) if query.client else None
-    estimate = service.admission.check(record.id, query)
-    max_px = service.admission.most_px(record.id, query, service.settings.max_picture_px)
-    request = frame_request(record, edits, query, max_px)
-    picture = await service.lanes.frame_lane(estimate.expected_s).result(
+    cost, limits = service.admission.check(record.id, query)
+    request = frame_request(record, edits, query, limits)
+    picture = await service.lanes.frame_lane(cost.expected_s).result(
         call(frames.render_frame, request, query.format, live),
         service.place_of(record),
         client,
         group=group,
-        estimate_s=estimate.ordinary_s,
+        estimate_s=cost.ordinary_s,
     )
     service.frame_cache.put(tag, picture)
     service.metrics.frames.labels("rendered").inc()

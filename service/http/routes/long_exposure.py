@@ -15,7 +15,6 @@ from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.models.long_exposure import LongExposureBegin, LongExposureEdit, LongExposureState
-from service.models.picture_size import check_pixels
 
 router = APIRouter(tags=["long exposures"], route_class=BodyRoute, dependencies=RENDERS)
 
@@ -50,11 +49,9 @@ async def begin_long_exposure(
     """Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
     intervals are exposed between the pictures of other requests, and it is kept while the service runs. It fails once the key,
     token or session that opened the shutter has ended, or its owner has used up the processor time of a day."""
-    check_pixels(begin.width, begin.height, service.settings.max_picture_px, "body.width")
     record = service.store.get(shot)
-    service.admission.check(record.id, begin)
-    max_px = service.admission.most_px(record.id, begin, service.settings.max_picture_px)
-    return await service.long_exposures.begin(record, begin, max_px, check)
+    admitted = service.admission.check(record.id, begin)
+    return await service.long_exposures.begin(record, begin, admitted.limits, check)
 
 
 @router.get("/shots/{shot}/long-exposure", operation_id="getLongExposure", responses=problems(404))

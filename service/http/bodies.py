@@ -5,7 +5,7 @@ A router with routes that take a body is made with ``route_class=BodyRoute``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Sequence
 from typing import Any
 
 from fastapi import Request, Response
@@ -29,11 +29,19 @@ class BodyRoute(APIRoute):
         ]
 
         async def answer_sender(request: Request) -> Response:
-            if scopes:
-                await run_in_threadpool(check_access, request, service_of(request), principal_of(request), scopes)
+            await run_in_threadpool(_check, request, scopes)
             return await answer(_JsonRequest(request.scope, request.receive))
 
         return answer_sender
+
+
+def _check(request: Request, scopes: Sequence[str]) -> None:
+    """Refuse a sender without the scopes of a route, and a shot that there is not."""
+    service = service_of(request)
+    if scopes:
+        check_access(request, service, principal_of(request), scopes)
+    if "shot" in request.path_params:
+        service.store.get(request.path_params["shot"])
 
 
 class _JsonRequest(Request):

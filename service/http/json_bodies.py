@@ -1,4 +1,4 @@
-"""Reads JSON as RFC 8259 has it: in UTF-8, with no NaN, and no key twice in an object; no object has very many keys."""
+"""Reads JSON as RFC 8259 has it: in UTF-8, with no NaN, and no key twice in an object, and not very many values."""
 
 from __future__ import annotations
 
@@ -8,17 +8,22 @@ from typing import Any
 
 MAX_KEYS = 20_000
 """Keys of one object: each that a model does not know costs the event loop an error of its own."""
+MAX_VALUES = 200_000
+"""Values of one text, by its commas and opening brackets: they are read on the event loop. Large requests are large strings."""
+_MARKS = b",[{"
 
 
 def read_json(content: bytes) -> Any:
     """Parse JSON.
 
     Raises:
-        json.JSONDecodeError: it is none, says the same key twice, has more than `MAX_KEYS` in an object, or is nested too deeply;
-            NaN and Infinity are none.
+        json.JSONDecodeError: it is none, says the same key twice, has more than `MAX_KEYS` in an object or more than `MAX_VALUES`
+            in all, or is nested too deeply; NaN and Infinity are none.
         UnicodeDecodeError: it is no UTF-8.
     """
     text = content.decode("utf-8")
+    if sum(content.count(mark) for mark in _MARKS) > MAX_VALUES:
+        raise json.JSONDecodeError(f"it has more than {MAX_VALUES:,} values", text, 0)
     try:
         return json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=_to_object)
     except json.JSONDecodeError:

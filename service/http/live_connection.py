@@ -23,7 +23,6 @@ from service.models.base import Model, Problem
 from service.models.cameras import Readout
 from service.models.frames import FrameQuery, PictureQuery
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop, LiveTiming
-from service.models.picture_size import check_pixels
 from service.picture.calls import live, state
 from service.picture.requests import LivePicture
 from service.storage.store import ShotRecord
@@ -42,6 +41,10 @@ CROWDED_S = 0.01
 Its turn comes once those that wait have had theirs, and only the newest request counts then.
 """
 MAX_CROWDED_S = 1.0
+FREE_S = 0.005
+"""Processor time of one message that costs no pause, s: many times what a pointer's move needs."""
+PAUSE_RATIO = 4
+"""Pause after a message that took longer, relative to the time that it took: one client has a fifth of the loop at most."""
 MAX_PROBLEMS = 32
 """Problems that may wait to be sent; a client that does not read them is not received from any more."""
 _NO_REQUEST = '"ack"', '"stop"', "\\"
@@ -105,18 +108,25 @@ class LiveConnection:
             message = await self._socket.receive()
             if message["type"] == "websocket.disconnect":
                 return
-            text = message.get("text")
-            fields: dict[str, Any] = {}
-            try:
-                if self._crowd and isinstance(text, str) and not any(key in text for key in _NO_REQUEST):
-                    self._put(_Unread(text, self._next_number(), time.perf_counter()))
-                else:
-                    fields = _json_of(text)
-                    self._handle(fields)
-            except Exception as error:
-                self._report_problem(fields.get("id"), error)
+            begun_s = time.thread_time()
+            self._take(message.get("text"), time.perf_counter())
+            took_s = time.thread_time() - begun_s
+            if took_s > FREE_S:
+                await asyncio.sleep(PAUSE_RATIO * took_s)
 
-    def _handle(self, fields: dict[str, Any]) -> None:
+    def _take(self, text: object, received_s: float) -> None:
+        """Handle a message, or keep it unread where the lane is crowded."""
+        fields: dict[str, Any] = {}
+        try:
+            if self._crowd and isinstance(text, str) and not any(key in text for key in _NO_REQUEST):
+                self._put(_Unread(text, self._next_number(), received_s))
+            else:
+                fields = _json_of(text)
+                self._handle(fields, received_s)
+        except Exception as error:
+            self._report_problem(fields.get("id"), error)
+
+    def _handle(self, fields: dict[str, Any], received_s: float) -> None:
         if "ack" in fields:
             ack = min(LiveAck.model_validate(fields).ack, self._sent_count)
             self._acknowledged_count = max(self._acknowledged_count, ack)
@@ -126,7 +136,7 @@ class LiveConnection:
             self._stop()
         else:
             request = LiveRequest.model_validate(fields)
-            self._put(_Request(request, self._next_number(), time.perf_counter()))
+            self._put(_Request(request, self._next_number(), received_s))
 
     def _next_number(self) -> int:
         self._request_count += 1
@@ -172,8 +182,6 @@ class LiveConnection:
     async def _start(self, pending: _Request) -> None:
         """Start a stream of pictures, in place of the one before, or send the final picture from the cache."""
         request = pending.request
-        max_px = self._service.settings.max_picture_px
-        check_pixels(request.width, request.height, max_px)
         record = self._service.store.get(self._shot_id)
         edits = await run_in_threadpool(record.edit_text)
         if pending.number < self._oldest_valid:  # stopped meanwhile
@@ -186,10 +194,11 @@ class LiveConnection:
                 self._service.metrics.frames.labels("cache").inc()
                 self._queue_item(pending, _cached_picture(cached, request.rays))
                 return
-        if not request.moving:  # else one preview is drawn, in the time that is asked for
-            self._service.admission.check(record.id, request)
-            max_px = self._service.admission.most_px(record.id, request, max_px)
-        frame = frame_request(record, edits, request, max_px)
+        if request.moving:  # one preview is drawn, in the time that is asked for
+            limits = self._service.admission.check_preview(request)
+        else:
+            limits = self._service.admission.check(record.id, request).limits
+        frame = frame_request(record, edits, request, limits)
         self._job = self._service.lanes.live.submit_stream(
             stream_call(live.stream_pictures, frame, request.changes, request.budget_ms, request.moving),
             self._service.place_of(record),

@@ -78,9 +78,9 @@ def test_no_body_is_received_from_a_sender_without_scopes(locked, method, path, 
 @pytest.mark.parametrize(
     ("method", "path", "call"), [each for each in WITH_BODY if "{shot}" in each[1]], ids=lambda word: str(word)[:60]
 )
-def test_no_body_is_received_for_a_shot_of_others(locked, method, path, call):
-    held = key(locked, *SCOPES - {"admin"})
-    assert status_without_body(locked, method, path, call, held) == 404
+def test_no_body_is_received_for_a_shot_that_nobody_sees(locked, method, path, call):
+    for held in (key(locked, *SCOPES - {"admin"}), key(locked, *SCOPES, project="*")):
+        assert status_without_body(locked, method, path, call, held) == 404
 
 
 def status_without_body(locked: Running, method: str, path: str, call: dict, credentials: dict[str, str]) -> int:

@@ -12,6 +12,7 @@ from service.http.app import create_app
 from service.http.bodies import BodyRoute
 from service.http.json_bodies import MAX_KEYS, read_json
 from service.http.settings import Settings
+from service.models.curve import MAX_CURVE_FRAMES
 
 CAMERA = "/v1/shots/{}/camera"
 
@@ -89,6 +90,17 @@ def test_very_many_keys_are_refused_at_once():
     names = ",".join(f'"{number}": 0' for number in range(200_000))
     with pytest.raises(json.JSONDecodeError, match="more than 20,000 keys"):
         read_json(f"{{{names}}}".encode())
+
+
+@pytest.mark.parametrize("value", ["0", "[]", "{}", '""'])
+def test_very_many_values_are_refused_before_they_are_read(value):
+    with pytest.raises(json.JSONDecodeError, match="more than 200,000 values"):
+        read_json(f"[{','.join([value] * 200_001)}]".encode())
+
+
+def test_as_many_readings_as_a_curve_may_have_are_read():
+    readings = [{"time": time, "compensationStops": -1.0} for time in range(MAX_CURVE_FRAMES)]
+    assert read_json(json.dumps({"changes": [{"type": "keyExposure", "readings": readings}]}).encode())
 
 
 def test_every_route_with_a_body_is_a_body_route():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import struct
+import time
 from collections.abc import Awaitable, Callable
 from types import SimpleNamespace
 
@@ -13,7 +14,7 @@ import pytest
 from service.http.admission import Admission
 from service.http.errors import ServiceError
 from service.http.frame_cache import FrameCache
-from service.http.live_connection import MAX_PROBLEMS, LiveConnection
+from service.http.live_connection import FREE_S, MAX_PROBLEMS, PAUSE_RATIO, LiveConnection
 from service.http.metrics import Metrics
 from service.http.stopping import Stopping
 from service.models.cameras import READOUT_EXAMPLE, Readout
@@ -116,7 +117,7 @@ def serve(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
             store=SimpleNamespace(get=lambda shot: record),
             lanes=SimpleNamespace(live=pictures),
             place_of=lambda record: NOWHERE,
-            admission=Admission(600),
+            admission=Admission(600, max_px=10**6),
             frame_cache=FrameCache(10**6),
             metrics=Metrics(SimpleNamespace()),
             stopping=Stopping(),
@@ -276,6 +277,21 @@ def test_a_client_that_never_reads_is_not_received_from():
     serve(play)
 
 
+def test_a_client_of_large_messages_has_pauses():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        for _ in range(3):
+            socket.to_service.put_nowait(json.dumps({"id": 1, "changes": [{} for _ in range(90_000)]}))
+        await settled()
+        begun_s = time.perf_counter()
+        assert socket.received_count == 1
+        async with asyncio.timeout(60):
+            while len(socket.texts) < 3:
+                await asyncio.sleep(0.001)
+        assert time.perf_counter() - begun_s > 2 * PAUSE_RATIO * FREE_S
+
+    serve(play)
+
+
 def test_a_readout_follows_the_picture_that_it_belongs_to():
     async def play(socket: Socket, pictures: Pictures) -> None:
         await socket.request(1, moving=True)
@@ -314,6 +330,7 @@ def test_an_invalid_message_is_reported_and_the_next_one_answered(text):
         await settled()
         assert [message["problem"]["code"] for message in socket.texts] == ["invalid_request"]
         await socket.request(1)
+        await started(pictures, 1)
         await pictures.show(0, PREVIEW)
         assert socket.pictures == [(1, "preview")]
 

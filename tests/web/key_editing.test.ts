@@ -50,7 +50,7 @@ describe("a drag of keys", () => {
     const drag = session.keys.drag(stack);
     drag.move({ by: 1.9, reach: 0.1 });
     drag.move({ by: 4.2, reach: 0.1 });
-    expect(session.keys.timeOf(stack)).toBe(14);
+    expect(session.keys.shownAs(stack).time).toBe(14);
     expect(session.document.unsaved.value.map(({ type }) => type)).toEqual(["unkeyPoint", "keyPoint"]);
     nowAt(fake, 1, 14, 20);
     expect(await drag.commit({ by: 4.2, reach: 0.1 })).toBe(14);
@@ -66,9 +66,9 @@ describe("a drag of keys", () => {
     session.keys.select([stackAt(session, 10), stackAt(session, 20)]);
     const drag = session.keys.drag(stackAt(session, 10));
     drag.move({ by: 2.3, reach: 0.2 });
-    expect(session.keys.timeOf(stackAt(session, 10))).toBe(12.25);
+    expect(session.keys.shownAs(stackAt(session, 10)).time).toBe(12.25);
     drag.move({ by: 9.6, reach: 0.2 });
-    expect(session.keys.timeOf(stackAt(session, 10))).toBe(20);
+    expect(session.keys.shownAs(stackAt(session, 10)).time).toBe(20);
     await drag.commit({ by: -9.1, reach: 0.2 });
     expect(fake.made[0]?.slice(2)).toMatchObject([{ key: { time: 1 } }, { key: { time: 11 } }]);
   });
@@ -80,7 +80,7 @@ describe("a drag of keys", () => {
     const drag = session.keys.drag(stack);
     drag.move({ by: 5, reach: null });
     drag.cancel();
-    expect([session.keys.timeOf(stack), session.document.unsaved.value, fake.made]).toEqual([10, [], []]);
+    expect([session.keys.shownAs(stack).time, session.document.unsaved.value, fake.made]).toEqual([10, [], []]);
     expect(session.document.dragging.value).toBe(false);
   });
 });
@@ -93,7 +93,7 @@ describe("a drag of keys whose service is slow", () => {
     const first = session.keys.drag(stack).commit({ by: 1, reach: null });
     const second = session.keys.drag(stack);
     second.move({ by: 1, reach: null });
-    expect(session.keys.timeOf(stack)).toBe(12);
+    expect(session.keys.shownAs(stack).time).toBe(12);
     nowAt(fake, 1, 12, 20);
     await Promise.all([first, second.commit({ by: 1, reach: null })]);
     expect(fake.made.map((changes) => changes.map((change) => ("time" in change ? change.time : 0)))).toEqual([
@@ -102,7 +102,7 @@ describe("a drag of keys whose service is slow", () => {
     ]);
     await turn();
     expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([12]);
-    expect(session.keys.timeOf(stackAt(session, 12))).toBe(12);
+    expect(session.keys.shownAs(stackAt(session, 12)).time).toBe(12);
   });
 
   it("goes on where it is when the one before it is made", async () => {
@@ -115,7 +115,7 @@ describe("a drag of keys whose service is slow", () => {
     await first;
     await turn();
     second.move({ by: 3, reach: null });
-    expect(session.keys.timeOf(stackAt(session, 11))).toBe(14);
+    expect(session.keys.shownAs(stackAt(session, 11)).time).toBe(14);
     expect(await second.commit({ by: 3, reach: null })).toBe(14);
     expect(fake.made.at(-1)).toMatchObject([{ time: 11 }, { key: { time: 14 } }]);
   });
@@ -127,7 +127,7 @@ describe("while keys are moved", () => {
     session.keys.select([stackAt(session, 10)]);
     const first = session.keys.drag(stackAt(session, 10)).commit({ by: 1, reach: null });
     session.keys.select([stackAt(session, 20)]);
-    expect(session.keys.timeOf(stackAt(session, 20))).toBe(20);
+    expect(session.keys.shownAs(stackAt(session, 20)).time).toBe(20);
     session.keys.drag(stackAt(session, 20)).move({ by: 3, reach: null });
     expect(session.document.unsaved.value[0]).toMatchObject({ type: "unkeyPoint", time: 20 });
     nowAt(fake, 1, 11, 20);
@@ -143,7 +143,7 @@ describe("while keys are moved", () => {
     session.keys.select([stack]);
     expect(await session.keys.drag(stack).commit({ by: 3, reach: null })).toBe(null);
     await turn();
-    expect([session.keys.timeOf(stackAt(session, 10)), failed.length]).toEqual([10, 1]);
+    expect([session.keys.shownAs(stackAt(session, 10)).time, failed.length]).toEqual([10, 1]);
   });
 });
 
@@ -153,7 +153,7 @@ describe("edits of selected keys", () => {
     const stack = stackAt(session, 10);
     session.keys.select([stack]);
     session.keys.setValue(0.5);
-    session.keys.interpolate("held");
+    session.keys.shape("held");
     const key = { time: 12, value: 0.5, interpolation: "held" };
     await session.keys.drag(stack).commit({ by: 2, reach: null });
     expect(fake.made.at(-1)?.[1]).toMatchObject({ type: "keyPoint", key });
@@ -210,7 +210,7 @@ it("who may not edit sees the keys where they were", async () => {
   const stack = stackAt(session, 10);
   session.keys.select([stack]);
   await session.keys.drag(stack).commit({ by: 3, reach: null });
-  expect([session.keys.timeOf(stack), session.document.unsaved.value, failed.length]).toEqual([10, [], 1]);
+  expect([session.keys.shownAs(stack).time, session.document.unsaved.value, failed.length]).toEqual([10, [], 1]);
 });
 
 it("more keys than an edit takes are refused with what to do", async () => {
@@ -221,7 +221,7 @@ it("more keys than an edit takes are refused with what to do", async () => {
   session.keys.select(session.keys.lanes.value.flatMap(({ stacks }) => stacks));
   session.keys.moveTo(2);
   await turn();
-  expect([fake.made, failed.length, session.keys.timeOf(stackAt(session, 1))]).toEqual([[], 1, 1]);
+  expect([fake.made, failed.length, session.keys.shownAs(stackAt(session, 1)).time]).toEqual([[], 1, 1]);
 });
 
 it("stacks are added to the selection and taken out of it", async () => {

@@ -1,15 +1,21 @@
+import type { Changes } from "@/model/changes";
 import {
-  interpolateStacks,
-  interpolationOf,
   labelOf,
   lanesOf,
-  moveStacks,
+  mapKeys,
+  movedStack,
   removeStacks,
-  setKeyValue,
+  replaceStacks,
+  shaped,
+  shapeOfAll,
   snapShift,
+  valued,
+  type KeyShape,
   type KeyStack,
+  type OwnedKey,
 } from "@/model/key_lanes";
 import type { Key } from "@/model/keys";
+import type { FocusMode } from "@/model/shot";
 import { point } from "./points";
 
 const RANGE = { start: 1, end: 96, framesPerSecond: 24 };
@@ -20,6 +26,27 @@ function key(time: number, value = 1, more: Partial<Key> = {}): Key {
 
 function stacksOf(...lanes: ReturnType<typeof lanesOf>): readonly KeyStack[] {
   return lanes.flatMap(({ stacks }) => stacks);
+}
+
+function moved(stacks: readonly KeyStack[], by: number, mode: FocusMode): Changes {
+  return replaceStacks(
+    stacks,
+    stacks.map((stack) => movedStack(stack, by)),
+    mode,
+  );
+}
+
+function reshaped(stacks: readonly KeyStack[], shape: KeyShape, mode: FocusMode): Changes {
+  return replaceStacks(
+    stacks,
+    mapKeys(stacks, (owned) => shaped(owned, shape)),
+    mode,
+  );
+}
+
+function revalued(stacks: readonly KeyStack[], value: number, mode: FocusMode): Changes {
+  const change = (owned: OwnedKey): OwnedKey => valued(owned, value);
+  return replaceStacks(stacks, mapKeys(stacks, change), mode);
 }
 
 describe("lanes", () => {
@@ -52,27 +79,27 @@ describe("lanes", () => {
 describe("a move of keys", () => {
   it("takes all of them away before it sets any, so that none falls on another one that moves", () => {
     const stacks = stacksOf(...lanesOf([{ fStop: [key(4, 2.8), key(5, 4)] }], []));
-    expect(moveStacks(stacks, 1, "points")).toEqual([
+    expect(moved(stacks, 1, "points")).toEqual([
       { type: "unkeySetting", setting: "fStop", time: 4 },
       { type: "unkeySetting", setting: "fStop", time: 5 },
       { type: "keySetting", setting: "fStop", key: key(5, 2.8) },
       { type: "keySetting", setting: "fStop", key: key(6, 4) },
     ]);
-    expect(moveStacks(stacks, 0, "points")).toEqual([]);
+    expect(moved(stacks, 0, "points")).toEqual([]);
   });
 
   it("keeps handles", () => {
     const tangents = { inSlope: 1, inWidth: 2, outSlope: 3, outWidth: 4 };
     const stacks = stacksOf(...lanesOf([{ fStop: [key(4, 2.8, { interpolation: "bezier", tangents })] }], []));
-    expect(moveStacks(stacks, 1, "manual")[1]).toMatchObject({ key: { interpolation: "bezier", tangents } });
+    expect(moved(stacks, 1, "manual")[1]).toMatchObject({ key: { interpolation: "bezier", tangents } });
   });
 
   it("leaves the focus with the points, whose camera has keys of its own distance", () => {
     const stacks = stacksOf(...lanesOf([{ focusDistanceM: [key(4, 3)] }], []));
     const back = { type: "setFocus", values: { mode: "tiltPlane" } };
-    expect(moveStacks(stacks, 1, "tiltPlane").at(-1)).toEqual(back);
-    expect(interpolateStacks(stacks, "held", "tiltPlane").at(-1)).toEqual(back);
-    expect(moveStacks(stacks, 1, "manual").at(-1)).toMatchObject({ type: "keySetting" });
+    expect(moved(stacks, 1, "tiltPlane").at(-1)).toEqual(back);
+    expect(reshaped(stacks, "held", "tiltPlane").at(-1)).toEqual(back);
+    expect(moved(stacks, 1, "manual").at(-1)).toMatchObject({ type: "keySetting" });
   });
 });
 
@@ -86,8 +113,8 @@ it("keys of points and of settings are removed alike", () => {
 
 it("switches take no other interpolation", () => {
   const stacks = stacksOf(...lanesOf([], [point("pip", { weight: { 1: 1 }, enabled: { 1: 1 } })]));
-  expect(interpolationOf(stacks)).toBe("linear");
-  expect(interpolateStacks(stacks, "held", "points")).toEqual([
+  expect(shapeOfAll(stacks)).toBe("linear");
+  expect(reshaped(stacks, "held", "points")).toEqual([
     { type: "keyPoint", name: "pip", attribute: "weight", key: { time: 1, value: 1, interpolation: "held" } },
   ]);
 });
@@ -95,22 +122,30 @@ it("switches take no other interpolation", () => {
 it("handles that are set stay as they are", () => {
   const tangents = { inSlope: 1, inWidth: 2, outSlope: 3, outWidth: 4 };
   const keys = [key(4, 2.8, { interpolation: "bezier", tangents }), key(8)];
-  const changes = interpolateStacks(stacksOf(...lanesOf([{ fStop: keys }], [])), "bezier", "manual");
+  const changes = reshaped(stacksOf(...lanesOf([{ fStop: keys }], [])), "bezier", "manual");
   expect(changes).toMatchObject([{ key: { time: 8, interpolation: "bezier" } }]);
 });
 
+it("level handles are a shape of their own, and are handles", () => {
+  const stacks = stacksOf(...lanesOf([{ fStop: [key(4), key(8)] }], []));
+  const flat = mapKeys(stacks, (owned) => shaped(owned, "flat"));
+  expect([shapeOfAll(stacks), shapeOfAll(flat)]).toEqual(["auto", "flat"]);
+  const tangents = { inSlope: 0, inWidth: 0, outSlope: 0, outWidth: 0 };
+  expect(reshaped(stacks, "flat", "manual")).toMatchObject([
+    { key: { time: 4, interpolation: "bezier", tangents } },
+    { key: { time: 8, interpolation: "bezier", tangents } },
+  ]);
+  expect(reshaped(flat, "bezier", "manual")).toEqual([]);
+});
+
 it("a distance of infinity is keyed as one far away", () => {
-  const [stack] = stacksOf(...lanesOf([{ focusDistanceM: [key(4, 3)] }], []));
-  const [owned] = stack?.keys ?? [];
-  if (!owned) throw new Error("There is no key.");
-  expect(setKeyValue(owned, Infinity, "manual")).toMatchObject([{ key: { value: 100_000 } }]);
+  const stacks = stacksOf(...lanesOf([{ focusDistanceM: [key(4, 3)] }], []));
+  expect(revalued(stacks, Infinity, "manual")).toMatchObject([{ key: { value: 100_000 } }]);
 });
 
 it("a value is set without moving the key or its interpolation", () => {
-  const [stack] = stacksOf(...lanesOf([{ fStop: [key(4, 2.8, { interpolation: "held" })] }], []));
-  const [owned] = stack?.keys ?? [];
-  if (!owned) throw new Error("There is no key.");
-  expect(setKeyValue(owned, 4, "points")).toEqual([
+  const stacks = stacksOf(...lanesOf([{ fStop: [key(4, 2.8, { interpolation: "held" })] }], []));
+  expect(revalued(stacks, 4, "points")).toEqual([
     { type: "keySetting", setting: "fStop", key: { time: 4, value: 4, interpolation: "held" } },
   ]);
 });

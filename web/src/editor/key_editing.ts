@@ -4,22 +4,25 @@ import { batch, computed, signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
 import {
   holdShift,
-  interpolated,
-  interpolateStacks,
   lanesOf,
   mapKeys,
   MOST_CHANGES,
   movedStack,
-  moveStacks,
+  isSameOwner,
   removeStacks,
-  setKeyValue,
+  replaceStacks,
+  setKey,
+  shaped,
   snapShift,
   valued,
+  type KeyOwner,
+  type KeyShape,
   type KeyStack,
+  type OwnedKey,
 } from "../model/key_lanes";
-import type { Interpolation } from "../model/keys";
+import type { Key } from "../model/keys";
 import type { FocusMode } from "../model/shot";
-import { formatFrame } from "../model/time";
+import { formatFrame, sameTime } from "../model/time";
 import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
@@ -41,6 +44,8 @@ export interface KeyShift {
   readonly by: number;
   /** How near something must be to be snapped to, time codes; null does not snap, not even to frames. */
   readonly reach: number | null;
+  /** What else becomes of each of their keys: another value, or other handles. */
+  readonly reshape?: (owned: OwnedKey) => OwnedKey;
 }
 
 /** A drag of the selected stacks: it is seen in the picture, and its end is an edit. */
@@ -54,24 +59,17 @@ export interface KeyDrag {
 /** The selected stacks as the edits under way leave them. */
 interface Pending {
   /** Their ids as the service has them now. */
-  readonly of: ReadonlySet<string>;
+  readonly of: readonly string[];
   readonly stacks: readonly KeyStack[];
-  /** How far they are from where the service has them now, time codes. */
-  readonly by: number;
 }
 
-/** Stacks that are shown elsewhere than the service has them. */
-interface Shifted {
-  readonly of: ReadonlySet<string>;
-  /** Time codes. */
-  readonly by: number;
-}
+const ALL_AS_SAVED: ReadonlyMap<string, KeyStack> = new Map();
 
 export class KeyEditing {
   /** Ids of the selected stacks. */
   readonly selected = signal<ReadonlySet<string>>(NONE);
-  /** The stacks that are dragged, until the service has them there. */
-  readonly #shifted = signal<Shifted>({ of: NONE, by: 0 });
+  /** By their ids, the stacks that are dragged, until the service has them so. */
+  readonly #shown = signal<ReadonlyMap<string, KeyStack>>(ALL_AS_SAVED);
   readonly #parts: KeyedParts;
   readonly #fail: Fail;
   #pending: Pending | null = null;
@@ -91,6 +89,9 @@ export class KeyEditing {
     );
   });
 
+  /** Id of the curve that is drawn in place of the focus curve; null for none. */
+  readonly graphed = signal<string | null>(null);
+
   readonly selectedStacks = computed<readonly KeyStack[]>(() => {
     const selected = this.selected.value;
     return this.lanes.value.flatMap(({ stacks }) => stacks).filter(({ id }) => selected.has(id));
@@ -101,16 +102,15 @@ export class KeyEditing {
     return this.#parts.document.noEdits.value;
   }
 
-  /** Where a stack is shown. */
-  timeOf(stack: KeyStack): number {
-    const { of, by } = this.#shifted.value;
-    return of.has(stack.id) ? stack.time + by : stack.time;
+  /** A stack as it is shown. */
+  shownAs(stack: KeyStack): KeyStack {
+    return this.#shown.value.get(stack.id) ?? stack;
   }
 
   /** Selects stacks in place of others; with `adds`, beside them, or no longer where all of them are selected. */
   select(stacks: readonly KeyStack[], adds = false): void {
     this.#forgetPending();
-    const ids = stacks.map(({ id }) => id);
+    const ids = idsOf(stacks);
     const before = this.selected.value;
     if (!adds) this.selected.value = new Set(ids);
     else if (ids.every((id) => before.has(id)))
@@ -135,7 +135,7 @@ export class KeyEditing {
     const base = this.#base();
     const { stacks } = base;
     const lanes = new Set(stacks.map(({ lane }) => lane));
-    const from = grabbed.time + base.by;
+    const from = this.shownAs(grabbed).time;
     const { document, playhead } = this.#parts;
     // Not to the lane's other keys, which would be replaced.
     const others = this.lanes.peek().flatMap((lane) => (lanes.has(lane.id) ? [] : lane.stacks));
@@ -144,22 +144,27 @@ export class KeyEditing {
       reach === null
         ? Number(holdShift(playhead.range, from, by).toFixed(2))
         : snapShift(playhead.range, from, by, targets, reach);
+    const after = (shift: KeyShift): readonly KeyStack[] => {
+      const by = snapped(shift);
+      const reshaped = shift.reshape ? mapKeys(stacks, shift.reshape) : stacks;
+      return by === 0 ? reshaped : reshaped.map((stack) => movedStack(stack, by));
+    };
     return {
       move: (shift) => {
-        const by = snapped(shift);
-        const changes = moveStacks(stacks, by, this.#mode);
+        const moved = after(shift);
+        const changes = replaceStacks(stacks, moved, this.#mode);
         playhead.pause();
         batch(() => {
-          this.#show(base, by);
+          this.#show(base, moved);
           if (changes.length <= MOST_CHANGES) document.preview(changes);
         });
       },
       commit: async (shift) => {
-        const by = snapped(shift);
-        return (await this.#move(base, by)) ? from + by : null;
+        const label = snapped(shift) === 0 ? `Shape ${named(stacks)}` : `Move ${named(stacks)}`;
+        return (await this.#apply(label, base, after(shift))) ? from + snapped(shift) : null;
       },
       cancel: () => {
-        this.#show(base, 0);
+        this.#show(base, stacks);
         document.endPreview();
       },
     };
@@ -169,7 +174,18 @@ export class KeyEditing {
   moveTo(time: number): void {
     const base = this.#base();
     const first = Math.min(...base.stacks.map((stack) => stack.time));
-    void this.#move(base, holdShift(this.#parts.playhead.range, first, time - first));
+    const by = holdShift(this.#parts.playhead.range, first, time - first);
+    const after = by === 0 ? base.stacks : base.stacks.map((stack) => movedStack(stack, by));
+    void this.#apply(`Move ${named(base.stacks)}`, base, after);
+  }
+
+  /** Adds a key, or replaces the one at its time, and selects it. */
+  async add(owner: KeyOwner, key: Key): Promise<void> {
+    this.clear();
+    if (!(await this.#edit(`Add the key at ${formatFrame(key.time)}`, setKey(owner, key, this.#mode)))) return;
+    const has = (stack: KeyStack): boolean =>
+      sameTime(stack.time, key.time) && stack.keys.some((owned) => isSameOwner(owned.owner, owner));
+    if (this.selected.value.size === 0) this.select(this.lanes.value.flatMap(({ stacks }) => stacks.filter(has)));
   }
 
   async remove(): Promise<void> {
@@ -179,20 +195,20 @@ export class KeyEditing {
     if (isMade && this.selected.value === before) this.clear();
   }
 
-  interpolate(interpolation: Interpolation): void {
+  shape(shape: KeyShape): void {
     const base = this.#base();
-    const after = mapKeys(base.stacks, (owned) => interpolated(owned, interpolation));
-    const changes = interpolateStacks(base.stacks, interpolation, this.#mode);
-    void this.#apply(`Interpolate ${named(base.stacks)}`, base, after, 0, changes);
+    const after = mapKeys(base.stacks, (owned) => shaped(owned, shape));
+    void this.#apply(`Shape ${named(base.stacks)}`, base, after);
   }
 
   /** Sets the value of the only selected key. */
   setValue(value: number): void {
     const base = this.#base();
-    const [owned] = base.stacks.flatMap((stack) => stack.keys);
-    if (!owned) return;
-    const after = mapKeys(base.stacks, (one) => valued(one, value));
-    void this.#apply("Value of a key", base, after, 0, setKeyValue(owned, value, this.#mode));
+    void this.#apply(
+      "Value of a key",
+      base,
+      mapKeys(base.stacks, (owned) => valued(owned, value)),
+    );
   }
 
   get #mode(): FocusMode {
@@ -203,21 +219,20 @@ export class KeyEditing {
   #base(): Pending {
     if (this.#pending) return this.#pending;
     const stacks = this.selectedStacks.peek();
-    return { of: new Set(stacks.map(({ id }) => id)), stacks, by: 0 };
+    return { of: idsOf(stacks), stacks };
   }
 
-  /** Shows stacks so much farther than the edits under way leave them. */
-  #show(base: Pending, by: number): void {
-    // Where those edits are made meanwhile, the service has the stacks by other ids.
-    const isUnderWay = this.#pending === base || base.by === 0;
-    const of = isUnderWay ? base.of : new Set(base.stacks.map(({ id }) => id));
-    this.#shifted.value = { of, by: (isUnderWay ? base.by : 0) + by };
+  /** Shows stacks as they are to be. */
+  #show(base: Pending, after: readonly KeyStack[]): void {
+    // Where the edits under way are made meanwhile, the service has the stacks by other ids.
+    const of = this.#pending === base ? base.of : idsOf(base.stacks);
+    this.#shown.value = new Map(after.flatMap((stack, place) => (of[place] ? [[of[place], stack]] : [])));
   }
 
-  /** Shows the keys where the service has them, though edits of them may be under way. */
+  /** Shows the keys as the service has them, though edits of them may be under way. */
   #forgetPending(): void {
     this.#pending = null;
-    this.#shifted.value = { of: NONE, by: 0 };
+    this.#shown.value = ALL_AS_SAVED;
   }
 
   /** Whether the newest edit under way is this one; with null, whether there is any. */
@@ -225,29 +240,17 @@ export class KeyEditing {
     return this.#pending !== null && (pending === null || this.#pending === pending);
   }
 
-  #move(base: Pending, by: number): Promise<boolean> {
-    const after = base.stacks.map((stack) => movedStack(stack, by));
-    return this.#apply(`Move ${named(base.stacks)}`, base, after, by, moveStacks(base.stacks, by, this.#mode));
-  }
-
   /** Edits stacks, which stay selected as they are afterwards. */
-  async #apply(
-    label: string,
-    base: Pending,
-    after: readonly KeyStack[],
-    by: number,
-    changes: Changes,
-  ): Promise<boolean> {
-    this.#show(base, by);
-    const pending: Pending = { ...this.#shifted.value, stacks: after };
-    const ids = after.map(({ id }) => id);
+  async #apply(label: string, base: Pending, after: readonly KeyStack[]): Promise<boolean> {
+    this.#show(base, after);
+    const pending: Pending = { of: [...this.#shown.peek().keys()], stacks: after };
     this.#pending = pending;
-    this.selected.value = new Set([...pending.of, ...ids]); // those that the service will have, too
-    const isMade = await this.#edit(label, changes);
+    this.selected.value = new Set([...pending.of, ...idsOf(after)]); // those that the service will have, too
+    const isMade = await this.#edit(label, replaceStacks(base.stacks, after, this.#mode));
     if (this.#isUnderWay(isMade ? pending : null)) {
       batch(() => {
         this.#forgetPending();
-        this.selected.value = isMade ? new Set(ids) : pending.of;
+        this.selected.value = new Set(isMade ? idsOf(after) : pending.of);
       });
     }
     return isMade;
@@ -276,4 +279,8 @@ function named(stacks: readonly KeyStack[]): string {
   const [only] = stacks;
   if (only && stacks.length === 1) return `the key at ${formatFrame(only.time)}`;
   return `${stacks.length.toString()} keys`;
+}
+
+function idsOf(stacks: readonly KeyStack[]): string[] {
+  return stacks.map(({ id }) => id);
 }

@@ -4,8 +4,16 @@
  */
 
 import { FAR_AWAY_M, type Changes } from "./changes";
-import type { Interpolation, Key, Keyed, KeyedSetting } from "./keys";
-import { EXPOSURE_SLIDERS, FILM_SLIDERS, FOCUS_SLIDERS, LENS_SLIDERS, POINT_SLIDERS } from "./settings.gen";
+import type { Interpolation, Key, Keyed, KeyedSetting, Tangents } from "./keys";
+import {
+  EXPOSURE_SLIDERS,
+  FILM_SLIDERS,
+  FOCUS_SLIDERS,
+  LENS_SLIDERS,
+  POINT_SLIDERS,
+  type Declared,
+  type SliderRange,
+} from "./settings.gen";
 import { KEYED_ATTRIBUTES, keysOf, type FocusMode, type FocusPoint, type KeyedAttribute } from "./shot";
 import { nearestTime, sameTime, type FrameRange } from "./time";
 
@@ -39,13 +47,13 @@ export interface KeyLane {
 /** Changes in one edit, as the service takes them. */
 export const MOST_CHANGES = 256;
 
-const DECLARED: Readonly<Record<string, { readonly label: string }>> = {
+const DECLARED: Readonly<Record<string, Declared>> = {
   ...FILM_SLIDERS,
   ...EXPOSURE_SLIDERS,
   ...FOCUS_SLIDERS,
   ...LENS_SLIDERS,
 };
-const POINT_LABELS: Readonly<Record<string, { readonly label: string }>> = POINT_SLIDERS;
+const DECLARED_OF_POINTS: Readonly<Record<string, Declared>> = POINT_SLIDERS;
 
 /** The lanes of what has keys: the camera's settings first, as `keyed` lists them, then the focus points. */
 export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[]): KeyLane[] {
@@ -86,8 +94,16 @@ export function stackId(lane: string, time: number): string {
 
 /** The name of a setting or attribute for people. */
 export function labelOf(owner: KeyOwner): string {
-  const [name, declared] = "setting" in owner ? [owner.setting, DECLARED] : [owner.attribute, POINT_LABELS];
-  return declared[name]?.label ?? inWords(name);
+  return declaredOf(owner)?.label ?? inWords("setting" in owner ? owner.setting : owner.attribute);
+}
+
+/** The slider of a setting or attribute; null where it has none. */
+export function sliderOf(owner: KeyOwner): SliderRange | null {
+  return declaredOf(owner)?.slider ?? null;
+}
+
+function declaredOf(owner: KeyOwner): Declared | undefined {
+  return "setting" in owner ? DECLARED[owner.setting] : DECLARED_OF_POINTS[owner.attribute];
 }
 
 function inWords(name: string): string {
@@ -103,19 +119,49 @@ export function isSwitch(owner: KeyOwner): boolean {
 }
 
 /**
- * Moves stacks in time. Other keys that stand where one of them arrives are replaced.
+ * Puts keys in place of others, one for one. Other keys that stand where one of them arrives are replaced.
  *
- * @param by time codes.
+ * @param before stacks as they are.
+ * @param after the same stacks with their keys moved or changed.
  * @param mode of the focus, which a key of the camera's own distance would change.
  */
-export function moveStacks(stacks: readonly KeyStack[], by: number, mode: FocusMode): Changes {
-  if (by === 0) return [];
-  const keys = stacks.flatMap((stack) => stack.keys);
-  const moved = stacks.flatMap((stack) => movedStack(stack, by).keys).map(({ owner, key }) => setOwned(owner, key));
-  return keepMode([...keys.map(remove), ...moved], keys, mode);
+export function replaceStacks(before: readonly KeyStack[], after: readonly KeyStack[], mode: FocusMode): Changes {
+  const [old, wanted] = [before.flatMap(({ keys }) => keys), after.flatMap(({ keys }) => keys)];
+  const pairs = old.flatMap((from, place) => {
+    const to = wanted[place];
+    return to && !isSameKey(from.key, to.key) ? [{ from, to }] : [];
+  });
+  const removed = pairs.filter(({ from, to }) => from.key.time !== to.key.time).map(({ from }) => remove(from));
+  const set = pairs.map(({ to: { owner, key } }) => setOwned(owner, key));
+  return keepMode(
+    [...removed, ...set],
+    pairs.map(({ to: { owner } }) => owner),
+    mode,
+  );
 }
 
-/** A stack as it is after `moveStacks`. */
+/** Sets one key, or adds it. */
+export function setKey(owner: KeyOwner, key: Key, mode: FocusMode): Changes {
+  return keepMode([setOwned(owner, key)], [owner], mode);
+}
+
+/** Adds what keeps the focus mode: with a key of its own distance, a camera is focused by hand. */
+function keepMode(changes: Changes, owners: readonly KeyOwner[], mode: FocusMode): Changes {
+  const isByHand = owners.some((owner) => "setting" in owner && owner.setting === "focusDistanceM");
+  return isByHand && mode !== "manual" ? [...changes, { type: "setFocus", values: { mode } }] : changes;
+}
+
+export function isSameOwner(a: KeyOwner, b: KeyOwner): boolean {
+  if ("setting" in a) return "setting" in b && a.setting === b.setting;
+  return "point" in b && a.point === b.point && a.attribute === b.attribute;
+}
+
+function isSameKey(a: Key, b: Key): boolean {
+  const isSame = a.time === b.time && a.value === b.value && a.interpolation === b.interpolation;
+  return isSame && JSON.stringify(a.tangents ?? null) === JSON.stringify(b.tangents ?? null);
+}
+
+/** A stack at another time, so many time codes later. */
 export function movedStack({ lane, time, keys }: KeyStack, by: number): KeyStack {
   const later = (at: number): number => Number((at + by).toFixed(6));
   const moved = keys.map(({ owner, key }) => ({ owner, key: { ...key, time: later(key.time) } }));
@@ -127,29 +173,32 @@ export function removeStacks(stacks: readonly KeyStack[]): Changes {
   return stacks.flatMap((stack) => stack.keys).map(remove);
 }
 
-/** Sets how values go on from the keys of stacks to the next ones; switches stay as they are. */
-export function interpolateStacks(stacks: readonly KeyStack[], interpolation: Interpolation, mode: FocusMode): Changes {
-  const keys = stacks.flatMap((stack) => stack.keys);
-  const changed = keys.filter((owned) => interpolated(owned, interpolation) !== owned);
-  const changes = changed.map((owned) => setOwned(owned.owner, interpolated(owned, interpolation).key));
-  return keepMode(changes, changed, mode);
+/** How a curve goes through a key: its interpolation, or with level handles. */
+export type KeyShape = Interpolation | "flat";
+
+const LEVEL: Tangents = { inSlope: 0, inWidth: 0, outSlope: 0, outWidth: 0 };
+
+/** A key of another shape; the same one where it has it already, or is a switch's. */
+export function shaped(owned: OwnedKey, shape: KeyShape): OwnedKey {
+  const { owner, key } = owned;
+  const now = shapeOf(key);
+  if (isSwitch(owner) || now === shape || (shape === "bezier" && key.interpolation === "bezier")) return owned;
+  if (shape === "flat") return withTangents(owned, LEVEL);
+  return { owner, key: { time: key.time, value: key.value, interpolation: shape } };
 }
 
-/** A key with another interpolation; the same one where it has it already, or is a switch's. */
-export function interpolated(owned: OwnedKey, interpolation: Interpolation): OwnedKey {
-  const { owner, key } = owned;
-  if (isSwitch(owner) || key.interpolation === interpolation) return owned;
-  return { owner, key: { time: key.time, value: key.value, interpolation } };
+/** A key with handles of its own. */
+export function withTangents({ owner, key: { time, value } }: OwnedKey, tangents: Tangents): OwnedKey {
+  return { owner, key: { time, value, interpolation: "bezier", tangents } };
+}
+
+function shapeOf({ interpolation, tangents }: Key): KeyShape {
+  return interpolation === "bezier" && tangents?.inSlope === 0 && tangents.outSlope === 0 ? "flat" : interpolation;
 }
 
 /** Stacks with a change of each of their keys. */
 export function mapKeys(stacks: readonly KeyStack[], change: (owned: OwnedKey) => OwnedKey): KeyStack[] {
   return stacks.map((stack) => ({ ...stack, keys: stack.keys.map(change) }));
-}
-
-/** Sets the value of one key. */
-export function setKeyValue(owned: OwnedKey, value: number, mode: FocusMode): Changes {
-  return keepMode([setOwned(owned.owner, valued(owned, value).key)], [owned], mode);
 }
 
 /** A key with another value; one far away stands for infinity. */
@@ -167,12 +216,6 @@ function remove({ owner, key: { time } }: OwnedKey): Changes[number] {
   return "setting" in owner
     ? { type: "unkeySetting", setting: owner.setting, time }
     : { type: "unkeyPoint", name: owner.point, attribute: owner.attribute, time };
-}
-
-/** Adds what keeps the focus mode: with a key of its own distance, a camera is focused by hand. */
-function keepMode(changes: Changes, keys: readonly OwnedKey[], mode: FocusMode): Changes {
-  const isByHand = keys.some(({ owner }) => "setting" in owner && owner.setting === "focusDistanceM");
-  return isByHand && mode !== "manual" ? [...changes, { type: "setFocus", values: { mode } }] : changes;
 }
 
 /**
@@ -202,13 +245,13 @@ export function holdShift(range: FrameRange, from: number, by: number): number {
   return Math.min(Math.max(from + by, Math.min(range.start, from)), Math.max(range.end, from)) - from;
 }
 
-/** The interpolation that all keys of stacks have; null where they differ or hold by themselves. */
-export function interpolationOf(stacks: readonly KeyStack[]): Interpolation | null {
+/** The shape that all keys of stacks have; null where they differ or hold by themselves. */
+export function shapeOfAll(stacks: readonly KeyStack[]): KeyShape | null {
   const found = new Set(
     stacks
       .flatMap((stack) => stack.keys)
       .filter(({ owner }) => !isSwitch(owner))
-      .map(({ key }) => key.interpolation),
+      .map(({ key }) => shapeOf(key)),
   );
   const [only = null] = found;
   return found.size === 1 ? only : null;

@@ -39,6 +39,13 @@ export const SHORTCUTS: readonly Shortcut[] = [
     does: "Select one more key, or one fewer; drag beside the keys to select those in a box",
   },
   { keys: "← → on a key", does: "Move the selected keys by a frame; with Shift by ten, with Alt by a tenth" },
+  { keys: "↑ ↓ on a curve's key", does: "Raise or lower the selected keys by a step; with Shift by ten" },
+  { keys: "Drag a curve's key", does: "Move the selected keys in time and value; with Shift along one of both" },
+  {
+    keys: "Drag a handle",
+    does: "Shape the curve; with Alt the handle turns alone. The arrow keys move a focused one",
+  },
+  { keys: "Double click a curve", does: "Add a key there, on the curve" },
   { keys: "Ctrl Z", does: "Undo" },
   { keys: "Ctrl Shift Z", does: "Redo" },
   { keys: "M", does: "Show or hide the points" },

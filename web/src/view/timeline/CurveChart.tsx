@@ -125,7 +125,8 @@ interface PointTracksProps {
   readonly right: number;
 }
 
-function PointTracks({ curve, plot, selected, right }: PointTracksProps): JSX.Element {
+/** The depths of the focus points over time, dotted. */
+export function PointTracks({ curve, plot, selected, right }: PointTracksProps): JSX.Element {
   const tracks = useMemo(
     () =>
       pointNames(curve).map((name) => ({

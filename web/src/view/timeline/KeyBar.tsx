@@ -2,28 +2,28 @@
 
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
-import { interpolationOf, isSwitch, labelOf, type OwnedKey } from "../../model/key_lanes";
-import type { Interpolation } from "../../model/keys";
+import { isSwitch, labelOf, shapeOfAll, type KeyShape, type OwnedKey } from "../../model/key_lanes";
 import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
 import { formatFrame } from "../../model/time";
 import { Edits } from "../controls/Edits";
 import { TypedNumber } from "../controls/TypedNumber";
 import { parseQuantity, trim } from "../numbers";
 
-const INTERPOLATIONS: Readonly<Record<Interpolation, string>> = {
+const SHAPES: Readonly<Record<KeyShape, string>> = {
   held: "Held",
   linear: "Linear",
   auto: "Smooth",
+  flat: "Flat",
   bezier: "Handles",
 };
 
 export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const { keys } = session;
-  const stacks = keys.selectedStacks.value;
+  const stacks = keys.selectedStacks.value.map((stack) => keys.shownAs(stack));
   const owned = stacks.flatMap((stack) => stack.keys);
   const first = stacks.toSorted((a, b) => a.time - b.time)[0];
   const [only] = owned;
-  const interpolation = interpolationOf(stacks);
+  const shape = shapeOfAll(stacks);
   return (
     <div class="key-bar" role="group" aria-label="Selected keys">
       <Edits session={session}>
@@ -34,7 +34,7 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
           <TypedNumber
             kind="frame"
             label="Frame of the keys"
-            value={keys.timeOf(first)}
+            value={first.time}
             format={formatFrame}
             parse={(text) => parseQuantity(text, "")}
             example={formatFrame(session.shot.range.end)}
@@ -48,13 +48,13 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
           <select
             aria-label="Interpolation of the keys"
             title="How the value goes on to the next key"
-            value={interpolation ?? ""}
+            value={shape ?? ""}
             onChange={({ currentTarget }) => {
-              keys.interpolate(currentTarget.value as Interpolation);
+              keys.shape(currentTarget.value as KeyShape);
             }}
           >
-            {interpolation === null && <option value="">Mixed</option>}
-            {Object.entries(INTERPOLATIONS).map(([name, label]) => (
+            {shape === null && <option value="">Mixed</option>}
+            {Object.entries(SHAPES).map(([name, label]) => (
               <option key={name} value={name}>
                 {label}
               </option>

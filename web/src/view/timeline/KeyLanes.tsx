@@ -4,17 +4,13 @@
  */
 
 import type { JSX } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import type { Session } from "../../editor/session";
-import type { KeyDrag, KeyShift } from "../../editor/key_editing";
 import { labelOf, stackId, type KeyLane, type KeyStack } from "../../model/key_lanes";
 import { formatFrame, sameTime } from "../../model/time";
 import { followPointer } from "../hooks";
+import { SNAP_PX, useKeyGestures } from "./key_gestures";
 import type { TimeAxis } from "./time_axis";
-
-/** How far a pointer goes before it drags, and how near a key snaps to something. */
-const SLACK_PX = 3;
-const SNAP_PX = 6;
 
 interface Box {
   readonly left: number;
@@ -142,18 +138,26 @@ interface StackKeyProps {
 
 function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.Element {
   const { keys, playhead } = session;
-  const held = useRef<HeldKey | null>(null);
-  const giveUp = useRef<(() => void) | null>(null);
-  useEffect(
-    () => () => {
-      giveUp.current?.();
-      held.current?.drag.cancel();
+  const button = useRef<HTMLButtonElement>(null);
+  const gestures = useKeyGestures(session, {
+    stack,
+    isRaised: false,
+    dragged: ({ right, isFree }) => ({ by: right / axis.perFrame, reach: isFree ? null : SNAP_PX / axis.perFrame }),
+    nudged: ({ right }) => ({ by: right, reach: null }),
+    click: () => {
+      keys.select([stack]);
+      playhead.goTo(stack.time);
     },
-    [],
-  );
+    arrived: (at) => {
+      // Unless something else has been taken up meanwhile.
+      const isOnKey = document.activeElement?.matches("[data-stack]") ?? false;
+      if (isOnKey || document.activeElement === document.body)
+        focusOn(button.current?.closest(".lanes") ?? null, stackId(lane.id, at));
+    },
+  });
   const isSelected = keys.selected.value.has(stack.id);
-  const time = keys.timeOf(stack);
-  const says = stack.keys
+  const { time, keys: shown } = keys.shownAs(stack);
+  const says = shown
     .map(({ owner, key }) => `${labelOf(owner)} ${Number(key.value.toFixed(2)).toString()}, ${key.interpolation}`)
     .join("; ");
   const isZero = stack.keys.every(({ key }) => key.value === 0);
@@ -170,122 +174,20 @@ function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.E
       aria-pressed={isSelected}
       aria-label={`At frame ${formatFrame(time)}, ${lane.label}: ${says}`}
       title={`${formatFrame(time)}: ${says}`}
-      onPointerDown={(event) => {
-        if (event.button === 0) giveUp.current = dragKey(session, axis, stack, event);
-      }}
+      ref={button}
+      onPointerDown={gestures.onPointerDown}
       onKeyDown={(event) => {
-        if (moveByKey(session, stack, event, held) || goToNext(session, lane, stack, event)) event.preventDefault();
+        if (gestures.onKeyDown(event) || goToNext(session, lane, stack, event)) event.preventDefault();
       }}
-      onKeyUp={(event) => {
-        if (!ARROWS.has(event.key)) return;
-        const list = event.currentTarget.closest(".lanes");
-        void letGo(held).then((at) => {
-          if (at === null) return;
-          requestAnimationFrame(() => {
-            // Unless something else has been taken up meanwhile.
-            const isOnKey = document.activeElement?.matches("[data-stack]") ?? false;
-            if (isOnKey || document.activeElement === document.body) focusOn(list, stackId(lane.id, at));
-          });
-        });
-      }}
-      onBlur={() => void letGo(held)}
+      onKeyUp={gestures.onKeyUp}
+      onBlur={gestures.onBlur}
       onClick={(event) => {
-        if (event.detail > 0) return; // a pointer's, which `dragKey` sees
+        if (event.detail > 0) return; // a pointer's, which `useKeyGestures` sees
         keys.select([stack], event.shiftKey);
         if (!event.shiftKey) playhead.goTo(stack.time);
       }}
     />
   );
-}
-
-/** Selects a key, and moves the selected ones with the pointer; a click goes there. Returns what gives the move up. */
-function dragKey(session: Session, axis: TimeAxis, stack: KeyStack, down: PointerEvent): (() => void) | null {
-  const { keys, playhead } = session;
-  // What is typed elsewhere is entered first: it is for the keys that are selected until now.
-  (down.currentTarget as HTMLElement).focus();
-  if (down.shiftKey) {
-    keys.select([stack], true);
-    return null;
-  }
-  if (!keys.selected.value.has(stack.id)) keys.select([stack]);
-  const perFrame = (axis.right - axis.left) / Math.max(1, axis.range.end - axis.range.start);
-  const shift = (event: PointerEvent): KeyShift => ({
-    by: (event.clientX - down.clientX) / perFrame,
-    reach: event.altKey ? null : SNAP_PX / perFrame,
-  });
-  let drag: KeyDrag | null = null;
-  const listening = new AbortController();
-  const stop = followPointer(
-    down,
-    (event) => {
-      if (!drag && (keys.noEdits !== null || Math.abs(event.clientX - down.clientX) < SLACK_PX)) return;
-      drag ??= keys.drag(stack);
-      drag.move(shift(event));
-    },
-    (event) => {
-      listening.abort();
-      if (event.type !== "pointerup") drag?.cancel();
-      else if (drag) void drag.commit(shift(event));
-      else {
-        keys.select([stack]);
-        playhead.goTo(stack.time);
-      }
-    },
-  );
-  const giveUp = (): void => {
-    if (listening.signal.aborted) return;
-    listening.abort();
-    stop();
-    drag?.cancel();
-  };
-  addEventListener(
-    "keydown",
-    (event) => {
-      if (event.key !== "Escape") return;
-      event.preventDefault();
-      event.stopPropagation();
-      giveUp();
-    },
-    { capture: true, signal: listening.signal },
-  );
-  return giveUp;
-}
-
-const ARROWS: ReadonlySet<string> = new Set(["ArrowLeft", "ArrowRight"]);
-
-/** An arrow key that is down: what it moves, and how far it has. */
-interface HeldKey {
-  readonly drag: KeyDrag;
-  readonly by: number;
-}
-
-/** Moves the selected keys by an arrow key, for as long as it is down; Escape puts them back. */
-function moveByKey(
-  session: Session,
-  stack: KeyStack,
-  event: KeyboardEvent,
-  held: { current: HeldKey | null },
-): boolean {
-  const { keys } = session;
-  if (event.key === "Escape" && held.current) {
-    held.current.drag.cancel();
-    held.current = null;
-    return true;
-  }
-  if (!ARROWS.has(event.key) || keys.noEdits !== null) return false;
-  if (!keys.selected.value.has(stack.id)) keys.select([stack]);
-  const step = event.altKey ? 0.1 : event.shiftKey ? 10 : 1;
-  const { drag, by } = held.current ?? { drag: keys.drag(stack), by: 0 };
-  held.current = { drag, by: by + (event.key === "ArrowRight" ? step : -step) };
-  drag.move({ by: held.current.by, reach: null });
-  return true;
-}
-
-/** Ends the move of an arrow key; resolves to where the key is then. */
-async function letGo(held: { current: HeldKey | null }): Promise<number | null> {
-  const last = held.current;
-  held.current = null;
-  return last ? last.drag.commit({ by: last.by, reach: null }) : null;
 }
 
 /** Goes to the key before or after in the lane by `,` or `.`. */

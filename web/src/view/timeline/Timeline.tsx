@@ -5,12 +5,14 @@ import { useMemo, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import type { LengthUnit } from "../../model/distance";
+import { curvesOf, type ValueCurve } from "../../model/value_curves";
 import { CurveChart } from "./CurveChart";
 import { followPointer, useSize } from "../hooks";
 import { KeyLanes } from "./KeyLanes";
 import { Scrubber } from "./Scrubber";
 import { timeAxis, type TimeAxis } from "./time_axis";
 import { Transport } from "./Transport";
+import { ValueGraph } from "./ValueGraph";
 
 export function Timeline({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
@@ -48,7 +50,7 @@ function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.
         {width > 0 && (
           <>
             <Scrubber session={session} axis={axis} onScrub={scrub} />
-            <CurveChart session={session} axis={axis} unit={unit} onScrub={scrub} />
+            <Chart session={session} axis={axis} unit={unit} onScrub={scrub} />
             <KeyLanes session={session} axis={axis} />
             <Playhead session={session} axis={axis} />
           </>
@@ -56,6 +58,26 @@ function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.
       </div>
     </>
   );
+}
+
+interface ChartProps {
+  readonly session: Session;
+  readonly axis: TimeAxis;
+  readonly unit: LengthUnit;
+  readonly onScrub: (down: PointerEvent) => void;
+}
+
+/** The focus curve, or the curve of a value that has keys, as is chosen. */
+function Chart(props: ChartProps): JSX.Element {
+  const { keys } = props.session;
+  const saved = curvesOf(keys.lanes.value);
+  const isShown = ({ id }: ValueCurve): boolean => id === keys.graphed.value;
+  const [chosen, shown] = [
+    saved.find(isShown),
+    curvesOf(keys.lanes.value, (stack) => keys.shownAs(stack)).find(isShown),
+  ];
+  if (!chosen || !shown) return <CurveChart {...props} />;
+  return <ValueGraph key={chosen.id} {...props} curve={shown} saved={chosen} />;
 }
 
 function Playhead({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {

@@ -5,6 +5,7 @@ import type { Playhead } from "../../editor/playhead";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { formatFrame } from "../../model/time";
+import { curvesOf } from "../../model/value_curves";
 import { TypedNumber } from "../controls/TypedNumber";
 import { Icon, type IconName } from "../icons";
 import { parseQuantity } from "../numbers";
@@ -63,6 +64,7 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
         of {formatFrame(range.start)}–{formatFrame(range.end)} · {seconds.toFixed(2)} s ·{" "}
         {Number(range.framesPerSecond.toFixed(3))} fps
       </span>
+      <CurveChoice session={session} />
       <div class="spacer" />
       {session.keys.selectedStacks.value.length > 0 ? (
         <KeyBar session={session} unit={unit} />
@@ -86,6 +88,31 @@ function FrameNumber({ playhead }: { playhead: Playhead }): JSX.Element {
         playhead.goTo(typed);
       }}
     />
+  );
+}
+
+/** Which curve is drawn: where the focus is, or a value that has keys. */
+function CurveChoice({ session }: { session: Session }): JSX.Element | null {
+  const { keys } = session;
+  const curves = curvesOf(keys.lanes.value);
+  if (curves.length === 0) return null;
+  return (
+    <select
+      class="curve-choice"
+      aria-label="Curve"
+      title="The curve that is drawn below"
+      value={curves.some(({ id }) => id === keys.graphed.value) ? (keys.graphed.value ?? "") : ""}
+      onChange={({ currentTarget }) => {
+        keys.graphed.value = currentTarget.value || null;
+      }}
+    >
+      <option value="">Focus curve</option>
+      {curves.map(({ id, label }) => (
+        <option key={id} value={id}>
+          {label}
+        </option>
+      ))}
+    </select>
   );
 }
 

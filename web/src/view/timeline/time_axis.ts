@@ -8,6 +8,8 @@ export interface TimeAxis {
   readonly left: number;
   readonly right: number;
   readonly width: number;
+  /** px from a frame to the next. */
+  readonly perFrame: number;
   readonly x: (time: number) => number;
   readonly time: (x: number) => number;
 }
@@ -22,6 +24,7 @@ export function timeAxis(range: FrameRange, width: number): TimeAxis {
     left,
     right,
     width,
+    perFrame: (right - left) / Math.max(1, range.end - range.start),
     x: (time) => left + fractionOf(range, time) * (right - left),
     time: (x) => frameAtFraction(range, Math.min(Math.max((x - left) / (right - left), 0), 1)),
   };

@@ -1,0 +1,254 @@
+/** Keyed values as curves: which there are, the axis that each is drawn on, and what a drag of a key or a handle makes of it. */
+
+import { axisFraction, distanceAxis, formatMark, inverse, type LengthUnit } from "./distance";
+import {
+  isSameOwner,
+  isSwitch,
+  labelOf,
+  sliderOf,
+  valued,
+  withTangents,
+  type KeyLane,
+  type KeyOwner,
+  type KeyStack,
+  type OwnedKey,
+} from "./key_lanes";
+import type { Key } from "./keys";
+import { tangentsAt, type Place, type Side } from "./spline";
+import { sameTime } from "./time";
+
+/** A key of a curve, and the stack of its lane that it is moved with. */
+export interface CurveKey {
+  readonly stack: KeyStack;
+  /** Its number among the keys of the curve as the service has them. */
+  readonly place: number;
+  /** As it is shown. */
+  readonly owned: OwnedKey;
+}
+
+export interface ValueCurve {
+  readonly id: string;
+  readonly label: string;
+  readonly owner: KeyOwner;
+  /** In the order of the time at which they are shown. */
+  readonly keys: readonly CurveKey[];
+}
+
+/**
+ * The curves of lanes, in their order; switches have none.
+ *
+ * @param shownAs a stack as it is shown; by default as it is.
+ */
+export function curvesOf(
+  lanes: readonly KeyLane[],
+  shownAs: (stack: KeyStack) => KeyStack = (stack) => stack,
+): ValueCurve[] {
+  return lanes.flatMap((lane) => {
+    const shown = lane.stacks.map((stack) => ({ stack, keys: shownAs(stack).keys }));
+    const owners = new Map(lane.stacks.flatMap(({ keys }) => keys.map(({ owner }) => [nameOf(owner), owner] as const)));
+    return [...owners]
+      .filter(([, owner]) => !isSwitch(owner))
+      .map(([name, owner]): ValueCurve => {
+        const label = lane.point === null ? lane.label : `${lane.label}: ${labelOf(owner)}`;
+        const keys = shown
+          .flatMap(({ stack, keys }) =>
+            keys.filter((owned) => nameOf(owned.owner) === name).map((owned) => ({ stack, owned })),
+          )
+          .map((key, place): CurveKey => ({ ...key, place }));
+        return { id: `${lane.id} ${name}`, label, owner, keys: withoutReplaced(keys) };
+      });
+  });
+}
+
+function nameOf(owner: KeyOwner): string {
+  return "setting" in owner ? owner.setting : owner.attribute;
+}
+
+/** Keys in the order of time, without those that a moved one stands in the place of. */
+function withoutReplaced(keys: readonly CurveKey[]): CurveKey[] {
+  const isMoved = ({ stack, owned }: CurveKey): boolean => owned.key.time !== stack.time;
+  return keys
+    .filter(
+      (one) =>
+        isMoved(one) ||
+        !keys.some((other) => other !== one && isMoved(other) && sameTime(other.owned.key.time, one.stack.time)),
+    )
+    .toSorted((a, b) => a.owned.key.time - b.owned.key.time);
+}
+
+/** The keys of a curve as a spline has them. */
+export function keysOfCurve(curve: ValueCurve): Key[] {
+  return curve.keys.map(({ owned }) => owned.key);
+}
+
+/** A vertical axis: linear, logarithmic for what is counted in stops, reciprocal for distances. */
+export interface ValueAxis {
+  /** Where a value stands: 0 at the foot, 1 at the top. */
+  readonly fraction: (value: number) => number;
+  /** The value at a fraction. */
+  readonly value: (fraction: number) => number;
+  /** Values to label. */
+  readonly ticks: readonly { readonly value: number; readonly label: string }[];
+}
+
+const AIR = 0.12;
+const THIRDS = Array.from({ length: 40 }, (_, third) => 2 ** (third / 6 - 1));
+
+/**
+ * An axis that holds all keys of a curve and the ends of their handles, with some air around them.
+ *
+ * @param curve as the service has it, so that the axis stays as it is while keys are dragged.
+ * @param more values that it holds too.
+ * @param mostTicks labels that there is room for.
+ */
+export function valueAxis(curve: ValueCurve, more: readonly number[], unit: LengthUnit, mostTicks: number): ValueAxis {
+  const slider = sliderOf(curve.owner);
+  const isShare = slider?.scale === "linear" && slider.most - slider.least <= 1;
+  const values = [
+    ...curve.keys.map(({ owned }) => owned.key.value),
+    ...more,
+    ...(isShare ? [slider.least, slider.most] : []),
+  ];
+  if (slider?.scale === "ring") {
+    const axis = distanceAxis(
+      values.map((value) => (value === 0 ? Infinity : value)),
+      unit,
+      mostTicks,
+    );
+    const span = axis.nearW - axis.farW;
+    return {
+      fraction: (value) => axisFraction(axis, value === 0 ? Infinity : Math.max(value, NEAREST_M)),
+      value: (fraction) => {
+        const w = axis.nearW - fraction * span;
+        return w <= inverse(FARTHEST_M) ? FARTHEST_M : 1 / w;
+      },
+      ticks: axis.ticks.map((tick) => ({ value: tick, label: formatMark(tick, unit) })),
+    };
+  }
+  const isLog = slider !== null && slider.scale !== "linear" && values.every((value) => value > 0);
+  const [to, from] = isLog ? [Math.log2, (x: number): number => 2 ** x] : [same, same];
+  const [low, high] = [Math.min(...values.map(to)), Math.max(...values.map(to))];
+  const least = isLog ? 0.5 : slider ? (slider.most - slider.least) / 10 : Math.max(Math.abs(high) / 10, 1e-3);
+  const span = Math.max(high - low, least) * (1 + 2 * AIR);
+  const foot = (low + high - span) / 2;
+  const ticks = isLog ? stopTicks(from(foot), from(foot + span), mostTicks) : linearTicks(foot, foot + span, mostTicks);
+  return {
+    fraction: (value) => (to(isLog ? Math.max(value, 1e-9) : value) - foot) / span,
+    value: (fraction) => from(foot + fraction * span),
+    ticks: ticks.map((value) => ({ value, label: Number(value.toPrecision(3)).toString() })),
+  };
+}
+
+const [NEAREST_M, FARTHEST_M] = [0.01, 1000];
+
+function same(value: number): number {
+  return value;
+}
+
+/** Round values at a step of 1, 2 or 5. */
+function linearTicks(low: number, high: number, most: number): number[] {
+  const rough = (high - low) / Math.max(1, most);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = ([1, 2, 5, 10].find((times) => times * power >= rough) ?? 10) * power;
+  const count = Math.floor(high / step) - Math.ceil(low / step) + 1;
+  return Array.from({ length: Math.max(0, count) }, (_, place) =>
+    Number(((Math.ceil(low / step) + place) * step).toPrecision(9)),
+  );
+}
+
+/** Full stops, halves of a stop apart where there is room, as f-numbers and focal lengths are marked. */
+function stopTicks(low: number, high: number, most: number): number[] {
+  const [first, last] = [Math.log2(low), Math.log2(high)];
+  const step = [1 / 6, 0.5, 1, 2, 4].find((stops) => (last - first) / stops <= most) ?? 8;
+  const from = Math.ceil(first / step);
+  return Array.from(
+    { length: Math.max(0, Math.floor(last / step) - from + 1) },
+    (_, place) => 2 ** ((from + place) * step),
+  );
+}
+
+/** Values that a dragged key snaps to: the marks of the axis, third stops of an f-number, and what else is given. */
+export function snapTargets(curve: ValueCurve, axis: ValueAxis, more: readonly number[]): number[] {
+  const isStop = "setting" in curve.owner && /FStop$|^fStop$/.test(curve.owner.setting);
+  return [...axis.ticks.map(({ value }) => value), ...(isStop ? THIRDS : []), ...more];
+}
+
+/**
+ * A key that is dragged up or down an axis.
+ *
+ * @param by fraction of the axis.
+ * @param targets values to snap to.
+ * @param reach how near one must be, as a fraction of the axis; null does not snap.
+ */
+export function raisedValue(
+  axis: ValueAxis,
+  value: number,
+  by: number,
+  targets: readonly number[],
+  reach: number | null,
+): number {
+  if (by === 0) return value;
+  const wanted = axis.fraction(value) + by;
+  const near = targets
+    .map((target) => ({ target, off: Math.abs(axis.fraction(target) - wanted) }))
+    .filter(({ off }) => reach !== null && off <= reach)
+    .toSorted((a, b) => a.off - b.off);
+  return near[0]?.target ?? Number(axis.value(wanted).toPrecision(5));
+}
+
+/** A value held within what its slider has, unless it was beyond that already. */
+export function heldValue(owner: KeyOwner, before: number, value: number): number {
+  const slider = sliderOf(owner);
+  if (!slider) return value;
+  return Math.min(Math.max(value, Math.min(slider.least, before)), Math.max(slider.most, before));
+}
+
+/** Keys of a curve that are raised, and others as they are; for `KeyShift`. */
+export function raise(curve: ValueCurve, change: (value: number) => number): (owned: OwnedKey) => OwnedKey {
+  return (owned) =>
+    isSameOwner(curve.owner, owned.owner)
+      ? valued(owned, heldValue(curve.owner, owned.key.value, change(owned.key.value)))
+      : owned;
+}
+
+/** Shortest handle, time codes: one of no width is as long as a third of the segment. */
+const SHORTEST = 0.05;
+
+/**
+ * A key one of whose handles ends elsewhere. It stays on its side and within the segment. The other handle keeps its length, and
+ * its slope follows unless it has had another one.
+ *
+ * @param index of the key in the curve.
+ * @param isBroken whether the other handle keeps its slope.
+ */
+export function withHandle(
+  curve: ValueCurve,
+  index: number,
+  side: Side,
+  end: Place,
+  isBroken: boolean,
+): OwnedKey | null {
+  const keys = keysOfCurve(curve);
+  const [at, other] = [curve.keys[index], keys[side === "in" ? index - 1 : index + 1]];
+  if (!at || !other) return null;
+  const { key } = at.owned;
+  const longest = Math.abs(other.time - key.time);
+  const away = side === "in" ? key.time - end.time : end.time - key.time;
+  const width = Math.min(Math.max(away, SHORTEST), longest);
+  const rise = side === "in" ? key.value - end.value : end.value - key.value;
+  const before = tangentsAt(keys, index);
+  const joined = !isBroken && Math.abs(before.inSlope - before.outSlope) < 1e-9;
+  const slope = Number((rise / width).toPrecision(6));
+  const [own, opposite] = [Number(width.toFixed(3)), joined ? slope : null];
+  return withTangents(
+    at.owned,
+    side === "in"
+      ? { ...before, inSlope: slope, inWidth: own, outSlope: opposite ?? before.outSlope }
+      : { ...before, outSlope: slope, outWidth: own, inSlope: opposite ?? before.inSlope },
+  );
+}
+
+/** Puts a key in place of the same one; for `KeyShift`. */
+export function exchange(curve: ValueCurve, changed: OwnedKey): (owned: OwnedKey) => OwnedKey {
+  return (owned) => (isSameOwner(curve.owner, owned.owner) && owned.key.time === changed.key.time ? changed : owned);
+}

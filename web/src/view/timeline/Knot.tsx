@@ -1,0 +1,199 @@
+/** A key on its curve, with the handles that it has while it is selected. */
+
+import type { JSX, RefObject } from "preact";
+import { useRef } from "preact/hooks";
+import type { KeyShift } from "../../editor/key_editing";
+import type { Session } from "../../editor/session";
+import { sampleAt } from "../../model/curve";
+import { formatDistance, type LengthUnit } from "../../model/distance";
+import { sliderOf, stackId, type KeyOwner } from "../../model/key_lanes";
+import { scaleOf } from "../../model/scale";
+import { handleAt, tangentsAt, type Place, type Side } from "../../model/spline";
+import { formatFrame } from "../../model/time";
+import {
+  exchange,
+  keysOfCurve,
+  raise,
+  raisedValue,
+  snapTargets,
+  withHandle,
+  type CurveKey,
+  type ValueCurve,
+} from "../../model/value_curves";
+import { trim } from "../numbers";
+import { SNAP_PX, useKeyGestures, type Way } from "./key_gestures";
+import { isDistance, SIDES, type Plot } from "./value_plot";
+
+interface KnotProps {
+  readonly session: Session;
+  readonly plot: Plot;
+  readonly curve: ValueCurve;
+  readonly index: number;
+}
+
+/** Gestures on the key of a curve. */
+function useKnotGestures(
+  session: Session,
+  plot: Plot,
+  curve: ValueCurve,
+  entry: CurveKey,
+  button: RefObject<HTMLButtonElement | null>,
+): ReturnType<typeof useKeyGestures> {
+  const { keys, playhead } = session;
+  const { stack } = entry;
+  return useKeyGestures(session, {
+    stack,
+    isRaised: true,
+    dragged: (way) => dragged(session, plot, curve, entry, way),
+    nudged: ({ right, down }) => ({
+      by: right,
+      reach: null,
+      reshape: raise(curve, (value) => stepped(curve.owner, value, -down)),
+    }),
+    click: () => {
+      keys.select([stack]);
+      playhead.goTo(stack.time);
+    },
+    arrived: (at) => {
+      const isOnKnot = document.activeElement?.matches("[data-knot]") ?? false;
+      if (isOnKnot || document.activeElement === document.body)
+        button.current
+          ?.closest(".graph")
+          ?.querySelector<HTMLElement>(`[data-knot="${CSS.escape(stackId(stack.lane, at))}"]`)
+          ?.focus();
+    },
+  });
+}
+
+export function Knot({
+  session,
+  plot,
+  curve,
+  index,
+  entry,
+  unit,
+}: KnotProps & { entry: CurveKey; unit: LengthUnit }): JSX.Element {
+  const { keys, playhead } = session;
+  const {
+    stack,
+    owned: { key },
+  } = entry;
+  const button = useRef<HTMLButtonElement>(null);
+  const isSelected = keys.selected.value.has(stack.id);
+  const gestures = useKnotGestures(session, plot, curve, entry, button);
+  const says = `${inWords(curve.owner, key.value, unit)}, ${key.interpolation}`;
+  return (
+    <>
+      <button
+        type="button"
+        ref={button}
+        data-knot={stack.id}
+        class={isSelected ? "knot selected" : "knot"}
+        style={{ left: `${plot.x(key.time)}px`, top: `${plot.y(key.value)}px` }}
+        aria-pressed={isSelected}
+        aria-label={`${curve.label} at frame ${formatFrame(key.time)}: ${says}`}
+        title={`${formatFrame(key.time)}: ${says}`}
+        onPointerDown={(event) => {
+          event.stopPropagation();
+          gestures.onPointerDown(event);
+        }}
+        onKeyDown={(event) => {
+          if (gestures.onKeyDown(event)) event.preventDefault();
+        }}
+        onKeyUp={gestures.onKeyUp}
+        onBlur={gestures.onBlur}
+        onClick={(event) => {
+          if (event.detail > 0) return; // a pointer's, which `useKeyGestures` sees
+          keys.select([stack], event.shiftKey);
+          if (!event.shiftKey) playhead.goTo(stack.time);
+        }}
+      />
+      {isSelected &&
+        SIDES.map((side) => (
+          <Handle key={side} session={session} plot={plot} curve={curve} index={index} side={side} />
+        ))}
+    </>
+  );
+}
+
+/** The end of a handle; none where the curve beside the key is not curved. */
+function Handle({ session, plot, curve, index, side }: KnotProps & { side: Side }): JSX.Element | null {
+  const entry = curve.keys[index];
+  const end = handleAt(keysOfCurve(curve), index, side);
+  const moved = (to: Place, isBroken: boolean): KeyShift => {
+    const changed = withHandle(curve, index, side, to, isBroken);
+    return { by: 0, reach: null, ...(changed && { reshape: exchange(curve, changed) }) };
+  };
+  const gestures = useKeyGestures(session, {
+    stack: entry?.stack ?? { id: "", lane: "", time: 0, keys: [] },
+    isRaised: true,
+    dragged: ({ right, down, isFree }) =>
+      moved(
+        {
+          time: (end?.time ?? 0) + right / plot.time.perFrame,
+          value: plot.axis.value(plot.axis.fraction(end?.value ?? 0) - down / plot.height),
+        },
+        isFree,
+      ),
+    nudged: ({ right, down }) =>
+      moved({ time: (end?.time ?? 0) + right, value: stepped(curve.owner, end?.value ?? 0, -down) }, false),
+    click: () => undefined,
+    arrived: () => undefined,
+  });
+  if (!entry || !end) return null;
+  const { key } = entry.owned;
+  const { [side === "in" ? "inSlope" : "outSlope"]: slope } = tangentsAt(keysOfCurve(curve), index);
+  const name = side === "in" ? "before" : "after";
+  const length = formatFrame(Math.abs(end.time - key.time));
+  return (
+    <button
+      type="button"
+      class="handle"
+      data-handle={side}
+      style={{ left: `${plot.x(end.time)}px`, top: `${plot.y(end.value)}px` }}
+      aria-label={`Handle ${name} frame ${formatFrame(key.time)}: slope ${trim(slope, 4)} a frame, ${length} frames long`}
+      title={`Slope ${trim(slope, 4)} a frame, ${length} frames long; Alt moves this handle alone`}
+      onPointerDown={(event) => {
+        event.stopPropagation();
+        gestures.onPointerDown(event);
+      }}
+      onKeyDown={(event) => {
+        if (gestures.onKeyDown(event)) event.preventDefault();
+      }}
+      onKeyUp={gestures.onKeyUp}
+      onBlur={gestures.onBlur}
+    />
+  );
+}
+
+/** What a pointer makes of the selected keys: the one under it snaps, and those of the same curve go up and down with it. */
+function dragged(session: Session, plot: Plot, curve: ValueCurve, { owned }: CurveKey, way: Way): KeyShift {
+  const isAcross = Math.abs(way.right) >= Math.abs(way.down);
+  const [right, down] = way.isStraight ? (isAcross ? [way.right, 0] : [0, way.down]) : [way.right, way.down];
+  const { axis, height } = plot;
+  const { key } = owned;
+  const by = right / plot.time.perFrame;
+  const depths = isDistance(curve.owner) ? depthsAt(session, key.time + by) : [];
+  const reach = way.isFree ? null : SNAP_PX / height;
+  const value = raisedValue(axis, key.value, -down / height, snapTargets(curve, axis, depths), reach);
+  const up = axis.fraction(value) - axis.fraction(key.value);
+  const change = (other: number): number => (other === key.value ? value : raisedValue(axis, other, up, [], null));
+  return { by, reach: way.isFree ? null : SNAP_PX / plot.time.perFrame, reshape: raise(curve, change) };
+}
+
+/** Depths of the focus points, m. */
+function depthsAt(session: Session, time: number): number[] {
+  const sample = sampleAt(session.document.curve.peek(), time);
+  return (sample?.points ?? []).flatMap(({ depthM }) => (depthM !== null && depthM > 0 ? [depthM] : []));
+}
+
+/** A value so many steps of its slider away. */
+function stepped(owner: KeyOwner, value: number, count: number): number {
+  if (count === 0) return value;
+  const slider = sliderOf(owner);
+  return slider ? scaleOf(slider).step(value, count) : value + count * 0.01 * Math.max(1, Math.abs(value));
+}
+
+function inWords(owner: KeyOwner, value: number, unit: LengthUnit): string {
+  return isDistance(owner) ? formatDistance(value, unit) : trim(value, 3);
+}

@@ -1,0 +1,140 @@
+/**
+ * The curve of one keyed value. A drag moves the selected keys in time and value, and the ends of handles; a double click on the
+ * curve adds a key.
+ */
+
+import type { JSX } from "preact";
+import { useMemo, useRef } from "preact/hooks";
+import type { Session } from "../../editor/session";
+import type { LengthUnit } from "../../model/distance";
+import { sliderOf } from "../../model/key_lanes";
+import { curveOf, handleAt, valueAt, type Place } from "../../model/spline";
+import { keysOfCurve, valueAxis, type ValueCurve } from "../../model/value_curves";
+import { useSize } from "../hooks";
+import { PointTracks } from "./CurveChart";
+import { Knot } from "./Knot";
+import type { TimeAxis } from "./time_axis";
+import { isDistance, SIDES, type Plot } from "./value_plot";
+
+interface ValueGraphProps {
+  readonly session: Session;
+  readonly axis: TimeAxis;
+  readonly unit: LengthUnit;
+  /** As it is shown, and as the service has it. */
+  readonly curve: ValueCurve;
+  readonly saved: ValueCurve;
+  readonly onScrub: (down: PointerEvent) => void;
+}
+
+const STEPS = 24;
+const ROW_PX = 26;
+
+export function ValueGraph({ session, axis, unit, curve, saved, onScrub }: ValueGraphProps): JSX.Element {
+  const box = useRef<HTMLDivElement>(null);
+  const { height } = useSize(box);
+  const plot = useMemo<Plot>(() => {
+    const keys = keysOfCurve(saved);
+    const ends = keys.flatMap((_, index) => [handleAt(keys, index, "in"), handleAt(keys, index, "out")]);
+    const more = ends.flatMap((end) =>
+      end && (sliderOf(saved.owner)?.scale === "linear" || end.value > 0) ? [end.value] : [],
+    );
+    const values = valueAxis(saved, more, unit, Math.max(2, Math.floor(height / ROW_PX)));
+    const held = (fraction: number): number => Math.min(Math.max(fraction, -1), 2);
+    return { time: axis, axis: values, height, x: axis.x, y: (value) => (1 - held(values.fraction(value))) * height };
+  }, [saved, unit, height, axis]);
+  const keys = keysOfCurve(curve);
+  const selected = session.keys.selected.value;
+  return (
+    <div
+      class="chart graph"
+      role="group"
+      aria-label={`Curve of ${curve.label}`}
+      ref={box}
+      onPointerDown={onScrub}
+      onDblClick={(event) => {
+        addKey(session, plot, curve, event);
+      }}
+    >
+      {height > 0 && (
+        <>
+          <svg width={axis.width} height={height} aria-hidden="true">
+            <clipPath id="graph-clip">
+              <rect x={axis.left} y={-8} width={axis.right - axis.left} height={height + 16} />
+            </clipPath>
+            <Marks plot={plot} />
+            <g clip-path="url(#graph-clip)">
+              {isDistance(curve.owner) && (
+                <PointTracks
+                  curve={session.document.curve.value}
+                  plot={plot}
+                  selected={session.selected.value}
+                  right={axis.right}
+                />
+              )}
+              <path class="value-line" d={lineOf(keys.length > 0 ? curveOf(keys, STEPS) : [], plot)} />
+              {curve.keys.map(
+                ({ stack }, index) =>
+                  selected.has(stack.id) && <Arms key={index} plot={plot} curve={curve} index={index} />,
+              )}
+            </g>
+          </svg>
+          {curve.keys.map((entry, index) => (
+            <Knot
+              key={entry.place}
+              session={session}
+              plot={plot}
+              curve={curve}
+              index={index}
+              entry={entry}
+              unit={unit}
+            />
+          ))}
+        </>
+      )}
+    </div>
+  );
+}
+
+function Marks({ plot }: { plot: Plot }): JSX.Element {
+  return (
+    <g class="grid">
+      {plot.axis.ticks.map(({ value, label }) => (
+        <g key={value} transform={`translate(0 ${plot.y(value).toFixed(1)})`}>
+          <line x1={plot.time.left} x2={plot.time.right} />
+          <text x={plot.time.left - 10} y={4} text-anchor="end">
+            {label}
+          </text>
+        </g>
+      ))}
+    </g>
+  );
+}
+
+/** The curve, level before its first key and after its last. */
+function lineOf(places: readonly Place[], plot: Plot): string {
+  const [first, last] = [places[0], places.at(-1)];
+  if (!first || !last) return "";
+  const at = ({ time, value }: Place): string => `${plot.x(time).toFixed(1)} ${plot.y(value).toFixed(1)}`;
+  return `M${plot.time.left} ${plot.y(first.value).toFixed(1)}L${places.map(at).join("L")}H${plot.time.right}`;
+}
+
+/** Lines from a key to the ends of its handles. */
+function Arms({ plot, curve, index }: { plot: Plot; curve: ValueCurve; index: number }): JSX.Element {
+  const keys = keysOfCurve(curve);
+  const [key, ends] = [keys[index], SIDES.map((side) => handleAt(keys, index, side))];
+  const lines = ends.flatMap((end) =>
+    key && end ? [`M${plot.x(key.time)} ${plot.y(key.value)}L${plot.x(end.time)} ${plot.y(end.value)}`] : [],
+  );
+  return <path class="arms" d={lines.join("")} />;
+}
+
+/** Adds a key to a curve at the frame of a double click, with the value that the curve has there. */
+function addKey(session: Session, plot: Plot, curve: ValueCurve, event: MouseEvent): void {
+  const keys = keysOfCurve(curve);
+  const left = (event.currentTarget as HTMLElement).getBoundingClientRect().left;
+  const time = plot.time.time(event.clientX - left);
+  const value = valueAt(keys, time);
+  if (value === null || event.target instanceof HTMLButtonElement) return;
+  const before = keys.findLast((key) => key.time < time) ?? keys[0];
+  void session.keys.add(curve.owner, { time, value, interpolation: before?.interpolation ?? "auto" });
+}

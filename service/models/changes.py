@@ -208,6 +208,22 @@ class SetSettingTangents(Model):
     tangents: TangentsEdit
 
 
+class SimplifySetting(Model):
+    """Replace the keys of a camera's setting, such as those of an imported curve, by few that make nearly the same curve."""
+
+    model_config = shown_as({"type": "simplifySetting", "setting": "focusDistanceM", "tolerance": 0.02})
+
+    type: Literal["simplifySetting"] = "simplifySetting"
+    setting: KeyedSetting
+    tolerance: float = Field(
+        default=0.02,
+        gt=0,
+        lt=1,
+        description="How far the curve may be off: a share of the value for distances, f-numbers and the like, else of the span "
+        "of the values.",
+    )
+
+
 class MeteredStops(Model):
     """Reading of a light meter at one frame."""
 
@@ -283,6 +299,7 @@ Change = Annotated[
     | KeySetting
     | UnkeySetting
     | SetSettingTangents
+    | SimplifySetting
     | KeyExposure
     | MakeRack
     | ImportCurve

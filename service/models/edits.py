@@ -88,6 +88,15 @@ class HistoryPosition(Model):
     redo: str | None = Field(description="Label of the edit that a redo does again.")
 
 
+class SimplifiedSetting(Model):
+    """Result of a simplification."""
+
+    setting: str = Field(description="The setting, as it was sent.")
+    before: int = Field(description="Keys that it had.")
+    after: int = Field(description="Keys that it has.")
+    off: float = Field(description="How far its curve is off at most, as a share like the tolerance.")
+
+
 class EditResult(Model):
     """The answer to an edit."""
 
@@ -106,6 +115,7 @@ class EditResult(Model):
             ],
             "added": ["visor"],
             "racks": [],
+            "simplified": [],
             "imported": None,
             "state": {
                 "time": 24.0,
@@ -124,6 +134,7 @@ class EditResult(Model):
     changed: list[ChangedResource] = Field(description="With their new tags, for `If-Match`; empty for no difference.")
     added: list[str] = Field(description="Names of the added focus points, in order.")
     racks: list[Rack] = Field(description="The racks as authored, in order.")
+    simplified: list[SimplifiedSetting] = Field(description="The simplifications, in order.")
     imported: ImportedCurve | None = Field(
         description="Result of the import of a curve, the last if there are several."
     )

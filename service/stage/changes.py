@@ -35,10 +35,12 @@ from service.models.changes import (
     SetFocus,
     SetPointTangents,
     SetSettingTangents,
+    SimplifySetting,
     UnkeyPoint,
     UnkeySetting,
 )
 from service.models.curve import MAX_CURVE_FRAMES, CurveFinding, ImportedCurve
+from service.models.edits import SimplifiedSetting
 from service.models.exposure import ExposureSettingsEdit
 from service.models.film_settings import FilmSettingsEdit
 from service.models.focus import FocusPointEdit, KeyEdit, TangentsEdit
@@ -64,8 +66,8 @@ _DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt
 )
 """Columns of a focus curve, with the names over REST of the attributes that they drive."""
 
-Outcome = Rack | ImportedCurve | str | None
-"""Result of a change: the authored rack, the report of an import, the name of an added focus point, or None."""
+Outcome = Rack | ImportedCurve | SimplifiedSetting | str | None
+"""Result of a change: the authored rack, the report of an import or simplification, the name of an added focus point, or None."""
 
 
 @dataclass(frozen=True)
@@ -252,6 +254,12 @@ def _set_setting_tangents(change: SetSettingTangents, camera: EditedCamera) -> O
     keys = camera.shot.camera.keys(camera.path, name)
     camera.shot.camera.set_key(camera.path, name, _with_tangents(keys, change.time, change.tangents, change.setting))
     return None
+
+
+@apply_change.register
+def _simplify_setting(change: SimplifySetting, camera: EditedCamera) -> Outcome:
+    found = camera.shot.camera.simplify(camera.path, setting_name(change.setting), change.tolerance)
+    return SimplifiedSetting(setting=change.setting, before=found.before, after=found.after, off=found.off)
 
 
 @apply_change.register

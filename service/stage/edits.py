@@ -8,7 +8,15 @@ from render.errors import NotFoundError
 from render.model.edit_history import EditHistory as KeptHistory
 from service.edit_context import EditContext, edits_tag
 from service.models.curve import ImportedCurve
-from service.models.edits import ChangedResource, EditHistory, EditRequest, EditResult, EditStep, HistoryPosition
+from service.models.edits import (
+    ChangedResource,
+    EditHistory,
+    EditRequest,
+    EditResult,
+    EditStep,
+    HistoryPosition,
+    SimplifiedSetting,
+)
 from service.models.shots import Shot
 from service.models.solving import Rack
 from service.stage.editing import apply_in_context, resource_tags
@@ -51,6 +59,7 @@ def apply_edit(
             ],
             added=[outcome for outcome in outcomes if isinstance(outcome, str)],
             racks=[outcome for outcome in outcomes if isinstance(outcome, Rack)],
+            simplified=[outcome for outcome in outcomes if isinstance(outcome, SimplifiedSetting)],
             imported=next((outcome for outcome in reversed(outcomes) if isinstance(outcome, ImportedCurve)), None),
             state=state,
         )

@@ -4,6 +4,7 @@ import type { Change, Changes } from "@/model/changes";
 import type { Curve } from "@/model/curve";
 import type { EditHistory } from "@/model/history";
 import type { Who } from "@/model/identity";
+import type { Keyed } from "@/model/keys";
 import type { LensSummary } from "@/model/lens";
 import type { Libraries, Photography } from "@/model/photography";
 import type { Quality } from "@/model/quality";
@@ -62,7 +63,10 @@ export class FakeService implements Partial<Service> {
   /** Edits with a change of this type fail, as a whole. */
   failing: Change["type"] | null = null;
   /** State that answers have; null as where the service could not read any. */
-  state: Omit<EditResult, "history"> | null = null;
+  state: Omit<EditResult, "history" | "simplified"> | null = null;
+  simplified: EditResult["simplified"] = [];
+  /** Keys of the camera's focus settings. */
+  keyed: Keyed = {};
   /** Called for each edit, before it is made; a test may hold it up. */
   gate: () => Promise<void> = () => Promise.resolve();
   /** As `gate`, for each pick. */
@@ -88,7 +92,7 @@ export class FakeService implements Partial<Service> {
     this.made.push(changes);
     this.#comeTo([...this.done, ...changes], label);
     const nothing = { points: null, readout: null, focusSettings: null, photography: null, curve: null };
-    return { ...(this.state ?? nothing), history: await this.history() };
+    return { ...(this.state ?? nothing), simplified: this.simplified, history: await this.history() };
   }
 
   /** Somebody else makes a change. */
@@ -188,7 +192,7 @@ export class FakeService implements Partial<Service> {
   }
 
   focusSettings(): Promise<FocusSettings> {
-    return Promise.resolve({ keys: {} } as unknown as FocusSettings);
+    return Promise.resolve({ keys: this.keyed } as unknown as FocusSettings);
   }
 
   focusPoints(): Promise<FocusPoint[]> {

@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { Session } from "@/editor/session";
 import type { KeyStack } from "@/model/key_lanes";
+import type { Keyed } from "@/model/keys";
 import { FakeService, SHOT, turn } from "./fake_service";
 import { point } from "./points";
 
@@ -234,4 +235,26 @@ it("stacks are added to the selection and taken out of it", async () => {
   keys.select([one], true);
   expect(keys.selectedStacks.value).toEqual([ten]);
   expect([keys.clear(), keys.clear()]).toEqual([true, false]);
+});
+
+it("keys that are simplified are edited in one change, and those that are left are selected", async () => {
+  const { fake, session } = await opened();
+  const keyed = (...times: number[]): Keyed => ({
+    focusDistanceM: times.map((time) => ({ time, value: 3, interpolation: "linear" })),
+  });
+  fake.keyed = keyed(1, 2, 3, 4);
+  session.document.refresh();
+  await turn();
+  const lane = session.keys.lanes.value.find(({ id }) => id === "camera focusDistanceM");
+  session.keys.select(lane?.stacks ?? []);
+  session.keys.tolerance.value = 0.05;
+  fake.simplified = [{ setting: "focusDistanceM", before: 4, after: 2, off: 0.01 }];
+  fake.keyed = keyed(1, 4);
+  await session.keys.simplify("focusDistanceM");
+  await turn();
+  expect(fake.made).toEqual([[{ type: "simplifySetting", setting: "focusDistanceM", tolerance: 0.05 }]]);
+  expect(session.document.simplified.value?.after).toBe(2);
+  expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([1, 4]);
+  await session.document.undo();
+  expect(session.document.simplified.value).toBeNull();
 });

@@ -9,7 +9,7 @@ import { point } from "./points";
 const view = { shot: "demo", camera: "/World/cam" };
 const HISTORY = { revision: "r1", before: null, after: null, undo: null, redo: null };
 /** Answer to an edit that says nothing of the state. */
-const NOTHING = { history: HISTORY, changed: [], added: [], racks: [], imported: null, state: null };
+const NOTHING = { history: HISTORY, changed: [], added: [], racks: [], simplified: [], imported: null, state: null };
 
 /** Answers every request and records the requests. */
 function answering(status: number, body: unknown): Request[] {

@@ -104,7 +104,12 @@ it("an edit that a revoked key could not make is made, whole, after signing in",
   vi.stubGlobal("fetch", async (request: Request) => {
     bodies.push(await request.json());
     if (!isIn) return Response.json({ code: "unauthorized", detail: "No." }, { status: 401 });
-    return Response.json({ history: { revision: "r", undo: null, redo: null }, changed: [], state: null });
+    return Response.json({
+      history: { revision: "r", undo: null, redo: null },
+      changed: [],
+      simplified: [],
+      state: null,
+    });
   });
   const service = new HttpService("http://host");
   const onSignInNeeded = (): Promise<boolean> => Promise.resolve((isIn = true));

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from pxr import Sdf, Usd
 
 from render.errors import NotFoundError, SettingsError
 from render.focus.curve import FAR_AWAY_M
+from render.model.arrays import DoubleArray
 from render.near_names import hint
 from render.optics.photometry.exposure import check_positive
 from render.shot.edits.edit_layer import schema_errors_as_settings, set_value
@@ -19,7 +21,8 @@ from render.shot.times import check_reading_time
 from usd_schemas import Key, LensCamera
 from usd_schemas.applying import applied
 from usd_schemas.binding import property_values
-from usd_schemas.keys import keys, remove_key, set_key
+from usd_schemas.curves import author_splines
+from usd_schemas.keys import keys, remove_key, set_key, takes_spline
 from usd_schemas.settings.setting import Setting
 from usd_schemas.settings.tables import LENS_SETTINGS, SETTINGS
 from usd_schemas.units import tenths_from_mm, units_from_metres
@@ -28,6 +31,23 @@ from usd_schemas.values import read_value
 FLT_MIN = 1.17549435e-38
 """The smallest normal 32-bit float, USD's type of these settings."""
 _LABELS = {"f_stop": "f-number"}
+MAX_SAMPLES = 20_000
+"""Frames and keys of a curve that is simplified."""
+
+
+@dataclass(frozen=True)
+class Simplified:
+    """Result of a simplification.
+
+    Attributes:
+        before: keys that there were.
+        after: keys that there are.
+        off: how far the curve is off at most, at whole frames and at the former keys, as a share like the tolerance.
+    """
+
+    before: int
+    after: int
+    off: float
 
 
 @dataclass(frozen=True)
@@ -115,6 +135,42 @@ class CameraAttribute:
             raise NotFoundError(f"{self.name} of the camera has no key at time {time:g}, its keys are: {known}")
         remove_key(self.usd, time)
 
+    def simplify(self, tolerance: float) -> Simplified:
+        """Replace its keys by few that make nearly the same curve, in the stage's edit target.
+
+        Args:
+            tolerance: how far the curve may be off, as a share: of the value where the setting is measured by ratios, as
+                distances and f-numbers are, else of the span of the values.
+
+        Raises:
+            SettingsError: the tolerance is no share, there are fewer than three keys, or they make no curve.
+        """
+        old, name = self.keys(), setting_label(self.name)
+        if not 0 < tolerance < 1:
+            raise SettingsError(
+                f"the tolerance must be a share above 0 and below 1, got {tolerance:g}", path="tolerance"
+            )
+        if len(old) < 3:
+            raise SettingsError(f"the {name} has {len(old)} keys, which are few already", code="no_curve")
+        if not takes_spline(self.usd) or any(key.interpolation == "held" for key in old[:-1]):
+            raise SettingsError(f"the {name} has keys that hold, which make no curve to simplify", code="no_curve")
+        times = _sampled_times([key.time for key in old], name)
+        values = np.array([self.usd.Get(float(time)) for time in times], np.float64)
+        by_ratio = self.setting.slider is not None and self.setting.slider.scale != "linear" and (values > 0).all()
+        size = np.abs(values) if by_ratio else np.full(len(times), max(np.ptp(values), np.finfo(np.float32).tiny))
+        prim = self.camera.prim
+        with self._schema():
+            splines = author_splines(
+                prim.GetStage(),
+                str(prim.GetPath()),
+                times,
+                {self.setting.usd: values},
+                {self.setting.usd: tolerance * size},
+            )
+        spline = splines[self.setting.usd]
+        off = max(abs(spline.Eval(time) - value) / most for time, value, most in zip(times, values, size, strict=True))
+        return Simplified(len(old), len(spline.GetKnots()), off)
+
     @property
     def _units(self) -> float:
         """USD units in one unit of this package."""
@@ -145,6 +201,14 @@ class CameraAttribute:
         """Apply the setting's schema, where it has one."""
         schema = self.setting.schema
         return applied(self.camera.prim, schema) if schema else nullcontext()
+
+
+def _sampled_times(key_times: Sequence[float], name: str) -> DoubleArray:
+    """Return the times of keys and the whole frames between them. Raises `SettingsError` where they are too many."""
+    first, last = key_times[0], key_times[-1]
+    if last - first + len(key_times) > MAX_SAMPLES:
+        raise SettingsError(f"the curve of the {name} has more than {MAX_SAMPLES:,} frames", code="bad_frames")
+    return np.union1d(np.asarray(key_times, np.float64), np.arange(math.ceil(first), math.floor(last) + 1.0))
 
 
 def author_settings(camera: LensCamera, values: Mapping[str, Any], time: float | None) -> None:

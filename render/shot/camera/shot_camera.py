@@ -5,7 +5,7 @@ from __future__ import annotations
 from pxr import Usd, UsdGeom
 
 from render.errors import SettingsError
-from render.shot.camera.attributes import CameraAttribute, author_settings, set_focus_mode, setting_label
+from render.shot.camera.attributes import CameraAttribute, Simplified, author_settings, set_focus_mode, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.camera.sharing import give_settings, lacks_settings
 from render.shot.edits.edit_layer import Edits
@@ -108,6 +108,22 @@ class ShotCamera:
         attribute = CameraAttribute(camera, name)
         with self._edits.transaction(f"remove the key of {setting_label(name)} of {camera.prim.GetName()} at {time:g}"):
             attribute.remove_key(time)
+
+    def simplify(self, camera_path: str | None, name: str, tolerance: float) -> Simplified:
+        """Replace the keys of one setting of a camera by few that make nearly the same curve.
+
+        Args:
+            camera_path: of a camera.
+            name: of the setting.
+            tolerance: how far the curve may be off, as a share; see `CameraAttribute.simplify`.
+
+        Raises:
+            SettingsError: there is no such setting, or its keys make no curve.
+        """
+        camera = self._cameras.editable(camera_path)
+        attribute = CameraAttribute(camera, name)
+        with self._edits.transaction(f"simplify the {setting_label(name)} of {camera.prim.GetName()}"):
+            return attribute.simplify(tolerance)
 
     def share_settings(self, one_path: str, other_path: str) -> tuple[str, ...]:
         """Give each of two cameras of a stereo rig the settings of lens, focus and film that the other alone has authored.

@@ -9,7 +9,7 @@ import { frameCount, sameTime } from "../model/time";
 import { HintError, isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
-import type { EditResult, Service } from "../net/service";
+import type { EditResult, Service, Simplified } from "../net/service";
 import type { View } from "../net/view";
 import type { Fail } from "./fail";
 
@@ -45,6 +45,8 @@ export class ShotDocument {
   readonly history = signal(NO_HISTORY);
   /** A drag is under way. */
   readonly dragging = signal(false);
+  /** What the last edit has made of the keys of a setting, where it simplified them. */
+  readonly simplified = signal<Simplified | null>(null);
   /** Changes that the picture shows and that are not saved: those of a drag, or of an edit that is under way. */
   readonly unsaved = signal(NO_CHANGES);
   /** Number of edits under way. */
@@ -218,6 +220,7 @@ export class ShotDocument {
       const known = typeof changes === "function" ? await changes() : changes;
       const result = await this.#service.edit(this.view, { label, changes: known, time, withCurve });
       this.history.value = result.history;
+      this.simplified.value = result.simplified[0] ?? null;
       return { ...result, time };
     };
     return this.#inTurn(task, () => void this.edit(label, changes), unsaved);
@@ -237,6 +240,7 @@ export class ShotDocument {
     if (this.#isRefused() || (this.pending.peek() === 0 && isEnd())) return Promise.resolve(false);
     const step = async (): Promise<null> => {
       if (!isEnd()) this.history.value = await this.#service[way](this.shot.id, this.history.peek().revision);
+      this.simplified.value = null;
       return null;
     };
     return this.#inTurn(step, () => void this.#walk(way));

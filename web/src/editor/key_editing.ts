@@ -9,6 +9,8 @@ import {
   MOST_CHANGES,
   movedStack,
   isSameOwner,
+  labelOf,
+  laneOf,
   removeStacks,
   replaceStacks,
   setKey,
@@ -20,7 +22,7 @@ import {
   type KeyStack,
   type OwnedKey,
 } from "../model/key_lanes";
-import type { Key } from "../model/keys";
+import type { Key, KeyedSetting } from "../model/keys";
 import type { FocusMode } from "../model/shot";
 import { formatFrame, sameTime } from "../model/time";
 import { HintError } from "../net/errors";
@@ -89,6 +91,8 @@ export class KeyEditing {
     );
   });
 
+  /** How far a curve may be off that is simplified, as a share. */
+  readonly tolerance = signal(0.02);
   /** Id of the curve that is drawn in place of the focus curve; null for none. */
   readonly graphed = signal<string | null>(null);
 
@@ -186,6 +190,17 @@ export class KeyEditing {
     const has = (stack: KeyStack): boolean =>
       sameTime(stack.time, key.time) && stack.keys.some((owned) => isSameOwner(owned.owner, owner));
     if (this.selected.value.size === 0) this.select(this.lanes.value.flatMap(({ stacks }) => stacks.filter(has)));
+  }
+
+  /** Replaces all keys of a setting by few, which are selected then. */
+  async simplify(setting: KeyedSetting): Promise<void> {
+    const tolerance = this.tolerance.peek();
+    const before = this.selected.value;
+    const label = `Simplify the ${labelOf({ setting }).toLowerCase()}`;
+    const isMade = await this.#edit(label, [{ type: "simplifySetting", setting, tolerance }]);
+    if (!isMade || this.selected.value !== before) return;
+    const lane = this.lanes.value.find(({ id }) => id === laneOf(setting));
+    this.select(lane?.stacks ?? []);
   }
 
   async remove(): Promise<void> {

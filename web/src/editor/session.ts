@@ -13,6 +13,7 @@ import {
   type FocusChange,
   type SimpleAttribute,
 } from "../model/changes";
+import { isDense } from "../model/correction";
 import type { LensSummary } from "../model/lens";
 import type { KeyedSetting } from "../model/keys";
 import type { BodySummary } from "../model/photography";
@@ -38,6 +39,7 @@ import { HintError } from "../net/errors";
 import { base64Of } from "../net/files";
 import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
+import { Corrections } from "./corrections";
 import { KeyEditing } from "./key_editing";
 import { CameraPhotography } from "./photography";
 import type { Fail } from "./fail";
@@ -65,6 +67,7 @@ export class Session {
   readonly photography: CameraPhotography;
   readonly picks: Picks;
   readonly keys: KeyEditing;
+  readonly corrections: Corrections;
   readonly notes = signal<readonly Note[]>([]);
   /** Name of the selected focus point, which may be gone. */
   readonly selected = signal<string | null>(null);
@@ -95,6 +98,7 @@ export class Session {
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, fail);
+    this.corrections = new Corrections(this.document);
     this.#stop = this.#follow();
   }
 
@@ -220,6 +224,8 @@ export class Session {
   dragLens(label: string, name: keyof Lens, before: Readout): Drag<number> {
     const [time, curve] = [this.playhead.time.value, this.document.curve.value];
     const keys = this.document.focusSettings.value?.keys ?? {};
+    const own = keys[name] ?? [];
+    if (isDense(own, time)) return this.corrections.drag(label, name, own, time);
     return this.document.drag(label, (value: number) => setLens(name, value, time, before, curve, keys));
   }
 

@@ -62,7 +62,7 @@ export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[]):
     ...settings.map(([name, keys]): KeyLane => {
       const owner: KeyOwner = { setting: name as KeyedSetting };
       return lane(
-        `camera ${name}`,
+        laneOf(name),
         labelOf(owner),
         null,
         keys.map((key) => ({ owner, key })),
@@ -75,6 +75,11 @@ export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[]):
       return keys.length > 0 ? [lane(`point ${point.name}`, point.name, point.name, keys)] : [];
     }),
   ];
+}
+
+/** The id of the lane of a setting of the camera. */
+export function laneOf(setting: string): string {
+  return `camera ${setting}`;
 }
 
 function lane(id: string, label: string, point: string | null, keys: readonly OwnedKey[]): KeyLane {

@@ -139,7 +139,7 @@ export function toHistory(json: Json["EditHistory"]): EditHistory {
   };
 }
 
-export function toEditResult({ history, state }: Json["EditResult"]): EditResult {
+export function toEditResult({ history, state, simplified }: Json["EditResult"]): EditResult {
   const { exposure, film, exposureReadout } = state ?? {};
   return {
     history: { ...history, undo: history.undo ?? "", redo: history.redo ?? "" },
@@ -148,6 +148,7 @@ export function toEditResult({ history, state }: Json["EditResult"]): EditResult
     focusSettings: state?.focus ? toFocusSettings(state.focus) : null,
     photography: exposure && film && exposureReadout ? toPhotography(exposure, film, exposureReadout) : null,
     curve: state?.curve ? toCurve(state.curve) : null,
+    simplified,
   };
 }
 

@@ -1931,7 +1931,7 @@ export interface components {
              */
             readonly camera?: string | null;
             /** Changes */
-            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
             /**
              * Gesture
              * @description Names one drag of a hand: its edits, one after the other, are one step of undo.
@@ -1968,6 +1968,7 @@ export interface components {
          *         "undo": "Focus on driver"
          *       },
          *       "racks": [],
+         *       "simplified": [],
          *       "state": {
          *         "exposure": {
          *           "breathing": false,
@@ -2269,6 +2270,11 @@ export interface components {
              * @description The racks as authored, in order.
              */
             readonly racks: readonly components["schemas"]["Rack"][];
+            /**
+             * Simplified
+             * @description The simplifications, in order.
+             */
+            readonly simplified: readonly components["schemas"]["SimplifiedSetting"][];
             /** @description As `answer` asked for it. */
             readonly state: components["schemas"]["CameraStateAfter"] | null;
         };
@@ -5644,7 +5650,7 @@ export interface components {
              * @description Changes that are tried in these pictures and not kept: those that an edit takes.
              * @default []
              */
-            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
             /**
              * Connections
              * @description Carries small bright things to the pixels of their blurred images, which leaves less noise.
@@ -7114,6 +7120,56 @@ export interface components {
              * @description The key.
              */
             readonly key: string;
+        };
+        /**
+         * SimplifiedSetting
+         * @description Result of a simplification.
+         */
+        readonly SimplifiedSetting: {
+            /**
+             * After
+             * @description Keys that it has.
+             */
+            readonly after: number;
+            /**
+             * Before
+             * @description Keys that it had.
+             */
+            readonly before: number;
+            /**
+             * Off
+             * @description How far its curve is off at most, as a share like the tolerance.
+             */
+            readonly off: number;
+            /**
+             * Setting
+             * @description The setting, as it was sent.
+             */
+            readonly setting: string;
+        };
+        /**
+         * SimplifySetting
+         * @description Replace the keys of a camera's setting, such as those of an imported curve, by few that make nearly the same curve.
+         * @example {
+         *       "setting": "focusDistanceM",
+         *       "tolerance": 0.02,
+         *       "type": "simplifySetting"
+         *     }
+         */
+        readonly SimplifySetting: {
+            /** Setting */
+            readonly setting: ("fStop" | "focalLengthMm" | "focusDistanceM" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
+            /**
+             * Tolerance
+             * @description How far the curve may be off: a share of the value for distances, f-numbers and the like, else of the span of the values.
+             * @default 0.02
+             */
+            readonly tolerance?: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "simplifySetting";
         };
         /**
          * StateRequest

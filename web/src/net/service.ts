@@ -9,6 +9,7 @@ import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography }
 import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary, TrashedShot } from "../model/shot";
 import type { LiveListener, LiveLink } from "./live_link";
+import type { components } from "./schema";
 import type { PatienceListener } from "./patience";
 import type { View } from "./view";
 
@@ -31,7 +32,11 @@ export interface EditResult {
   readonly focusSettings: FocusSettings | null;
   readonly photography: Photography | null;
   readonly curve: Curve | null;
+  readonly simplified: readonly Simplified[];
 }
+
+/** Keys of a setting that were made few. */
+export type Simplified = components["schemas"]["SimplifiedSetting"];
 
 export interface Download {
   readonly blob: Blob;

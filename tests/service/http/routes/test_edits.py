@@ -203,6 +203,23 @@ def test_tangents_bend_a_key_and_leave_its_value(client, shot):
     assert (key["value"], key["interpolation"], key["tangents"]) == (0.5, "bezier", tangents)
 
 
+def test_an_imported_curve_is_simplified_within_a_tolerance(client, shot):
+    rows = "".join(f"{n},{2 + 0.01 * n * n}\n" for n in range(1, 25))
+    curve = base64.b64encode(f"frame,focus_distance_m\n{rows}".encode()).decode()
+    simplify = {"type": "simplifySetting", "setting": "focusDistanceM", "tolerance": 0.01}
+    answer = edited(
+        client, shot, {"type": "importCurve", "content": curve, "baked": True}, simplify, answer={"time": 12}
+    )
+    [found] = answer["simplified"]
+    keys = answer["state"]["focus"]["keys"]["focusDistanceM"]
+    assert (found["setting"], found["before"], found["after"]) == ("focusDistanceM", 24, len(keys))
+    assert len(keys) < 8
+    assert found["off"] <= 0.01
+    assert answer["state"]["readout"]["focusDistanceM"] == pytest.approx(2 + 1.44, rel=0.01)
+    refused = edit(client, shot, simplify | {"setting": "fStop"})
+    assert (refused.status_code, refused.json()["code"]) == (422, "no_curve")
+
+
 def test_a_metered_exposure_is_keyed_and_black_frames_bridged(client, shot):
     readings = [{"time": 1, "compensationStops": -1}, {"time": 12, "compensationStops": None}]
     readings.append({"time": 23, "compensationStops": 1})

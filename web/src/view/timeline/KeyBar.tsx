@@ -4,10 +4,12 @@ import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { isSwitch, labelOf, shapeOfAll, type KeyShape, type OwnedKey } from "../../model/key_lanes";
 import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
+import type { KeyedSetting } from "../../model/keys";
 import { formatFrame } from "../../model/time";
 import { Edits } from "../controls/Edits";
 import { TypedNumber } from "../controls/TypedNumber";
 import { parseQuantity, trim } from "../numbers";
+import { Simplify } from "./Simplify";
 
 const SHAPES: Readonly<Record<KeyShape, string>> = {
   held: "Held",
@@ -24,6 +26,7 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
   const first = stacks.toSorted((a, b) => a.time - b.time)[0];
   const [only] = owned;
   const shape = shapeOfAll(stacks);
+  const setting = manyOf(owned);
   return (
     <div class="key-bar" role="group" aria-label="Selected keys">
       <Edits session={session}>
@@ -61,6 +64,7 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
             ))}
           </select>
         )}
+        {setting && <Simplify session={session} setting={setting} />}
         <button
           type="button"
           class="button small"
@@ -75,6 +79,16 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
     </div>
   );
 }
+
+/** The setting that many keys are of; null where they are few, or of several. */
+function manyOf(keys: readonly OwnedKey[]): KeyedSetting | null {
+  const settings = new Set(keys.map(({ owner }) => ("setting" in owner && !isSwitch(owner) ? owner.setting : null)));
+  const [only = null] = settings;
+  return keys.length >= MANY && settings.size === 1 ? only : null;
+}
+
+/** Keys of one setting from which on they can be made fewer. */
+const MANY = 3;
 
 /** The value of one key; a distance in the unit of the page. */
 function Value({ session, owned, unit }: { session: Session; owned: OwnedKey; unit: LengthUnit }): JSX.Element {

@@ -6,6 +6,8 @@ import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { formatFrame } from "../../model/time";
 import { curvesOf } from "../../model/value_curves";
+import { MOST_BENT } from "../../model/correction";
+import { Edits } from "../controls/Edits";
 import { TypedNumber } from "../controls/TypedNumber";
 import { Icon, type IconName } from "../icons";
 import { parseQuantity } from "../numbers";
@@ -60,17 +62,13 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
         }}
       />
       <FrameNumber playhead={playhead} />
-      <span class="muted numbers">
+      <span class="muted numbers shot-length">
         of {formatFrame(range.start)}–{formatFrame(range.end)} · {seconds.toFixed(2)} s ·{" "}
         {Number(range.framesPerSecond.toFixed(3))} fps
       </span>
       <CurveChoice session={session} />
       <div class="spacer" />
-      {session.keys.selectedStacks.value.length > 0 ? (
-        <KeyBar session={session} unit={unit} />
-      ) : (
-        <Legend session={session} unit={unit} />
-      )}
+      <Reading session={session} unit={unit} />
     </div>
   );
 }
@@ -128,6 +126,42 @@ function TransportButton({ icon, label, keys, act }: TransportButtonProps): JSX.
     <button type="button" class="button icon-only" aria-label={label} title={`${label} (${keys})`} onClick={act}>
       <Icon name={icon} />
     </button>
+  );
+}
+
+/** The selected keys; else what the last edit has corrected; else where the focus is. */
+function Reading({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+  if (session.keys.selectedStacks.value.length > 0) return <KeyBar session={session} unit={unit} />;
+  const { last } = session.corrections;
+  if (last.value) return <CorrectionBar session={session} label={last.value.label} time={last.value.time} />;
+  return <Legend session={session} unit={unit} />;
+}
+
+/** How widely a value that was set on a dense curve has bent it. */
+function CorrectionBar({ session, label, time }: { session: Session; label: string; time: number }): JSX.Element {
+  const { corrections } = session;
+  return (
+    <div class="key-bar" role="group" aria-label="Correction">
+      <Edits session={session}>
+        <span class="muted" role="status">
+          The {label} is bent around frame {formatFrame(time)}; frames to each side:
+        </span>
+        <TypedNumber
+          kind="frame"
+          label="Frames that are bent to each side"
+          value={corrections.width.value}
+          format={formatFrame}
+          parse={(text) => {
+            const frames = parseQuantity(text, "");
+            return frames !== null && frames >= 1 && frames <= MOST_BENT ? frames : null;
+          }}
+          example="12"
+          onTyped={(frames) => {
+            void corrections.widen(frames);
+          }}
+        />
+      </Edits>
+    </div>
   );
 }
 

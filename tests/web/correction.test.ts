@@ -1,0 +1,85 @@
+import { correct, isDense } from "@/model/correction";
+import type { Changes } from "@/model/changes";
+import type { Key, KeyedSetting } from "@/model/keys";
+import { valueAt } from "@/model/spline";
+
+/** Keys on every frame from 1 to 96. */
+function dense(valueOf: (time: number) => number, more: Partial<Key> = {}): Key[] {
+  return Array.from({ length: 96 }, (_, i) => ({
+    time: i + 1,
+    value: valueOf(i + 1),
+    interpolation: "linear",
+    ...more,
+  }));
+}
+
+function after(keys: readonly Key[], changes: Changes): Key[] {
+  const set = changes.flatMap((change) => (change.type === "keySetting" ? [change.key as Key] : []));
+  const times = new Set(set.map(({ time }) => time));
+  return [...keys.filter(({ time }) => !times.has(time)), ...set].toSorted((a, b) => a.time - b.time);
+}
+
+const DISTANCE: KeyedSetting = "focusDistanceM";
+
+it("a curve is dense where keys are close on both sides", () => {
+  const keys = dense(() => 3);
+  expect([isDense(keys, 40), isDense(keys, 40.5), isDense(keys, 1), isDense(keys, 96)]).toEqual([
+    true,
+    true,
+    false,
+    false,
+  ]);
+  expect(
+    isDense(
+      [keys[0], keys[39], keys[95]].filter((key) => key !== undefined),
+      40,
+    ),
+  ).toBe(false);
+  expect(isDense([], 4)).toBe(false);
+});
+
+describe("a correction", () => {
+  it("has the value where it is wanted, no spike, and leaves what is far as it was", () => {
+    const keys = dense((time) => 2 + time / 50);
+    const bent = after(keys, correct({ setting: DISTANCE, keys, time: 40, value: 4 }, 12));
+    expect(valueAt(bent, 40)).toBe(4);
+    expect(bent.filter((key, i) => key.value !== keys[i]?.value).map(({ time }) => time)).toEqual(
+      Array.from({ length: 23 }, (_, i) => 29 + i),
+    );
+    const steps = bent.slice(1).map((key, i) => Math.abs(1 / key.value - 1 / (bent[i]?.value ?? 1)));
+    expect(Math.max(...steps)).toBeLessThan(0.2 * Math.abs(1 / 4 - 1 / 2.8));
+  });
+
+  it("of another setting is bent as it is", () => {
+    const keys = dense(() => 4);
+    const bent = after(keys, correct({ setting: "fStop", keys, time: 40, value: 5 }, 10));
+    expect(valueAt(bent, 45)).toBeCloseTo(4 + 0.75 ** 2);
+    expect([valueAt(bent, 30), valueAt(bent, 50)]).toEqual([4, 4]);
+  });
+
+  it("turns handles with the curve", () => {
+    const flat = { inSlope: 0, inWidth: 1 / 3, outSlope: 0, outWidth: 1 / 3 };
+    for (const setting of [DISTANCE, "fStop"] as const) {
+      const keys = dense(() => 4, { interpolation: "bezier", tangents: flat });
+      const bent = after(keys, correct({ setting, keys, time: 40, value: 5 }, 10));
+      const [at34, key, at36] = [bent[33], bent[34], bent[35]];
+      const slope = ((at36?.value ?? 0) - (at34?.value ?? 0)) / 2;
+      expect(key?.tangents?.outSlope).toBeCloseTo(slope, 2);
+      expect(key?.tangents?.inSlope).toBe(key?.tangents?.outSlope);
+    }
+  });
+
+  it("between two keys adds one", () => {
+    const keys = dense(() => 4);
+    const bent = after(keys, correct({ setting: "fStop", keys, time: 40.5, value: 8 }, 3));
+    expect(valueAt(bent, 40.5)).toBe(8);
+    expect(bent).toHaveLength(97);
+  });
+
+  it("to infinity goes as far as a curve can", () => {
+    const keys = dense(() => 4);
+    const bent = after(keys, correct({ setting: DISTANCE, keys, time: 40, value: Infinity }, 6));
+    expect(valueAt(bent, 40)).toBe(100_000);
+    expect(bent.every(({ value }) => value > 0 && Number.isFinite(value))).toBe(true);
+  });
+});

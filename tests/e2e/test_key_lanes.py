@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.e2e.editor import NEAR, focus_points, revision_of, wait_edited, wait_settled
+from tests.e2e.editor import NEAR, focus_points, revision_of, scrub_to, wait_edited, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
@@ -65,6 +65,34 @@ def test_keys_in_a_box_are_edited_together(page: Page, service: str) -> None:
         revision = wait_edited(page, revision)
     after = focus_points(service, 1)
     assert {name: point["keys"] for name, point in after.items()} == {name: p["keys"] for name, p in before.items()}
+
+
+def test_keys_are_copied_and_pasted_by_the_menu_and_the_keyboard(page: Page, service: str) -> None:
+    wait_settled(page)
+    before = weights(service)
+    key_at(page, before[1][0]).click(button="right")
+    menu = page.get_by_role("menu", name="Keys")
+    expect(menu.get_by_role("menuitem", name="Paste at the playhead")).to_be_disabled()
+    menu.get_by_role("menuitem", name="Copy").click()
+    expect(menu).to_have_count(0)
+    scrub_to(page, 30)
+    revision = revision_of(page)
+    page.keyboard.press("Control+v")
+    revision = wait_edited(page, revision)
+    assert [value for time, value in weights(service) if time == 30] == [before[1][1]]
+    expect(page.locator(".lane-key.selected")).to_have_attribute("data-stack", f"point {NEAR}@30")
+
+    key_at(page, 30).focus()
+    page.keyboard.press("Shift+F10")
+    expect(menu).to_be_visible()
+    page.keyboard.press("End")
+    page.keyboard.press("Enter")
+    revision = wait_edited(page, revision)
+    assert weights(service) == before
+    for _ in range(2):
+        page.keyboard.press("Control+z")
+        revision = wait_edited(page, revision)
+    assert weights(service) == before
 
 
 def weights(service: str) -> list[tuple[float, float]]:

@@ -258,3 +258,43 @@ it("keys that are simplified are edited in one change, and those that are left a
   await session.document.undo();
   expect(session.document.simplified.value).toBeNull();
 });
+
+describe("copied keys", () => {
+  it("are set from the playhead on, and selected", async () => {
+    const { fake, session } = await opened();
+    session.keys.select([stackAt(session, 10), stackAt(session, 20)]);
+    session.keys.copy();
+    session.playhead.goTo(40);
+    nowAt(fake, 1, 10, 20, 40, 50);
+    await session.keys.paste();
+    await turn();
+    expect(fake.made[0]).toMatchObject([{ key: { time: 40, value: 0 } }, { key: { time: 50, value: 1 } }]);
+    expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([40, 50]);
+  });
+
+  it("that there are none of change nothing", async () => {
+    const { fake, session } = await opened();
+    await session.keys.paste();
+    expect(fake.made).toEqual([]);
+  });
+});
+
+it("keys are stretched to a length and turned round, each in one edit", async () => {
+  const { fake, session } = await opened();
+  session.keys.select(session.keys.lanes.value.flatMap(({ stacks }) => stacks));
+  session.keys.stretchTo(38);
+  nowAt(fake, 1, 19, 39);
+  await session.document.idle();
+  await turn();
+  expect(fake.made[0]?.slice(2)).toMatchObject([{ key: { time: 19 } }, { key: { time: 39 } }]);
+  session.keys.mirror();
+  await session.document.idle();
+  expect(fake.made).toHaveLength(2);
+});
+
+it("all keys of the lanes of the selected ones are selected", async () => {
+  const { session } = await opened();
+  session.keys.select([stackAt(session, 10)]);
+  session.keys.selectLanes();
+  expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([1, 10, 20]);
+});

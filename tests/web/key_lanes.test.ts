@@ -3,12 +3,15 @@ import {
   labelOf,
   lanesOf,
   mapKeys,
+  mirrored,
   movedStack,
+  pasteKeys,
   removeStacks,
   replaceStacks,
   shaped,
   shapeOfAll,
   snapShift,
+  stretched,
   valued,
   type KeyShape,
   type KeyStack,
@@ -147,6 +150,54 @@ it("a value is set without moving the key or its interpolation", () => {
   const stacks = stacksOf(...lanesOf([{ fStop: [key(4, 2.8, { interpolation: "held" })] }], []));
   expect(revalued(stacks, 4, "points")).toEqual([
     { type: "keySetting", setting: "fStop", key: { time: 4, value: 4, interpolation: "held" } },
+  ]);
+});
+
+describe("keys that are stretched or turned round", () => {
+  const tangents = { inSlope: 1, inWidth: 2, outSlope: 3, outWidth: 4 };
+  const stacks = stacksOf(
+    ...lanesOf(
+      [{ fStop: [key(4, 2), key(6, 3, { interpolation: "bezier", tangents }), key(12, 5, { interpolation: "held" })] }],
+      [],
+    ),
+  );
+
+  it("keep the first one, and take their handles along", () => {
+    const [first, second, last] = stretched(stacks, 2).flatMap(({ keys }) => keys);
+    expect([first?.key.time, second?.key.time, last?.key.time]).toEqual([4, 8, 20]);
+    expect(second?.key.tangents).toEqual({ inSlope: 0.5, inWidth: 4, outSlope: 1.5, outWidth: 8 });
+  });
+
+  it("run backwards through the same values", () => {
+    const turned = mirrored(stacks)
+      .flatMap(({ keys }) => keys)
+      .toSorted((a, b) => a.key.time - b.key.time);
+    expect(turned.map((owned) => [owned.key.time, owned.key.value, owned.key.interpolation])).toEqual([
+      [4, 5, "bezier"],
+      [10, 3, "auto"],
+      [12, 2, "held"],
+    ]);
+    const twice = mirrored(mirrored(stretched(stacks, 1)));
+    expect(twice.map(({ time }) => time)).toEqual(stacks.map(({ time }) => time));
+  });
+
+  it("turn their handles round", () => {
+    const pair = { inSlope: 1, inWidth: 2, outSlope: 3, outWidth: 4 };
+    const curved = [
+      key(4, 2, { interpolation: "bezier", tangents: pair }),
+      key(12, 5, { interpolation: "bezier", tangents: pair }),
+    ];
+    const [, last] = mirrored(stacksOf(...lanesOf([{ fStop: curved }], []))).flatMap(({ keys }) => keys);
+    expect(last?.key).toMatchObject({ time: 4, tangents: { inSlope: -3, inWidth: 4, outSlope: -1, outWidth: 2 } });
+  });
+});
+
+it("copied keys are set from a time on, in the lanes that they are of", () => {
+  const stacks = stacksOf(...lanesOf([{ fStop: [key(4, 2)] }], [point("pip", { weight: { 6: 1 } })]));
+  const keys = stacks.flatMap((stack) => stack.keys);
+  expect(pasteKeys(keys, 20, "points")).toMatchObject([
+    { type: "keySetting", setting: "fStop", key: { time: 20, value: 2 } },
+    { type: "keyPoint", name: "pip", attribute: "weight", key: { time: 22, value: 1 } },
   ]);
 });
 

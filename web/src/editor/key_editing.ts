@@ -6,8 +6,10 @@ import {
   holdShift,
   lanesOf,
   mapKeys,
+  mirrored,
   MOST_CHANGES,
   movedStack,
+  pasteKeys,
   isSameOwner,
   labelOf,
   laneOf,
@@ -16,6 +18,7 @@ import {
   setKey,
   shaped,
   snapShift,
+  stretched,
   valued,
   type KeyOwner,
   type KeyShape,
@@ -91,6 +94,8 @@ export class KeyEditing {
     );
   });
 
+  /** What `paste` sets. */
+  readonly copied = signal<readonly OwnedKey[]>([]);
   /** How far a curve may be off that is simplified, as a share. */
   readonly tolerance = signal(0.02);
   /** Id of the curve that is drawn in place of the focus curve; null for none. */
@@ -120,6 +125,12 @@ export class KeyEditing {
     else if (ids.every((id) => before.has(id)))
       this.selected.value = new Set([...before].filter((id) => !ids.includes(id)));
     else this.selected.value = new Set([...before, ...ids]);
+  }
+
+  /** Selects all keys of the lanes that have a selected one. */
+  selectLanes(): void {
+    const lanes = new Set(this.selectedStacks.value.map(({ lane }) => lane));
+    this.select(this.lanes.value.filter(({ id }) => lanes.has(id)).flatMap(({ stacks }) => stacks));
   }
 
   /** Selects nothing; returns whether anything was selected. */
@@ -190,6 +201,42 @@ export class KeyEditing {
     const has = (stack: KeyStack): boolean =>
       sameTime(stack.time, key.time) && stack.keys.some((owned) => isSameOwner(owned.owner, owner));
     if (this.selected.value.size === 0) this.select(this.lanes.value.flatMap(({ stacks }) => stacks.filter(has)));
+  }
+
+  /** Keeps the selected keys for `paste`. */
+  copy(): void {
+    this.copied.value = this.#base().stacks.flatMap(({ keys }) => keys);
+  }
+
+  /** Sets the copied keys, the first of which comes to the playhead, and selects them. */
+  async paste(): Promise<void> {
+    const copied = this.copied.peek();
+    if (copied.length === 0) return;
+    const time = this.#parts.playhead.time.peek();
+    const changes = pasteKeys(copied, time, this.#mode);
+    this.clear();
+    if (!(await this.#edit(`Paste ${copied.length.toString()} keys`, changes)) || this.selected.value.size > 0) return;
+    const by = time - Math.min(...copied.map(({ key }) => key.time));
+    const isPasted = (stack: KeyStack): boolean =>
+      stack.keys.some(({ owner, key }) =>
+        copied.some((one) => isSameOwner(one.owner, owner) && sameTime(one.key.time + by, key.time)),
+      );
+    this.select(this.lanes.value.flatMap(({ stacks }) => stacks.filter(isPasted)));
+  }
+
+  /** Turns the selected keys round in time. */
+  mirror(): void {
+    const base = this.#base();
+    void this.#apply(`Mirror ${named(base.stacks)}`, base, mirrored(base.stacks));
+  }
+
+  /** Stretches the selected keys from the first one on, until the last is so many frames after it. */
+  stretchTo(frames: number): void {
+    const base = this.#base();
+    const times = base.stacks.map(({ time }) => time);
+    const length = Math.max(...times) - Math.min(...times);
+    if (frames > 0 && length > 0)
+      void this.#apply(`Stretch ${named(base.stacks)}`, base, stretched(base.stacks, frames / length));
   }
 
   /** Replaces all keys of a setting by few, which are selected then. */

@@ -173,6 +173,73 @@ export function movedStack({ lane, time, keys }: KeyStack, by: number): KeyStack
   return { id: stackId(lane, later(time)), lane, time: later(time), keys: moved };
 }
 
+/**
+ * Stacks whose times are stretched from the first one on, with their handles.
+ *
+ * @param factor above 0.
+ */
+export function stretched(stacks: readonly KeyStack[], factor: number): KeyStack[] {
+  const first = Math.min(...stacks.map(({ time }) => time));
+  return stacks.map((stack) =>
+    retimed(
+      stack,
+      first + (stack.time - first) * factor,
+      ({ inSlope = 0, inWidth = 0, outSlope = 0, outWidth = 0 }) => ({
+        inSlope: inSlope / factor,
+        inWidth: inWidth * factor,
+        outSlope: outSlope / factor,
+        outWidth: outWidth * factor,
+      }),
+    ),
+  );
+}
+
+/**
+ * Stacks in the opposite order of time: the first one comes where the last was. Each key goes on to the next in the way in which the
+ * curve came to it.
+ */
+export function mirrored(stacks: readonly KeyStack[]): KeyStack[] {
+  const times = stacks.map(({ time }) => time);
+  const sum = Math.min(...times) + Math.max(...times);
+  const all = stacks.flatMap(({ keys }) => keys);
+  return stacks.map((stack) => {
+    const turned = retimed(stack, sum - stack.time, ({ inSlope = 0, inWidth = 0, outSlope = 0, outWidth = 0 }) => ({
+      inSlope: -outSlope,
+      inWidth: outWidth,
+      outSlope: -inSlope,
+      outWidth: inWidth,
+    }));
+    const keys = turned.keys.map(({ owner, key }, place) => {
+      const own = all.filter((other) => isSameOwner(other.owner, owner)).toSorted((a, b) => a.key.time - b.key.time);
+      const index = own.findIndex((other) => other.key === stack.keys[place]?.key);
+      const before = own.at(index - 1); // the last one for the first
+      return before && before.key.interpolation !== key.interpolation
+        ? { owner, key: { time: key.time, value: key.value, interpolation: before.key.interpolation } }
+        : { owner, key };
+    });
+    return { ...turned, keys };
+  });
+}
+
+function retimed(stack: KeyStack, time: number, turn: (tangents: Tangents) => Tangents): KeyStack {
+  const at = Number(time.toFixed(4));
+  const keys = stack.keys.map(({ owner, key }) => ({
+    owner,
+    key: { ...key, time: at, ...(key.tangents && { tangents: turn(key.tangents) }) },
+  }));
+  return { id: stackId(stack.lane, at), lane: stack.lane, time: at, keys };
+}
+
+/** Sets copies of keys, the first of which comes to a time. */
+export function pasteKeys(keys: readonly OwnedKey[], time: number, mode: FocusMode): Changes {
+  const by = time - Math.min(...keys.map(({ key }) => key.time));
+  return keepMode(
+    keys.map(({ owner, key }) => setOwned(owner, { ...key, time: Number((key.time + by).toFixed(4)) })),
+    keys.map(({ owner }) => owner),
+    mode,
+  );
+}
+
 /** Removes all keys of stacks. */
 export function removeStacks(stacks: readonly KeyStack[]): Changes {
   return stacks.flatMap((stack) => stack.keys).map(remove);

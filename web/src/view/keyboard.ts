@@ -1,6 +1,7 @@
 /** Keys that work anywhere on the page, except where the focused control has a use of its own for them. */
 
 import type { Editor } from "../editor/editor";
+import { COPY, PASTE, REMOVE, SELECT_LANES, type KeyAction } from "../editor/key_actions";
 import type { Session } from "../editor/session";
 import { chooseRadio, controlOf, usesKey } from "./own_keys";
 
@@ -46,6 +47,9 @@ export const SHORTCUTS: readonly Shortcut[] = [
     does: "Shape the curve; with Alt the handle turns alone. The arrow keys move a focused one",
   },
   { keys: "Double click a curve", does: "Add a key there, on the curve" },
+  { keys: "Ctrl C, Ctrl V", does: "Copy the selected keys; set them again from the playhead on" },
+  { keys: "Ctrl A", does: "Select all keys of the lanes of the selected ones" },
+  { keys: "Right click a key", does: "Open the menu of the keys, as the menu key does; a long touch, too" },
   { keys: "Ctrl Z", does: "Undo" },
   { keys: "Ctrl Shift Z", does: "Redo" },
   { keys: "M", does: "Show or hide the points" },
@@ -61,14 +65,22 @@ export function listenToKeys(target: Window, editor: Editor): void {
     if (focused && chooseRadio(focused, event)) event.preventDefault();
     if (focused && usesKey(controlOf(focused), event)) return;
     const session = editor.session.value;
-    const handled = event.ctrlKey || event.metaKey ? undoKeys(event, session) : plainKeys(event, editor, session);
+    const isWithControl = event.ctrlKey || event.metaKey;
+    const handled = isWithControl ? controlKeys(event, session) : plainKeys(event, editor, session);
     if (handled) event.preventDefault();
   });
 }
 
-function undoKeys(event: KeyboardEvent, session: Session | null): boolean {
+const WITH_CONTROL: Readonly<Record<string, KeyAction>> = { c: COPY, v: PASTE, a: SELECT_LANES };
+
+function controlKeys(event: KeyboardEvent, session: Session | null): boolean {
   if (!session) return false;
   const key = event.key.toLowerCase();
+  const action = WITH_CONTROL[key];
+  if (action?.isPossible(session.keys)) {
+    action.act(session.keys);
+    return true;
+  }
   if (key === "z" && !event.shiftKey) void session.document.undo();
   else if (key === "y" || key === "z") void session.document.redo();
   else return false;
@@ -114,7 +126,7 @@ function timeKeys(event: KeyboardEvent, session: Session): boolean {
 function keyKeys(event: KeyboardEvent, { keys }: Session): boolean {
   if (event.key === "Escape") return keys.clear();
   if ((event.key !== "Delete" && event.key !== "Backspace") || keys.selectedStacks.value.length === 0) return false;
-  void keys.remove();
+  REMOVE.act(keys);
   return true;
 }
 

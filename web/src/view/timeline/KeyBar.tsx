@@ -1,6 +1,7 @@
 /** The selected keys in numbers: their frame, their value, and how the value goes on from them. */
 
 import type { JSX } from "preact";
+import { SHAPES } from "../../editor/key_actions";
 import type { Session } from "../../editor/session";
 import { isSwitch, labelOf, shapeOfAll, type KeyShape, type OwnedKey } from "../../model/key_lanes";
 import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
@@ -11,21 +12,13 @@ import { TypedNumber } from "../controls/TypedNumber";
 import { parseQuantity, trim } from "../numbers";
 import { Simplify } from "./Simplify";
 
-const SHAPES: Readonly<Record<KeyShape, string>> = {
-  held: "Held",
-  linear: "Linear",
-  auto: "Smooth",
-  flat: "Flat",
-  bezier: "Handles",
-};
-
 export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const { keys } = session;
   const stacks = keys.selectedStacks.value.map((stack) => keys.shownAs(stack));
   const owned = stacks.flatMap((stack) => stack.keys);
   const first = stacks.toSorted((a, b) => a.time - b.time)[0];
   const [only] = owned;
-  const shape = shapeOfAll(stacks);
+  const length = first ? Math.max(...stacks.map(({ time }) => time)) - first.time : 0;
   const setting = manyOf(owned);
   return (
     <div class="key-bar" role="group" aria-label="Selected keys">
@@ -46,24 +39,21 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
             }}
           />
         )}
-        {owned.length === 1 && only && !isSwitch(only.owner) && <Value session={session} owned={only} unit={unit} />}
-        {!owned.every(({ owner }) => isSwitch(owner)) && (
-          <select
-            aria-label="Interpolation of the keys"
-            title="How the value goes on to the next key"
-            value={shape ?? ""}
-            onChange={({ currentTarget }) => {
-              keys.shape(currentTarget.value as KeyShape);
+        {length > 0 && (
+          <TypedNumber
+            kind="frame"
+            label="Length of the keys, frames"
+            value={length}
+            format={formatFrame}
+            parse={(text) => positive(parseQuantity(text, ""))}
+            example="24"
+            onTyped={(frames) => {
+              keys.stretchTo(frames);
             }}
-          >
-            {shape === null && <option value="">Mixed</option>}
-            {Object.entries(SHAPES).map(([name, label]) => (
-              <option key={name} value={name}>
-                {label}
-              </option>
-            ))}
-          </select>
+          />
         )}
+        {owned.length === 1 && only && !isSwitch(only.owner) && <Value session={session} owned={only} unit={unit} />}
+        {!owned.every(({ owner }) => isSwitch(owner)) && <ShapeChoice session={session} shape={shapeOfAll(stacks)} />}
         {setting && <Simplify session={session} setting={setting} />}
         <button
           type="button"
@@ -78,6 +68,31 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
       </Edits>
     </div>
   );
+}
+
+/** How the curve goes through the keys. */
+function ShapeChoice({ session, shape }: { session: Session; shape: KeyShape | null }): JSX.Element {
+  return (
+    <select
+      aria-label="Interpolation of the keys"
+      title="How the value goes on to the next key"
+      value={shape ?? ""}
+      onChange={({ currentTarget }) => {
+        session.keys.shape(currentTarget.value as KeyShape);
+      }}
+    >
+      {shape === null && <option value="">Mixed</option>}
+      {Object.entries(SHAPES).map(([name, label]) => (
+        <option key={name} value={name}>
+          {label}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+function positive(value: number | null): number | null {
+  return value !== null && value > 0 ? value : null;
 }
 
 /** The setting that many keys are of; null where they are few, or of several. */

@@ -1,7 +1,7 @@
 /** Time at the foot of the page: transport, scrubber, the focus curve under it, and the points' keys under that. */
 
 import type { JSX } from "preact";
-import { useMemo, useRef } from "preact/hooks";
+import { useCallback, useMemo, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import type { LengthUnit } from "../../model/distance";
@@ -9,6 +9,7 @@ import { curvesOf, type ValueCurve } from "../../model/value_curves";
 import { CurveChart } from "./CurveChart";
 import { followPointer, useSize } from "../hooks";
 import { KeyLanes } from "./KeyLanes";
+import { KeyMenu, type MenuPlace } from "./KeyMenu";
 import { Scrubber } from "./Scrubber";
 import { timeAxis, type TimeAxis } from "./time_axis";
 import { Transport } from "./Transport";
@@ -30,6 +31,10 @@ export function Timeline({ editor }: { editor: Editor }): JSX.Element {
 function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const box = useRef<HTMLDivElement>(null);
   const { width } = useSize(box);
+  const [menu, setMenu] = useState<MenuPlace | null>(null);
+  const closeMenu = useCallback(() => {
+    setMenu(null);
+  }, []);
   const axis = useMemo(() => timeAxis(session.shot.range, width), [session, width]);
   const scrub = (down: PointerEvent): void => {
     if (down.button !== 0) return;
@@ -46,7 +51,17 @@ function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.
   return (
     <>
       <Transport session={session} unit={unit} />
-      <div class="tracks" ref={box}>
+      <div
+        class="tracks"
+        ref={box}
+        onContextMenu={(event) => {
+          const target = event.target instanceof Element ? event.target : null;
+          if (!target?.closest(".lanes, .graph")) return;
+          event.preventDefault();
+          selectForMenu(session, target);
+          setMenu({ x: event.clientX, y: event.clientY });
+        }}
+      >
         {width > 0 && (
           <>
             <Scrubber session={session} axis={axis} onScrub={scrub} />
@@ -56,8 +71,17 @@ function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.
           </>
         )}
       </div>
+      {menu && <KeyMenu session={session} place={menu} close={closeMenu} />}
     </>
   );
+}
+
+/** Selects the key that a menu is opened on, unless it is one of those that are selected. */
+function selectForMenu({ keys }: Session, target: Element): void {
+  const key = target.closest<HTMLElement>("[data-stack], [data-knot]");
+  const id = key?.dataset.stack ?? key?.dataset.knot;
+  if (id === undefined || keys.selected.value.has(id)) return;
+  keys.select(keys.lanes.value.flatMap(({ stacks }) => stacks.filter((stack) => stack.id === id)));
 }
 
 interface ChartProps {

@@ -113,7 +113,7 @@ def set_key(
         if interpolation == "bezier":
             spline.SetKnot(_with_tangents(spline.GetKnot(code.GetValue()), tangents))
         _reach_neighbours(spline)
-        _author_spline(attribute, spline)
+        author_spline(attribute, spline)
         return
     if interpolation not in ("linear", "held") or (interpolation == "held" and _interpolates(attribute)):
         allowed = "linear" if _interpolates(attribute) else "held"
@@ -141,7 +141,7 @@ def remove_key(attribute: Usd.Attribute, time: float) -> None:
     elif takes_spline(attribute):
         spline = _editable_spline(attribute)
         spline.RemoveKnot(time)
-        _author_spline(attribute, spline)
+        author_spline(attribute, spline)
     else:
         _own_samples(attribute)
         attribute.ClearAtTime(time_code(time))
@@ -185,7 +185,7 @@ def _type_name(attribute: Usd.Attribute) -> str:
     return str(attribute.GetTypeName())
 
 
-def _author_spline(attribute: Usd.Attribute, spline: Ts.Spline) -> None:
+def author_spline(attribute: Usd.Attribute, spline: Ts.Spline) -> None:
     """Author a spline in the edit target, in place of any time samples there."""
     target = attribute.GetStage().GetEditTarget()
     spec = target.GetAttributeSpecForScenePath(attribute.GetPath())

@@ -67,7 +67,7 @@ class Admission:
         return Admitted(cost, PictureLimits(self._max_px, self._max_s, cost, path))
 
     def check_preview(self, picture: PictureSettings) -> PictureLimits:
-        """Return the limits of a picture that is drawn in the time that it is given. Raises `SettingsError`: too many pixels."""
+        """Return the limits of a preview, drawn in the time that it is given. Raises `SettingsError`: it has too many pixels."""
         path = _path_of(picture)
         check_pixels(picture.width, picture.height, self._max_px, path)
         return PictureLimits(self._max_px, path=path)

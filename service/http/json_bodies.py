@@ -9,7 +9,8 @@ from typing import Any
 MAX_KEYS = 20_000
 """Keys of one object: each that a model does not know costs the event loop an error of its own."""
 MAX_VALUES = 200_000
-"""Values of one text, by its commas and opening brackets: they are read on the event loop. Large requests are large strings."""
+"""Values of one text, by its commas and opening brackets, those in strings too: it is read on the event loop. What is large in a
+valid request is a file in base64, which has none."""
 _MARKS = b",[{"
 
 

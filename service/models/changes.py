@@ -209,7 +209,10 @@ class SetSettingTangents(Model):
 
 
 class SimplifySetting(Model):
-    """Replace the keys of a camera's setting, such as those of an imported curve, by few that make nearly the same curve."""
+    """Replace the keys of a camera's setting, such as those of an imported curve, by fewer that make nearly the same curve.
+
+    An edit has at most one for each setting. Where there are no fewer, the keys stay.
+    """
 
     model_config = shown_as({"type": "simplifySetting", "setting": "focusDistanceM", "tolerance": 0.02})
 
@@ -217,7 +220,7 @@ class SimplifySetting(Model):
     setting: KeyedSetting
     tolerance: float = Field(
         default=0.02,
-        gt=0,
+        ge=1e-4,
         lt=1,
         description="How far the curve may be off: a share of the value for distances, f-numbers and the like, else of the span "
         "of the values.",

@@ -62,8 +62,11 @@ class PictureCost:
         return cls(picture.engine, work, factor)
 
     def with_height(self, height: int) -> PictureCost:
-        """Return the cost of the same picture of another height, px."""
-        return replace(self, work=replace(self.work, height=height))
+        """Return the cost of the same picture of another height, px, in an ordinary shot.
+
+        What is learned of a shot includes the shape of its pictures already.
+        """
+        return replace(self, work=replace(self.work, height=height), factor=1.0)
 
     @property
     def ordinary_s(self) -> float:
@@ -87,7 +90,7 @@ class PictureLimits:
     Attributes:
         max_px: limit of width times height.
         max_s: limit of the expected processor time, s.
-        cost: what the picture is expected to cost; None for one that is drawn in the time that it is given.
+        cost: what the picture is expected to cost; None for a preview, which is drawn in the time that it is given.
         path: where its settings come from, for the messages.
     """
 

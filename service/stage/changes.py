@@ -8,6 +8,7 @@ shown in a live picture. They raise the errors of the shot's own edits: `CameraE
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import singledispatch
@@ -106,8 +107,12 @@ def apply_changes(camera: EditedCamera, changes: Sequence[Change]) -> list[Outco
         changes: changes whose picture positions were replaced by anchors (`service.models.changes.anchor_spots`).
 
     Raises:
-        PullfocusError: a change cannot be applied; among several, the message begins with its number.
+        PullfocusError: a change cannot be applied; among several, the message begins with its number. Or a setting is simplified
+            more than once.
     """
+    simplified = Counter(change.setting for change in changes if isinstance(change, SimplifySetting))
+    if simplified and max(simplified.values()) > 1:  # each takes a while
+        raise SettingsError("an edit simplifies a setting once at most", path="changes")
     return [_apply_numbered(change, camera, number, len(changes)) for number, change in enumerate(changes, 1)]
 
 

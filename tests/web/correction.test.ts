@@ -1,5 +1,6 @@
-import { correct, isDense } from "@/model/correction";
+import { correct, isDense, recorrect } from "@/model/correction";
 import type { Changes } from "@/model/changes";
+import { MOST_CHANGES } from "@/model/key_lanes";
 import type { Key, KeyedSetting } from "@/model/keys";
 import { valueAt } from "@/model/spline";
 
@@ -49,12 +50,39 @@ describe("a correction", () => {
     const steps = bent.slice(1).map((key, i) => Math.abs(1 / key.value - 1 / (bent[i]?.value ?? 1)));
     expect(Math.max(...steps)).toBeLessThan(0.2 * Math.abs(1 / 4 - 1 / 2.8));
   });
+});
 
-  it("of another setting is bent as it is", () => {
+describe("the size of a correction", () => {
+  it("of an f-number is in stops, and of an angle in degrees", () => {
     const keys = dense(() => 4);
-    const bent = after(keys, correct({ setting: "fStop", keys, time: 40, value: 5 }, 10));
-    expect(valueAt(bent, 45)).toBeCloseTo(4 + 0.75 ** 2);
+    const bent = after(keys, correct({ setting: "fStop", keys, time: 40, value: 8 }, 10));
+    expect(valueAt(bent, 45)).toBeCloseTo(4 * 2 ** (0.75 ** 2));
     expect([valueAt(bent, 30), valueAt(bent, 50)]).toEqual([4, 4]);
+    const tilted = after(keys, correct({ setting: "tiltDeg", keys, time: 40, value: -1 }, 10));
+    expect(valueAt(tilted, 45)).toBeCloseTo(4 - 5 * 0.75 ** 2);
+  });
+
+  it("beside a jump stays above 0", () => {
+    const keys = dense((time) => (time < 25 ? 2.8 : 16));
+    const bent = after(keys, correct({ setting: "fStop", keys, time: 26, value: 2.8 }, 12));
+    expect(Math.min(...bent.map(({ value }) => value))).toBeGreaterThan(0.4);
+  });
+});
+
+describe("a correction that is sent", () => {
+  it("of very many keys bends as many as an edit takes", () => {
+    const halves = dense(() => 4).flatMap((key) => [key, { ...key, time: key.time + 0.5 }]);
+    const changes = recorrect({ setting: "fStop", keys: halves, time: 40, value: 5 }, 100, 90);
+    expect(changes.length).toBeGreaterThan(100);
+    expect(changes.length).toBeLessThanOrEqual(MOST_CHANGES);
+  });
+
+  it("that is made again less widely sets what is beyond back", () => {
+    const keys = dense((time) => 2 + time / 50);
+    const correction = { setting: DISTANCE, keys, time: 40, value: 4 };
+    const wide = after(keys, correct(correction, 12));
+    expect(after(wide, recorrect(correction, 12, 5))).toEqual(after(keys, correct(correction, 5)));
+    expect(after(wide, recorrect(correction, 12, 20))).toEqual(after(keys, correct(correction, 20)));
   });
 
   it("turns handles with the curve", () => {

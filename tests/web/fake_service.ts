@@ -65,6 +65,8 @@ export class FakeService implements Partial<Service> {
   /** State that answers have; null as where the service could not read any. */
   state: Omit<EditResult, "history" | "simplified"> | null = null;
   simplified: EditResult["simplified"] = [];
+  /** The gesture of each edit. */
+  readonly gestures: string[] = [];
   /** Keys of the camera's focus settings. */
   keyed: Keyed = {};
   /** Called for each edit, before it is made; a test may hold it up. */
@@ -85,8 +87,9 @@ export class FakeService implements Partial<Service> {
     return this.#states[this.#now]?.done ?? [];
   }
 
-  async edit(_: View, { label, changes }: Edit): Promise<EditResult> {
+  async edit(_: View, { label, gesture, changes }: Edit): Promise<EditResult> {
     await this.gate();
+    this.gestures.push(gesture ?? "");
     if (changes.some(({ type }) => type === this.failing))
       throw errorOf(500, { code: "broken", detail: `no ${String(this.failing)}` });
     this.made.push(changes);

@@ -259,9 +259,44 @@ it("keys that are simplified are edited in one change, and those that are left a
   expect(session.document.simplified.value).toBeNull();
 });
 
+it("keys that were dragged and put back follow the service again", async () => {
+  const { fake, session } = await opened();
+  const stack = stackAt(session, 10);
+  session.keys.select([stack]);
+  const drag = session.keys.drag(stack);
+  drag.move({ by: 3, reach: null });
+  drag.cancel();
+  fake.points = [point("pip", { weight: { 1: 1, 10: 0.33, 20: 1 } })];
+  session.document.refresh();
+  await turn();
+  expect(session.keys.shownAs(stackAt(session, 10)).keys[0]?.key.value).toBe(0.33);
+});
+
+it("keys that are selected again while they are moved go on from where they go", async () => {
+  const { fake, session } = await opened();
+  const stack = stackAt(session, 10);
+  session.keys.select([stack]);
+  const first = session.keys.drag(stack).commit({ by: 2, reach: null });
+  session.keys.select([stack]);
+  expect(session.keys.shownAs(stack).time).toBe(12);
+  nowAt(fake, 1, 14, 20);
+  await Promise.all([first, session.keys.drag(stack).commit({ by: 2, reach: null })]);
+  expect(fake.made[1]).toMatchObject([{ time: 12 }, { key: { time: 14 } }]);
+});
+
+it("a key that is added is selected once it is there", async () => {
+  const { fake, session } = await opened();
+  nowAt(fake, 1, 10, 15, 20);
+  await session.keys.add({ point: "pip", attribute: "weight" }, { time: 15, value: 0.5, interpolation: "auto" });
+  await turn();
+  expect(fake.made[0]).toMatchObject([{ type: "keyPoint", name: "pip", key: { time: 15, value: 0.5 } }]);
+  expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([15]);
+});
+
 describe("copied keys", () => {
   it("are set from the playhead on, and selected", async () => {
     const { fake, session } = await opened();
+    await session.keys.paste(); // nothing
     session.keys.select([stackAt(session, 10), stackAt(session, 20)]);
     session.keys.copy();
     session.playhead.goTo(40);
@@ -270,12 +305,6 @@ describe("copied keys", () => {
     await turn();
     expect(fake.made[0]).toMatchObject([{ key: { time: 40, value: 0 } }, { key: { time: 50, value: 1 } }]);
     expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([40, 50]);
-  });
-
-  it("that there are none of change nothing", async () => {
-    const { fake, session } = await opened();
-    await session.keys.paste();
-    expect(fake.made).toEqual([]);
   });
 });
 

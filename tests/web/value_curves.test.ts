@@ -89,6 +89,12 @@ describe("a value that is dragged", () => {
     expect(raisedValue(ring, 1, by, snapTargets(distance, ring, [2.345]), 0.03)).toBe(2.345);
   });
 
+  it("may go to infinity on a ring", () => {
+    const distance = curveOf("focusDistanceM", key(1, 2), key(9, 0));
+    const [owned] = distance.keys.map((one) => one.owned);
+    expect(owned && raise(distance, () => Infinity)(owned).key.value).toBe(100_000);
+  });
+
   it("stays within its slider, and takes other curves' keys nowhere", () => {
     const lanes = lanesOf([], [point("pip", { weight: { 1: 0.5 }, blur: { 1: 0.02 } })]);
     const [weight] = curvesOf(lanes);

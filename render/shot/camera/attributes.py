@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pxr import Sdf, Usd
@@ -21,8 +21,9 @@ from render.shot.times import check_reading_time
 from usd_schemas import Key, LensCamera
 from usd_schemas.applying import applied
 from usd_schemas.binding import property_values
-from usd_schemas.curves import author_splines
-from usd_schemas.keys import keys, remove_key, set_key, takes_spline
+from usd_schemas.curve_fit import fit_knots
+from usd_schemas.curves import spline_from_knots
+from usd_schemas.keys import author_spline, keys, remove_key, set_key, takes_spline
 from usd_schemas.settings.setting import Setting
 from usd_schemas.settings.tables import LENS_SETTINGS, SETTINGS
 from usd_schemas.units import tenths_from_mm, units_from_metres
@@ -31,8 +32,10 @@ from usd_schemas.values import read_value
 FLT_MIN = 1.17549435e-38
 """The smallest normal 32-bit float, USD's type of these settings."""
 _LABELS = {"f_stop": "f-number"}
+MIN_TOLERANCE = 1e-4
+"""Least tolerance of a simplified curve: values have some seven digits."""
 MAX_SAMPLES = 20_000
-"""Frames and keys of a curve that is simplified."""
+"""Most frames and keys together of a curve that may be simplified."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class Simplified:
     Attributes:
         before: keys that there were.
         after: keys that there are.
-        off: how far the curve is off at most, at whole frames and at the former keys, as a share like the tolerance.
+        off: largest error of the curve at whole frames and at the former keys, as a share like the tolerance.
     """
 
     before: int
@@ -136,40 +139,54 @@ class CameraAttribute:
         remove_key(self.usd, time)
 
     def simplify(self, tolerance: float) -> Simplified:
-        """Replace its keys by few that make nearly the same curve, in the stage's edit target.
+        """Replace its keys by fewer that make nearly the same curve, in the stage's edit target; without fewer, they stay.
 
         Args:
             tolerance: how far the curve may be off, as a share: of the value where the setting is measured by ratios, as
                 distances and f-numbers are, else of the span of the values.
 
         Raises:
-            SettingsError: the tolerance is no share, there are fewer than three keys, or they make no curve.
+            SettingsError: the tolerance is not from `MIN_TOLERANCE` to below 1, there are fewer than three keys, or they make no
+                curve.
         """
         old, name = self.keys(), setting_label(self.name)
-        if not 0 < tolerance < 1:
-            raise SettingsError(
-                f"the tolerance must be a share above 0 and below 1, got {tolerance:g}", path="tolerance"
-            )
+        if not MIN_TOLERANCE <= tolerance < 1:
+            detail = f"the tolerance must be a share from {MIN_TOLERANCE:g} to below 1, got {tolerance:g}"
+            raise SettingsError(detail, path="tolerance")
         if len(old) < 3:
             raise SettingsError(f"the {name} has {len(old)} keys, which are few already", code="no_curve")
         if not takes_spline(self.usd) or any(key.interpolation == "held" for key in old[:-1]):
-            raise SettingsError(f"the {name} has keys that hold, which make no curve to simplify", code="no_curve")
+            raise SettingsError(
+                f"the {name} holds its value from key to key, which is no curve to simplify", code="no_curve"
+            )
+        former = self.usd.GetSpline() if self.usd.HasSpline() else None
+        if former is not None and former.HasLoops():
+            raise SettingsError(f"the curve of the {name} has loops, which would be lost", code="no_curve")
         times = _sampled_times([key.time for key in old], name)
         values = np.array([self.usd.Get(float(time)) for time in times], np.float64)
-        by_ratio = self.setting.slider is not None and self.setting.slider.scale != "linear" and (values > 0).all()
-        size = np.abs(values) if by_ratio else np.full(len(times), max(np.ptp(values), np.finfo(np.float32).tiny))
-        prim = self.camera.prim
-        with self._schema():
-            splines = author_splines(
-                prim.GetStage(),
-                str(prim.GetPath()),
-                times,
-                {self.setting.usd: values},
-                {self.setting.usd: tolerance * size},
+        if not np.isfinite(values).all():
+            raise SettingsError(
+                f"the {name} has times without a value, which make no curve to simplify", code="no_curve"
             )
-        spline = splines[self.setting.usd]
+        size = self._size_of(values)
+        value_type: Literal["float", "double"] = "double" if str(self.usd.GetTypeName()) == "double" else "float"
+        spline = spline_from_knots(fit_knots(times, values, tolerance * size), value_type)
+        if len(spline.GetKnots()) >= len(old):
+            return Simplified(len(old), len(old), 0.0)
+        if former is not None:
+            spline.SetPreExtrapolation(former.GetPreExtrapolation())
+            spline.SetPostExtrapolation(former.GetPostExtrapolation())
+        with self._schema():
+            author_spline(self.usd, spline)
         off = max(abs(spline.Eval(time) - value) / most for time, value, most in zip(times, values, size, strict=True))
         return Simplified(len(old), len(spline.GetKnots()), off)
+
+    def _size_of(self, values: DoubleArray) -> DoubleArray:
+        """Return what an error of each value is a share of."""
+        slider = self.setting.slider
+        if slider is not None and slider.scale != "linear" and (values > 0).all():
+            return values
+        return np.full(len(values), max(float(np.ptp(values)), float(np.finfo(np.float32).tiny)))
 
     @property
     def _units(self) -> float:

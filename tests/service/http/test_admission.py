@@ -151,6 +151,16 @@ def test_a_picture_is_judged_again_in_the_shape_of_its_gate():
     assert (dear.value.code, large.value.code) == ("too_costly", "too_many_pixels")
 
 
+def test_the_shape_of_a_gate_is_counted_once():
+    admission, picture = admission_of(600), FrameQuery(time=1, width=1280, rays=400)
+    tall_s = admission.check("tall", picture).cost.with_height(2276).expected_s
+    for _ in range(8):
+        admission.learn(finished("tall", tall_s, PictureCost.of(picture).ordinary_s))
+    cost = admission.check("tall", picture).cost
+    assert cost.expected_s == pytest.approx(tall_s, rel=0.05)
+    assert cost.with_height(2276).expected_s == tall_s
+
+
 def test_a_preview_is_judged_by_its_pixels_alone():
     admission = Admission(600, max_px=1000)
     admission.check_preview(query(width=100, height=10, rays=10**9)).check(100, 10)

@@ -1,13 +1,19 @@
 /** Corrections of dense curves: a value that is set at a frame bends the curve around it, as widely as the person says. */
 
 import { computed, signal } from "@preact/signals";
-import { correct, type Correction } from "../model/correction";
+import { correct, recorrect, type Correction } from "../model/correction";
 import type { Key, KeyedSetting } from "../model/keys";
 import type { Drag, ShotDocument } from "./document";
+
+/** Reads the keys of a setting as the service has them now. */
+export type ReadKeys = (setting: KeyedSetting) => Promise<readonly Key[]>;
 
 /** A correction that has been made. */
 interface Made extends Correction {
   readonly label: string;
+  readonly gesture: string;
+  /** How far it reaches, frames. */
+  readonly width: number;
   /** The revision that it led to. */
   readonly revision: number;
 }
@@ -16,16 +22,21 @@ export class Corrections {
   /** How far a correction reaches before and after its frame, frames. */
   readonly width = signal(12);
   readonly #document: ShotDocument;
+  readonly #read: ReadKeys;
   readonly #made = signal<Made | null>(null);
+  #count = 0;
 
-  constructor(document: ShotDocument) {
+  constructor(document: ShotDocument, read: ReadKeys) {
     this.#document = document;
+    this.#read = read;
   }
 
-  /** The last edit, where it was a correction; its width can still be changed. */
-  readonly last = computed(() =>
-    this.#made.value?.revision === this.#document.revision.value ? this.#made.value : null,
-  );
+  /** The last edit, where it was a correction and no other is under way; its width can still be changed. */
+  readonly last = computed(() => {
+    const { revision, pending } = this.#document;
+    const made = this.#made.value;
+    return made?.revision === revision.value && pending.value === 0 ? made : null;
+  });
 
   /** Starts a drag of the value that a curve is to have at a time. */
   drag(label: string, setting: KeyedSetting, keys: readonly Key[], time: number): Drag<number> {
@@ -34,19 +45,34 @@ export class Corrections {
     return { ...drag, commit: (value) => void this.#make(label, to(value)) };
   }
 
-  /** Makes the last correction again, more or less widely. */
+  /** Makes the last correction again, more or less widely, as a part of its step of undo. */
   async widen(width: number): Promise<void> {
     const last = this.last.peek();
     this.width.value = width;
-    if (last && (await this.#document.undo())) await this.#make(last.label, last);
+    if (!last) return;
+    const changes = recorrect(last, last.width, width);
+    if (await this.#document.edit(last.label, changes, undefined, last.gesture))
+      this.#made.value = { ...last, width, revision: this.#document.revision.peek() };
   }
 
-  async #make(label: string, correction: Correction): Promise<void> {
+  async #make(label: string, shown: Correction): Promise<void> {
     const document = this.#document;
-    const changes = correct(correction, this.width.peek());
-    document.unsaved.value = changes;
-    const edited = document.edit(label, changes, changes);
+    const width = this.width.peek();
+    this.#count += 1;
+    const gesture = `correction ${Date.now().toString(36)} ${this.#count.toString()}`;
+    let correction = shown;
+    const unsaved = correct(shown, width);
+    // Where other edits are under way, they may be of the same curve.
+    const changes =
+      document.pending.peek() === 0
+        ? unsaved
+        : async () => {
+            correction = { ...shown, keys: await this.#read(shown.setting) };
+            return correct(correction, width);
+          };
+    document.unsaved.value = unsaved;
+    const edited = document.edit(label, changes, unsaved, gesture);
     document.dragging.value = false;
-    if (await edited) this.#made.value = { ...correction, label, revision: document.revision.peek() };
+    if (await edited) this.#made.value = { ...correction, label, gesture, width, revision: document.revision.peek() };
   }
 }

@@ -207,8 +207,14 @@ export class ShotDocument {
    *
    * @param changes of the edit; a function where something has to be read for them, once the edits before it are made.
    * @param unsaved changes that the picture shows until the edit is applied.
+   * @param gesture names a gesture: its edits, one after the other, are one step of undo.
    */
-  edit(label: string, changes: Changes | (() => Promise<Changes>), unsaved?: Changes): Promise<boolean> {
+  edit(
+    label: string,
+    changes: Changes | (() => Promise<Changes>),
+    unsaved?: Changes,
+    gesture?: string,
+  ): Promise<boolean> {
     if (this.#isRefused()) return Promise.resolve(false);
     if (typeof changes !== "function" && changes.length === 0) {
       if (unsaved) this.endPreview();
@@ -218,12 +224,12 @@ export class ShotDocument {
     const withCurve = frameCount(this.shot.range) <= MOST_CURVE_FRAMES;
     const task = async (): Promise<TimedResult> => {
       const known = typeof changes === "function" ? await changes() : changes;
-      const result = await this.#service.edit(this.view, { label, changes: known, time, withCurve });
+      const result = await this.#service.edit(this.view, { label, gesture, changes: known, time, withCurve });
       this.history.value = result.history;
       this.simplified.value = result.simplified[0] ?? null;
       return { ...result, time };
     };
-    return this.#inTurn(task, () => void this.edit(label, changes), unsaved);
+    return this.#inTurn(task, () => void this.edit(label, changes, undefined, gesture), unsaved);
   }
 
   /** Undoes the last edit, unless another editor has edited since the history was read. */

@@ -1,6 +1,6 @@
 /** The keys of an open shot in lanes: which are selected, and the gestures on them. Each gesture is one edit. */
 
-import { batch, computed, signal } from "@preact/signals";
+import { batch, computed, effect, signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
 import {
   holdShift,
@@ -10,7 +10,6 @@ import {
   MOST_CHANGES,
   movedStack,
   pasteKeys,
-  isSameOwner,
   labelOf,
   laneOf,
   removeStacks,
@@ -18,6 +17,7 @@ import {
   setKey,
   shaped,
   snapShift,
+  stackId,
   stretched,
   valued,
   type KeyOwner,
@@ -27,7 +27,8 @@ import {
 } from "../model/key_lanes";
 import type { Key, KeyedSetting } from "../model/keys";
 import type { FocusMode } from "../model/shot";
-import { formatFrame, sameTime } from "../model/time";
+import { formatFrame } from "../model/time";
+import { curvesOf } from "../model/value_curves";
 import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
@@ -101,6 +102,18 @@ export class KeyEditing {
   /** Id of the curve that is drawn in place of the focus curve; null for none. */
   readonly graphed = signal<string | null>(null);
 
+  /** The curves of the keys. */
+  readonly curves = computed(() => curvesOf(this.lanes.value));
+
+  /** The curve that is drawn, as the service has it and as it is shown; null for the focus curve. */
+  readonly graph = computed(() => {
+    const saved = this.curves.value.find(({ id }) => id === this.graphed.value);
+    if (!saved) return null;
+    const lanes = this.lanes.value.filter(({ id }) => saved.keys[0]?.stack.lane === id);
+    const shown = curvesOf(lanes, (stack) => this.shownAs(stack)).find(({ id }) => id === saved.id);
+    return { saved, shown: shown ?? saved };
+  });
+
   readonly selectedStacks = computed<readonly KeyStack[]>(() => {
     const selected = this.selected.value;
     return this.lanes.value.flatMap(({ stacks }) => stacks).filter(({ id }) => selected.has(id));
@@ -118,8 +131,11 @@ export class KeyEditing {
 
   /** Selects stacks in place of others; with `adds`, beside them, or no longer where all of them are selected. */
   select(stacks: readonly KeyStack[], adds = false): void {
-    this.#forgetPending();
     const ids = idsOf(stacks);
+    const underWay = this.#pending?.of;
+    // Edits of these very stacks may be under way: they are shown as they are to be.
+    if (!adds && underWay?.length === ids.length && ids.every((id) => underWay.includes(id))) return;
+    this.#forgetPending();
     const before = this.selected.value;
     if (!adds) this.selected.value = new Set(ids);
     else if (ids.every((id) => before.has(id)))
@@ -179,7 +195,8 @@ export class KeyEditing {
         return (await this.#apply(label, base, after(shift))) ? from + snapped(shift) : null;
       },
       cancel: () => {
-        this.#show(base, stacks);
+        if (this.#pending === base) this.#show(base, stacks);
+        else this.#shown.value = ALL_AS_SAVED;
         document.endPreview();
       },
     };
@@ -197,10 +214,8 @@ export class KeyEditing {
   /** Adds a key, or replaces the one at its time, and selects it. */
   async add(owner: KeyOwner, key: Key): Promise<void> {
     this.clear();
-    if (!(await this.#edit(`Add the key at ${formatFrame(key.time)}`, setKey(owner, key, this.#mode)))) return;
-    const has = (stack: KeyStack): boolean =>
-      sameTime(stack.time, key.time) && stack.keys.some((owned) => isSameOwner(owned.owner, owner));
-    if (this.selected.value.size === 0) this.select(this.lanes.value.flatMap(({ stacks }) => stacks.filter(has)));
+    const isMade = await this.#edit(`Add the key at ${formatFrame(key.time)}`, setKey(owner, key, this.#mode));
+    if (isMade && this.selected.value.size === 0) this.selected.value = new Set([stackId(laneOf(owner), key.time)]);
   }
 
   /** Keeps the selected keys for `paste`. */
@@ -215,13 +230,10 @@ export class KeyEditing {
     const time = this.#parts.playhead.time.peek();
     const changes = pasteKeys(copied, time, this.#mode);
     this.clear();
-    if (!(await this.#edit(`Paste ${copied.length.toString()} keys`, changes)) || this.selected.value.size > 0) return;
+    const isMade = await this.#edit(`Paste ${copied.length.toString()} keys`, changes);
+    if (!isMade || this.selected.value.size > 0) return;
     const by = time - Math.min(...copied.map(({ key }) => key.time));
-    const isPasted = (stack: KeyStack): boolean =>
-      stack.keys.some(({ owner, key }) =>
-        copied.some((one) => isSameOwner(one.owner, owner) && sameTime(one.key.time + by, key.time)),
-      );
-    this.select(this.lanes.value.flatMap(({ stacks }) => stacks.filter(isPasted)));
+    this.selected.value = new Set(copied.map(({ owner, key }) => stackId(laneOf(owner), key.time + by)));
   }
 
   /** Turns the selected keys round in time. */
@@ -246,8 +258,15 @@ export class KeyEditing {
     const label = `Simplify the ${labelOf({ setting }).toLowerCase()}`;
     const isMade = await this.#edit(label, [{ type: "simplifySetting", setting, tolerance }]);
     if (!isMade || this.selected.value !== before) return;
-    const lane = this.lanes.value.find(({ id }) => id === laneOf(setting));
-    this.select(lane?.stacks ?? []);
+    const stop = effect(() => {
+      if (!this.#parts.document.fresh.value) return;
+      queueMicrotask(() => {
+        stop();
+        if (this.selected.peek() !== before) return;
+        const lane = this.lanes.peek().find(({ id }) => id === laneOf({ setting }));
+        this.select(lane?.stacks ?? []);
+      });
+    });
   }
 
   async remove(): Promise<void> {

@@ -98,7 +98,10 @@ export class Session {
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, fail);
-    this.corrections = new Corrections(this.document);
+    this.corrections = new Corrections(this.document, async (setting) => {
+      const { keys } = await readSetting(service, this.document.view, setting, this.playhead.time.peek());
+      return keys[setting] ?? [];
+    });
     this.#stop = this.#follow();
   }
 

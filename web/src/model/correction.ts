@@ -1,7 +1,7 @@
 /** Corrections of a dense curve, such as an imported or recorded one: a value that is wanted at a frame bends the curve around it. */
 
 import { FAR_AWAY_M, type Changes } from "./changes";
-import { inverse } from "./distance";
+import { sliderOf } from "./key_lanes";
 import type { Key, KeyedSetting } from "./keys";
 import { valueAt } from "./spline";
 import { sameTime } from "./time";
@@ -16,9 +16,10 @@ export interface Correction {
   readonly value: number;
 }
 
-/** Most frames to each side: each key in them is a change of the edit. */
+/** Most frames to each side. */
 export const MOST_BENT = 100;
-
+/** Most keys that are bent, which an edit has room for twice: where they were, and where they are. */
+const MOST_KEYS = 120;
 /** How near the keys on both sides of a dense curve's frame are, frames. */
 const DENSE = 2.5;
 
@@ -30,26 +31,38 @@ export function isDense(keys: readonly Key[], time: number): boolean {
   return isNear(-1) && isNear(1);
 }
 
-/**
- * Bends a dense curve to a value: most where it is wanted, and less and less up to `width` frames before and after. Distances are
- * bent as a focus ring turns, in their inverse.
- */
-export function correct({ setting, keys, time, value }: Correction, width: number): Changes {
-  const ring = setting === "focusDistanceM";
-  const wanted = ring ? Math.min(value, FAR_AWAY_M) : value;
-  const to = ring ? inverse : same;
-  const by = to(wanted) - to(valueAt(keys, time) ?? wanted);
-  const bent = keys
-    .filter((key) => Math.abs(key.time - time) < width && !sameTime(key.time, time))
-    .map((key) => bendKey(key, (key.time - time) / width, by, width, ring));
-  const own = keys.find((key) => sameTime(key.time, time)) ?? keys.findLast((key) => key.time < time);
-  const at: Key =
-    own && sameTime(own.time, time)
-      ? { ...own, value: wanted }
-      : { time, value: wanted, interpolation: shapeAfter(own) };
-  return [...bent, at]
-    .toSorted((a, b) => a.time - b.time)
-    .map((key): Changes[number] => ({ type: "keySetting", setting, key }));
+/** Bends a dense curve to a value: most where it is wanted, and less and less up to `width` frames before and after. */
+export function correct(correction: Correction, width: number): Changes {
+  return toChanges(correction.setting, bent(correction, width));
+}
+
+/** Bends a curve that a correction has bent already, as if that one had been of another width. */
+export function recorrect(correction: Correction, before: number, width: number): Changes {
+  const wanted = bent(correction, width);
+  const old = bent(correction, before).flatMap(
+    ({ time }) => correction.keys.find((key) => sameTime(key.time, time)) ?? [],
+  );
+  const restored = old.filter(({ time }) => !wanted.some((key) => sameTime(key.time, time)));
+  return toChanges(correction.setting, [...restored, ...wanted]);
+}
+
+function toChanges(setting: KeyedSetting, keys: readonly Key[]): Changes {
+  return keys.toSorted((a, b) => a.time - b.time).map((key): Changes[number] => ({ type: "keySetting", setting, key }));
+}
+
+/** The keys that a correction sets. */
+function bent({ setting, keys, time, value }: Correction, width: number): Key[] {
+  const scale = scaleOf(setting, [...keys.map((key) => key.value), value]);
+  const wanted = setting === "focusDistanceM" ? Math.min(value, FAR_AWAY_M) : value;
+  const by = scale.to(wanted) - scale.to(valueAt(keys, time) ?? wanted);
+  const others = keys.filter((key) => !sameTime(key.time, time));
+  const farthest = others.map((key) => Math.abs(key.time - time)).toSorted((a, b) => a - b)[MOST_KEYS];
+  const reach = Math.min(width, farthest ?? width);
+  const near = others.filter((key) => Math.abs(key.time - time) < reach);
+  const own = keys.find((key) => sameTime(key.time, time));
+  const before = keys.findLast((key) => key.time < time);
+  const at: Key = own ? { ...own, value: wanted } : { time, value: wanted, interpolation: shapeAfter(before) };
+  return [...near.map((key) => bendKey(key, (key.time - time) / reach, by, reach, scale)), at];
 }
 
 /** A new key's interpolation after another one: a copy of its handles would not fit. */
@@ -57,21 +70,38 @@ function shapeAfter(key: Key | undefined): Key["interpolation"] {
   return key === undefined || key.interpolation === "bezier" ? "auto" : key.interpolation;
 }
 
-function same(value: number): number {
-  return value;
+/** What a value is bent in: distances in their inverse, as a focus ring turns, and f-numbers and the like in stops. */
+interface BendScale {
+  readonly to: (value: number) => number;
+  readonly from: (bent: number) => number;
+  /** Change of `to` for a small change of the value. */
+  readonly slope: (value: number) => number;
+}
+
+const PLAIN: BendScale = { to: (value) => value, from: (value) => value, slope: () => 1 };
+const STOPS: BendScale = { to: Math.log, from: Math.exp, slope: (value) => 1 / value };
+const RING: BendScale = {
+  to: (value) => 1 / value,
+  from: (w) => 1 / Math.max(w, 1 / FAR_AWAY_M),
+  slope: (value) => -1 / (value * value),
+};
+
+function scaleOf(setting: KeyedSetting, values: readonly number[]): BendScale {
+  const scale = sliderOf({ setting })?.scale ?? "linear";
+  if (scale === "linear" || values.some((value) => value <= 0)) return PLAIN;
+  return scale === "ring" ? RING : STOPS;
 }
 
 /**
  * @param u place of the key from -1 to 1 over the width of the correction.
- * @param by the correction at its middle, in the inverse of distances.
+ * @param by the correction at its middle, in the scale.
  */
-function bendKey(key: Key, u: number, by: number, width: number, ring: boolean): Key {
+function bendKey(key: Key, u: number, by: number, width: number, scale: BendScale): Key {
   const [share, turn] = [(1 - u * u) ** 2, (-4 * u * (1 - u * u)) / width];
-  const value = ring ? 1 / Math.max(1 / key.value + by * share, 1 / FAR_AWAY_M) : key.value + by * share;
+  const value = scale.from(scale.to(key.value) + by * share);
   const { tangents } = key;
   if (key.interpolation !== "bezier" || !tangents) return { ...key, value };
-  const slope = (before = 0): number =>
-    ring ? value * value * (before / (key.value * key.value) - by * turn) : before + by * turn;
+  const slope = (before = 0): number => (scale.slope(key.value) * before + by * turn) / scale.slope(value);
   return {
     ...key,
     value,

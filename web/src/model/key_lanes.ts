@@ -62,7 +62,7 @@ export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[]):
     ...settings.map(([name, keys]): KeyLane => {
       const owner: KeyOwner = { setting: name as KeyedSetting };
       return lane(
-        laneOf(name),
+        laneOf(owner),
         labelOf(owner),
         null,
         keys.map((key) => ({ owner, key })),
@@ -77,9 +77,9 @@ export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[]):
   ];
 }
 
-/** The id of the lane of a setting of the camera. */
-export function laneOf(setting: string): string {
-  return `camera ${setting}`;
+/** The id of the lane that has the keys of a setting or attribute. */
+export function laneOf(owner: KeyOwner): string {
+  return "setting" in owner ? `camera ${owner.setting}` : `point ${owner.point}`;
 }
 
 function lane(id: string, label: string, point: string | null, keys: readonly OwnedKey[]): KeyLane {

@@ -46,10 +46,10 @@ function easedSlope(before: Place, key: Place, after: Place): number {
   return Math.sign(slope) * Math.min(Math.abs(slope), 3 * Math.abs(inSlope), 3 * Math.abs(outSlope));
 }
 
-/** The end of a handle; null where the curve on that side of the key has none. */
+/** The end of a handle; null for a key without handles, and where the curve on that side of it is straight or held. */
 export function handleAt(keys: readonly Key[], index: number, side: Side): Place | null {
   const [key, other] = [keys[index], keys[side === "in" ? index - 1 : index + 1]];
-  if (!key || !other || !isCurved(side === "in" ? other : key)) return null;
+  if (!key || !other || !isCurved(key) || !isCurved(side === "in" ? other : key)) return null;
   const tangents = tangentsAt(keys, index);
   if (side === "in")
     return { time: key.time - tangents.inWidth, value: key.value - tangents.inSlope * tangents.inWidth };
@@ -106,7 +106,7 @@ function controlsOf(keys: readonly Key[], index: number, before: Key, after: Key
   ];
 }
 
-/** What USD makes widths smaller by, relative to the segment, to be sure that time does not run backwards. */
+/** Share of the segment by which USD shortens handles, to be sure that time does not run backwards. */
 const PADDING = 1e-5;
 
 /** Widths of the handles of a segment at which time does not run backwards; they keep their ratio, as in USD. */

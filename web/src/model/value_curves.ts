@@ -1,5 +1,6 @@
 /** Keyed values as curves: which there are, the axis that each is drawn on, and what a drag of a key or a handle makes of it. */
 
+import { FAR_AWAY_M } from "./changes";
 import { axisFraction, distanceAxis, formatMark, inverse, type LengthUnit } from "./distance";
 import {
   isSameOwner,
@@ -67,13 +68,11 @@ function nameOf(owner: KeyOwner): string {
 /** Keys in the order of time, without those that a moved one stands in the place of. */
 function withoutReplaced(keys: readonly CurveKey[]): CurveKey[] {
   const isMoved = ({ stack, owned }: CurveKey): boolean => owned.key.time !== stack.time;
-  return keys
-    .filter(
-      (one) =>
-        isMoved(one) ||
-        !keys.some((other) => other !== one && isMoved(other) && sameTime(other.owned.key.time, one.stack.time)),
-    )
-    .toSorted((a, b) => a.owned.key.time - b.owned.key.time);
+  const moved = keys.filter(isMoved);
+  const isReplaced = (one: CurveKey): boolean =>
+    !isMoved(one) && moved.some(({ owned }) => sameTime(owned.key.time, one.owned.key.time));
+  const kept = moved.length > 0 ? keys.filter((one) => !isReplaced(one)) : keys;
+  return kept.toSorted((a, b) => a.owned.key.time - b.owned.key.time);
 }
 
 /** The keys of a curve as a spline has them. */
@@ -91,7 +90,11 @@ export interface ValueAxis {
   readonly ticks: readonly { readonly value: number; readonly label: string }[];
 }
 
+/** Share of an axis that is free above and below its values. */
 const AIR = 0.12;
+/** Distances that a ring's axis tells apart, m. */
+const [NEAREST_M, FARTHEST_M] = [0.01, 1000];
+/** F-numbers in thirds of a stop. */
 const THIRDS = Array.from({ length: 40 }, (_, third) => 2 ** (third / 6 - 1));
 
 /**
@@ -138,8 +141,6 @@ export function valueAxis(curve: ValueCurve, more: readonly number[], unit: Leng
     ticks: ticks.map((value) => ({ value, label: Number(value.toPrecision(3)).toString() })),
   };
 }
-
-const [NEAREST_M, FARTHEST_M] = [0.01, 1000];
 
 function same(value: number): number {
   return value;
@@ -200,7 +201,8 @@ export function raisedValue(
 export function heldValue(owner: KeyOwner, before: number, value: number): number {
   const slider = sliderOf(owner);
   if (!slider) return value;
-  return Math.min(Math.max(value, Math.min(slider.least, before)), Math.max(slider.most, before));
+  const most = slider.scale === "ring" ? FAR_AWAY_M : slider.most;
+  return Math.min(Math.max(value, Math.min(slider.least, before)), Math.max(most, before));
 }
 
 /** Keys of a curve that are raised, and others as they are; for `KeyShift`. */

@@ -208,11 +208,17 @@ export class HttpService implements Service {
     return toPick(await result(this.#client.POST("/v1/shots/{shot}/pick", { params: { path }, body })));
   }
 
-  async edit(view: View, { label, changes, time, withCurve }: Edit): Promise<EditResult> {
+  async edit(view: View, { label, gesture, changes, time, withCurve }: Edit): Promise<EditResult> {
     const tags = this.#tagsOf(view);
     const ifMatch = tags.ifMatch(changes);
     const params = { path: { shot: view.shot }, header: ifMatch === null ? {} : { "if-match": ifMatch } };
-    const body = { ...cameraOf(view), label, changes, answer: { time, curve: withCurve } };
+    const body = {
+      ...cameraOf(view),
+      label,
+      ...(gesture !== undefined && { gesture }),
+      changes,
+      answer: { time, curve: withCurve },
+    };
     tags.turn();
     try {
       const edited = await result(this.#client.POST("/v1/shots/{shot}/edits", { params, body }));

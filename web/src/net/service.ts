@@ -17,6 +17,8 @@ import type { View } from "./view";
 export interface Edit {
   /** Its name in the history. */
   readonly label: string;
+  /** Names one gesture: its edits, one after the other, are one step of undo. */
+  readonly gesture?: string | undefined;
   readonly changes: Changes;
   /** Time code of the state in the answer. */
   readonly time: number;

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom
+from pxr import Ts, Usd, UsdGeom
 
 from render.errors import SettingsError
 from render.shot import Shot
 from tests.render.kits.focus_shot import CAMERA, write_shot
-from usd_schemas import Key
+from usd_schemas import Key, Tangents
 
 FRAMES = np.arange(1, 97)
 
@@ -71,11 +71,41 @@ def test_a_smaller_tolerance_keeps_more_keys(shot):
     assert fine.off <= 0.0005 + 1e-6
 
 
-@pytest.mark.parametrize("tolerance", [0, 1, -0.1, math.nan, math.inf])
+@pytest.mark.parametrize("tolerance", [0, 1, -0.1, 1e-300, math.nan, math.inf])
 def test_a_tolerance_that_is_no_share_is_refused(shot, tolerance):
     key_densely(shot, "f_stop", lambda time: 2.8)
-    with pytest.raises(SettingsError, match="share above 0 and below 1"):
+    with pytest.raises(SettingsError, match="share from 0\\.0001 to below 1"):
         shot.camera.simplify(CAMERA, "f_stop", tolerance)
+
+
+def test_keys_of_which_there_are_no_fewer_stay(shot):
+    tangents = Tangents(0.0, 2.0, 0.5, 4.0)
+    for time, value in ((1, 4.0), (20, 8.0), (60, 3.0)):
+        shot.camera.set_key(CAMERA, "f_stop", Key(time, value, "bezier", tangents))
+    before = shot.camera.keys(CAMERA, "f_stop")
+    found = shot.camera.simplify(CAMERA, "f_stop", 0.001)
+    assert (found.before, found.after, found.off) == (3, 3, 0)
+    assert shot.camera.keys(CAMERA, "f_stop") == before
+
+
+def test_the_curve_goes_on_beyond_its_keys_as_before(shot):
+    key_densely(shot, "f_stop", lambda time: 2.8 + time / 50)
+    attribute = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("fStop")
+    extrapolate(shot, attribute, Ts.ExtrapLinear)
+    before = attribute.Get(120.0)
+    shot.camera.simplify(CAMERA, "f_stop", 0.01)
+    assert attribute.Get(120.0) == pytest.approx(before, rel=0.02)
+    shot.camera.set_key(CAMERA, "f_stop", Key(50.0, 4.0, "linear"))
+    extrapolate(shot, attribute, Ts.ExtrapLoopRepeat)
+    with pytest.raises(SettingsError, match="has loops"):
+        shot.camera.simplify(CAMERA, "f_stop", 0.01)
+
+
+def extrapolate(shot, attribute, mode):
+    spline = attribute.GetSpline()
+    spline.SetPostExtrapolation(Ts.Extrapolation(mode))
+    with shot.edits.transaction("go on"):
+        attribute.SetSpline(spline)
 
 
 def test_what_makes_no_curve_is_refused_with_the_reason(shot):
@@ -83,7 +113,7 @@ def test_what_makes_no_curve_is_refused_with_the_reason(shot):
         shot.camera.simplify(CAMERA, "f_stop", 0.02)
     for time in (1, 5, 9):
         shot.camera.set_key(CAMERA, "f_stop", Key(time, 4.0, "held"))
-    with pytest.raises(SettingsError, match="keys that hold"):
+    with pytest.raises(SettingsError, match="holds its value"):
         shot.camera.simplify(CAMERA, "f_stop", 0.02)
     for time in (1, 1e6, 2e6):
         shot.camera.set_key(CAMERA, "focal_length_mm", Key(time, 50.0, "linear"))

@@ -218,6 +218,7 @@ def test_an_imported_curve_is_simplified_within_a_tolerance(client, shot):
     assert answer["state"]["readout"]["focusDistanceM"] == pytest.approx(2 + 1.44, rel=0.01)
     refused = edit(client, shot, simplify | {"setting": "fStop"})
     assert (refused.status_code, refused.json()["code"]) == (422, "no_curve")
+    assert "once at most" in edit(client, shot, simplify, simplify).json()["detail"]
 
 
 def test_a_metered_exposure_is_keyed_and_black_frames_bridged(client, shot):

@@ -3,7 +3,16 @@
 import type { JSX } from "preact";
 import { SHAPES } from "../../editor/key_actions";
 import type { Session } from "../../editor/session";
-import { isSwitch, labelOf, shapeOfAll, type KeyShape, type OwnedKey } from "../../model/key_lanes";
+import {
+  isSameOwner,
+  isSwitch,
+  labelOf,
+  laneOf,
+  shapeOfAll,
+  type KeyLane,
+  type KeyShape,
+  type OwnedKey,
+} from "../../model/key_lanes";
 import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
 import type { KeyedSetting } from "../../model/keys";
 import { formatFrame } from "../../model/time";
@@ -19,7 +28,7 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
   const first = stacks.toSorted((a, b) => a.time - b.time)[0];
   const [only] = owned;
   const length = first ? Math.max(...stacks.map(({ time }) => time)) - first.time : 0;
-  const setting = manyOf(owned);
+  const setting = manyOf(owned, keys.lanes.value);
   return (
     <div class="key-bar" role="group" aria-label="Selected keys">
       <Edits session={session}>
@@ -95,15 +104,17 @@ function positive(value: number | null): number | null {
   return value !== null && value > 0 ? value : null;
 }
 
-/** The setting that many keys are of; null where they are few, or of several. */
-function manyOf(keys: readonly OwnedKey[]): KeyedSetting | null {
-  const settings = new Set(keys.map(({ owner }) => ("setting" in owner && !isSwitch(owner) ? owner.setting : null)));
-  const [only = null] = settings;
-  return keys.length >= MANY && settings.size === 1 ? only : null;
-}
-
-/** Keys of one setting from which on they can be made fewer. */
+/** Keys of a setting from which on they can be made fewer. */
 const MANY = 3;
+
+/** The setting that these are all keys of; null where they are few, not all of one, or a switch's. */
+function manyOf(keys: readonly OwnedKey[], lanes: readonly KeyLane[]): KeyedSetting | null {
+  const [first] = keys;
+  if (keys.length < MANY || !first || !("setting" in first.owner) || isSwitch(first.owner)) return null;
+  const { owner } = first;
+  const isAll = lanes.find(({ id }) => id === laneOf(owner))?.stacks.length === keys.length;
+  return isAll && keys.every((key) => isSameOwner(key.owner, owner)) ? owner.setting : null;
+}
 
 /** The value of one key; a distance in the unit of the page. */
 function Value({ session, owned, unit }: { session: Session; owned: OwnedKey; unit: LengthUnit }): JSX.Element {

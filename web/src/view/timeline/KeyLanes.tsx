@@ -144,9 +144,9 @@ function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.E
     isRaised: false,
     dragged: ({ right, isFree }) => ({ by: right / axis.perFrame, reach: isFree ? null : SNAP_PX / axis.perFrame }),
     nudged: ({ right }) => ({ by: right, reach: null }),
-    click: () => {
-      keys.select([stack]);
-      playhead.goTo(stack.time);
+    click: (adds) => {
+      keys.select([stack], adds);
+      if (!adds) playhead.goTo(keys.shownAs(stack).time);
     },
     arrived: (at) => {
       // Unless something else has been taken up meanwhile.

@@ -7,12 +7,12 @@ import type { Session } from "../../editor/session";
 import { sampleAt } from "../../model/curve";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { sliderOf, stackId, type KeyOwner } from "../../model/key_lanes";
+import type { Key } from "../../model/keys";
 import { scaleOf } from "../../model/scale";
 import { handleAt, tangentsAt, type Place, type Side } from "../../model/spline";
 import { formatFrame } from "../../model/time";
 import {
   exchange,
-  keysOfCurve,
   raise,
   raisedValue,
   snapTargets,
@@ -28,6 +28,8 @@ interface KnotProps {
   readonly session: Session;
   readonly plot: Plot;
   readonly curve: ValueCurve;
+  /** Its keys. */
+  readonly keys: readonly Key[];
   readonly index: number;
 }
 
@@ -50,9 +52,9 @@ function useKnotGestures(
       reach: null,
       reshape: raise(curve, (value) => stepped(curve.owner, value, -down)),
     }),
-    click: () => {
-      keys.select([stack]);
-      playhead.goTo(stack.time);
+    click: (adds) => {
+      keys.select([stack], adds);
+      if (!adds) playhead.goTo(keys.shownAs(stack).time);
     },
     arrived: (at) => {
       const isOnKnot = document.activeElement?.matches("[data-knot]") ?? false;
@@ -69,17 +71,19 @@ export function Knot({
   session,
   plot,
   curve,
+  keys,
   index,
   entry,
   unit,
-}: KnotProps & { entry: CurveKey; unit: LengthUnit }): JSX.Element {
-  const { keys, playhead } = session;
+  withHandles,
+}: KnotProps & { entry: CurveKey; unit: LengthUnit; withHandles: boolean }): JSX.Element {
+  const { playhead } = session;
   const {
     stack,
     owned: { key },
   } = entry;
   const button = useRef<HTMLButtonElement>(null);
-  const isSelected = keys.selected.value.has(stack.id);
+  const isSelected = session.keys.selected.value.has(stack.id);
   const gestures = useKnotGestures(session, plot, curve, entry, button);
   const says = `${inWords(curve.owner, key.value, unit)}, ${key.interpolation}`;
   return (
@@ -104,22 +108,23 @@ export function Knot({
         onBlur={gestures.onBlur}
         onClick={(event) => {
           if (event.detail > 0) return; // a pointer's, which `useKeyGestures` sees
-          keys.select([stack], event.shiftKey);
-          if (!event.shiftKey) playhead.goTo(stack.time);
+          session.keys.select([stack], event.shiftKey);
+          if (!event.shiftKey) playhead.goTo(key.time);
         }}
       />
       {isSelected &&
+        withHandles &&
         SIDES.map((side) => (
-          <Handle key={side} session={session} plot={plot} curve={curve} index={index} side={side} />
+          <Handle key={side} session={session} plot={plot} curve={curve} keys={keys} index={index} side={side} />
         ))}
     </>
   );
 }
 
-/** The end of a handle; none where the curve beside the key is not curved. */
-function Handle({ session, plot, curve, index, side }: KnotProps & { side: Side }): JSX.Element | null {
+/** The end of a handle; none where the key or the curve beside it is not curved. */
+function Handle({ session, plot, curve, keys, index, side }: KnotProps & { side: Side }): JSX.Element | null {
   const entry = curve.keys[index];
-  const end = handleAt(keysOfCurve(curve), index, side);
+  const end = handleAt(keys, index, side);
   const moved = (to: Place, isBroken: boolean): KeyShift => {
     const changed = withHandle(curve, index, side, to, isBroken);
     return { by: 0, reach: null, ...(changed && { reshape: exchange(curve, changed) }) };
@@ -128,21 +133,14 @@ function Handle({ session, plot, curve, index, side }: KnotProps & { side: Side 
     stack: entry?.stack ?? { id: "", lane: "", time: 0, keys: [] },
     isRaised: true,
     dragged: ({ right, down, isFree }) =>
-      moved(
-        {
-          time: (end?.time ?? 0) + right / plot.time.perFrame,
-          value: plot.axis.value(plot.axis.fraction(end?.value ?? 0) - down / plot.height),
-        },
-        isFree,
-      ),
-    nudged: ({ right, down }) =>
-      moved({ time: (end?.time ?? 0) + right, value: stepped(curve.owner, end?.value ?? 0, -down) }, false),
-    click: () => undefined,
+      moved(endAt(plot, end, right / plot.time.perFrame, -down / plot.height), isFree),
+    nudged: ({ right, down }) => moved(endAt(plot, end, right, -down * HANDLE_STEP), false),
+    click: () => undefined, // not a key, which Shift would add to the selection
     arrived: () => undefined,
   });
   if (!entry || !end) return null;
   const { key } = entry.owned;
-  const { [side === "in" ? "inSlope" : "outSlope"]: slope } = tangentsAt(keysOfCurve(curve), index);
+  const { [side === "in" ? "inSlope" : "outSlope"]: slope } = tangentsAt(keys, index);
   const name = side === "in" ? "before" : "after";
   const length = formatFrame(Math.abs(end.time - key.time));
   return (
@@ -164,6 +162,16 @@ function Handle({ session, plot, curve, index, side }: KnotProps & { side: Side 
       onBlur={gestures.onBlur}
     />
   );
+}
+
+/** Share of the axis that an arrow key moves the end of a handle by. */
+const HANDLE_STEP = 0.02;
+
+/** The end of a handle so many frames later, and so much of the axis higher. */
+function endAt(plot: Plot, end: Place | null, frames: number, up: number): Place {
+  const { time, value } = end ?? { time: 0, value: 0 };
+  // What the axis cannot show is left as it is, unless it is to be changed.
+  return { time: time + frames, value: up === 0 ? value : plot.axis.value(plot.axis.fraction(value) + up) };
 }
 
 /** What a pointer makes of the selected keys: the one under it snaps, and those of the same curve go up and down with it. */

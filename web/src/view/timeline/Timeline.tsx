@@ -5,7 +5,6 @@ import { useCallback, useMemo, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import type { LengthUnit } from "../../model/distance";
-import { curvesOf, type ValueCurve } from "../../model/value_curves";
 import { CurveChart } from "./CurveChart";
 import { followPointer, useSize } from "../hooks";
 import { KeyLanes } from "./KeyLanes";
@@ -93,15 +92,9 @@ interface ChartProps {
 
 /** The focus curve, or the curve of a value that has keys, as is chosen. */
 function Chart(props: ChartProps): JSX.Element {
-  const { keys } = props.session;
-  const saved = curvesOf(keys.lanes.value);
-  const isShown = ({ id }: ValueCurve): boolean => id === keys.graphed.value;
-  const [chosen, shown] = [
-    saved.find(isShown),
-    curvesOf(keys.lanes.value, (stack) => keys.shownAs(stack)).find(isShown),
-  ];
-  if (!chosen || !shown) return <CurveChart {...props} />;
-  return <ValueGraph key={chosen.id} {...props} curve={shown} saved={chosen} />;
+  const graph = props.session.keys.graph.value;
+  if (!graph) return <CurveChart {...props} />;
+  return <ValueGraph key={graph.saved.id} {...props} curve={graph.shown} saved={graph.saved} />;
 }
 
 function Playhead({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {

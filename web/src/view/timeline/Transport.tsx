@@ -5,7 +5,6 @@ import type { Playhead } from "../../editor/playhead";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { formatFrame } from "../../model/time";
-import { curvesOf } from "../../model/value_curves";
 import { MOST_BENT } from "../../model/correction";
 import { Edits } from "../controls/Edits";
 import { TypedNumber } from "../controls/TypedNumber";
@@ -92,14 +91,14 @@ function FrameNumber({ playhead }: { playhead: Playhead }): JSX.Element {
 /** Which curve is drawn: where the focus is, or a value that has keys. */
 function CurveChoice({ session }: { session: Session }): JSX.Element | null {
   const { keys } = session;
-  const curves = curvesOf(keys.lanes.value);
+  const curves = keys.curves.value;
   if (curves.length === 0) return null;
   return (
     <select
       class="curve-choice"
       aria-label="Curve"
       title="The curve that is drawn below"
-      value={curves.some(({ id }) => id === keys.graphed.value) ? (keys.graphed.value ?? "") : ""}
+      value={keys.graph.value?.saved.id ?? ""}
       onChange={({ currentTarget }) => {
         keys.graphed.value = currentTarget.value || null;
       }}

@@ -1,6 +1,6 @@
 /**
- * The curve of one keyed value. A drag moves the selected keys in time and value, and the ends of handles; a double click on the
- * curve adds a key.
+ * The curve of one keyed value. A drag moves the selected keys in time and value, and the ends of handles; a double click adds a key
+ * at its frame, on the curve.
  */
 
 import type { JSX } from "preact";
@@ -8,7 +8,9 @@ import { useMemo, useRef } from "preact/hooks";
 import type { Session } from "../../editor/session";
 import type { LengthUnit } from "../../model/distance";
 import { sliderOf } from "../../model/key_lanes";
+import type { Key } from "../../model/keys";
 import { curveOf, handleAt, valueAt, type Place } from "../../model/spline";
+import { sameTime } from "../../model/time";
 import { keysOfCurve, valueAxis, type ValueCurve } from "../../model/value_curves";
 import { useSize } from "../hooks";
 import { PointTracks } from "./CurveChart";
@@ -28,22 +30,16 @@ interface ValueGraphProps {
 
 const STEPS = 24;
 const ROW_PX = 26;
+/** Selected keys that show their handles: those of more would hide each other. */
+const MOST_WITH_HANDLES = 24;
 
 export function ValueGraph({ session, axis, unit, curve, saved, onScrub }: ValueGraphProps): JSX.Element {
   const box = useRef<HTMLDivElement>(null);
   const { height } = useSize(box);
-  const plot = useMemo<Plot>(() => {
-    const keys = keysOfCurve(saved);
-    const ends = keys.flatMap((_, index) => [handleAt(keys, index, "in"), handleAt(keys, index, "out")]);
-    const more = ends.flatMap((end) =>
-      end && (sliderOf(saved.owner)?.scale === "linear" || end.value > 0) ? [end.value] : [],
-    );
-    const values = valueAxis(saved, more, unit, Math.max(2, Math.floor(height / ROW_PX)));
-    const held = (fraction: number): number => Math.min(Math.max(fraction, -1), 2);
-    return { time: axis, axis: values, height, x: axis.x, y: (value) => (1 - held(values.fraction(value))) * height };
-  }, [saved, unit, height, axis]);
+  const plot = usePlot(saved, unit, height, axis);
   const keys = keysOfCurve(curve);
   const selected = session.keys.selected.value;
+  const withHandles = curve.keys.filter(({ stack }) => selected.has(stack.id)).length <= MOST_WITH_HANDLES;
   return (
     <div
       class="chart graph"
@@ -74,7 +70,7 @@ export function ValueGraph({ session, axis, unit, curve, saved, onScrub }: Value
               <path class="value-line" d={lineOf(keys.length > 0 ? curveOf(keys, STEPS) : [], plot)} />
               {curve.keys.map(
                 ({ stack }, index) =>
-                  selected.has(stack.id) && <Arms key={index} plot={plot} curve={curve} index={index} />,
+                  withHandles && selected.has(stack.id) && <Arms key={index} plot={plot} keys={keys} index={index} />,
               )}
             </g>
           </svg>
@@ -84,15 +80,31 @@ export function ValueGraph({ session, axis, unit, curve, saved, onScrub }: Value
               session={session}
               plot={plot}
               curve={curve}
+              keys={keys}
               index={index}
               entry={entry}
               unit={unit}
+              withHandles={withHandles}
             />
           ))}
         </>
       )}
     </div>
   );
+}
+
+/** The axis stays as it is while keys are dragged. */
+function usePlot(saved: ValueCurve, unit: LengthUnit, height: number, axis: TimeAxis): Plot {
+  return useMemo<Plot>(() => {
+    const keys = keysOfCurve(saved);
+    const ends = keys.flatMap((_, index) => [handleAt(keys, index, "in"), handleAt(keys, index, "out")]);
+    const more = ends.flatMap((end) =>
+      end && (sliderOf(saved.owner)?.scale === "linear" || end.value > 0) ? [end.value] : [],
+    );
+    const values = valueAxis(saved, more, unit, Math.max(2, Math.floor(height / ROW_PX)));
+    const held = (fraction: number): number => Math.min(Math.max(fraction, -1), 2);
+    return { time: axis, axis: values, height, x: axis.x, y: (value) => (1 - held(values.fraction(value))) * height };
+  }, [saved, unit, height, axis]);
 }
 
 function Marks({ plot }: { plot: Plot }): JSX.Element {
@@ -119,8 +131,7 @@ function lineOf(places: readonly Place[], plot: Plot): string {
 }
 
 /** Lines from a key to the ends of its handles. */
-function Arms({ plot, curve, index }: { plot: Plot; curve: ValueCurve; index: number }): JSX.Element {
-  const keys = keysOfCurve(curve);
+function Arms({ plot, keys, index }: { plot: Plot; keys: readonly Key[]; index: number }): JSX.Element {
   const [key, ends] = [keys[index], SIDES.map((side) => handleAt(keys, index, side))];
   const lines = ends.flatMap((end) =>
     key && end ? [`M${plot.x(key.time)} ${plot.y(key.value)}L${plot.x(end.time)} ${plot.y(end.value)}`] : [],
@@ -128,13 +139,18 @@ function Arms({ plot, curve, index }: { plot: Plot; curve: ValueCurve; index: nu
   return <path class="arms" d={lines.join("")} />;
 }
 
-/** Adds a key to a curve at the frame of a double click, with the value that the curve has there. */
+/** Adds a key to a curve at the frame of a double click, with the value that the curve has there; selects one that is there. */
 function addKey(session: Session, plot: Plot, curve: ValueCurve, event: MouseEvent): void {
   const keys = keysOfCurve(curve);
   const left = (event.currentTarget as HTMLElement).getBoundingClientRect().left;
   const time = plot.time.time(event.clientX - left);
   const value = valueAt(keys, time);
   if (value === null || event.target instanceof HTMLButtonElement) return;
+  const there = curve.keys.find(({ owned }) => sameTime(owned.key.time, time));
+  if (there) {
+    session.keys.select([there.stack]);
+    return;
+  }
   const before = keys.findLast((key) => key.time < time) ?? keys[0];
   void session.keys.add(curve.owner, { time, value, interpolation: before?.interpolation ?? "auto" });
 }

@@ -29,9 +29,9 @@ interface GestureOptions {
   readonly nudged: (way: Way) => KeyShift;
   /** Whether it goes up and down, too. */
   readonly isRaised: boolean;
-  /** A press of the pointer without a drag. */
-  readonly click: () => void;
-  /** Called once the service has the keys where the arrow keys have moved them. */
+  /** A press of the pointer without a drag; with Shift it adds to the selection. */
+  readonly click: (adds: boolean) => void;
+  /** Called once the service has the keys where they have been moved. */
   readonly arrived: (time: number) => void;
 }
 
@@ -83,10 +83,7 @@ export function useKeyGestures(session: Session, options: GestureOptions): KeyGe
     onKeyUp: (event) => {
       if (!isArrow(event.key)) return;
       void letGo().then((at) => {
-        if (at !== null)
-          requestAnimationFrame(() => {
-            options.arrived(at);
-          });
+        tellArrived(options, at);
       });
     },
     onBlur: () => void letGo(),
@@ -94,16 +91,16 @@ export function useKeyGestures(session: Session, options: GestureOptions): KeyGe
 }
 
 /** Selects a key, and moves the selected ones with the pointer. Returns what gives the move up. */
-function dragKey(session: Session, options: GestureOptions, down: PointerEvent): (() => void) | null {
+function dragKey(session: Session, options: GestureOptions, down: PointerEvent): () => void {
   const { keys } = session;
   const { stack, isRaised } = options;
   // What is typed elsewhere is entered first: it is for the keys that are selected until now.
   (down.currentTarget as HTMLElement).focus();
-  if (down.shiftKey) {
-    keys.select([stack], true);
-    return null;
-  }
-  if (!keys.selected.value.has(stack.id)) keys.select([stack]);
+  const adds = down.shiftKey;
+  const selectIt = (): void => {
+    if (!keys.selected.value.has(stack.id)) keys.select([stack], adds);
+  };
+  if (!adds) selectIt();
   const way = (event: PointerEvent): Way => ({
     right: event.clientX - down.clientX,
     down: event.clientY - down.clientY,
@@ -118,14 +115,18 @@ function dragKey(session: Session, options: GestureOptions, down: PointerEvent):
     down,
     (event) => {
       if (!drag && (keys.noEdits !== null || !isDragged(way(event)))) return;
+      if (!drag) selectIt();
       drag ??= keys.drag(stack);
       drag.move(options.dragged(way(event)));
     },
     (event) => {
       listening.abort();
       if (event.type !== "pointerup") drag?.cancel();
-      else if (drag) void drag.commit(options.dragged(way(event)));
-      else options.click();
+      else if (drag)
+        void drag.commit(options.dragged(way(event))).then((at) => {
+          tellArrived(options, at);
+        });
+      else options.click(adds);
     },
   );
   const giveUp = (): void => {
@@ -136,6 +137,13 @@ function dragKey(session: Session, options: GestureOptions, down: PointerEvent):
   };
   onEscape(giveUp, listening.signal);
   return giveUp;
+}
+
+function tellArrived({ arrived }: GestureOptions, at: number | null): void {
+  if (at !== null)
+    requestAnimationFrame(() => {
+      arrived(at);
+    });
 }
 
 function onEscape(act: () => void, signal: AbortSignal): void {

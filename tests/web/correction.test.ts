@@ -27,9 +27,10 @@ it("a curve is dense where keys are close on both sides", () => {
   expect([isDense(keys, 40), isDense(keys, 40.5), isDense(keys, 1), isDense(keys, 96)]).toEqual([
     true,
     true,
-    false,
-    false,
+    true,
+    true,
   ]);
+  expect(isDense(keys.slice(38, 40), 40)).toBe(false);
   expect(
     isDense(
       [keys[0], keys[39], keys[95]].filter((key) => key !== undefined),

@@ -57,7 +57,7 @@ describe("the axis of a curve", () => {
   it("is reciprocal for distances, with infinity at hand", () => {
     const axis = valueAxis(curveOf("focusDistanceM", key(1, 1), key(9, 0)), [], "m", 6);
     expect(axis.fraction(2)).toBeCloseTo((axis.fraction(1) + axis.fraction(0)) / 2);
-    expect(axis.value(axis.fraction(0) + 0.5)).toBe(1000);
+    expect(axis.value(axis.fraction(0) + 0.5)).toBe(100_000);
     expect(axis.value(axis.fraction(1.5))).toBeCloseTo(1.5);
   });
 
@@ -131,6 +131,17 @@ describe("a handle", () => {
     expect(withHandle(curve, 1, "out", { time: 3, value: 4 }, false)?.key.tangents).toMatchObject({ outWidth: 0.05 });
     expect(withHandle(curve, 1, "out", { time: 99, value: 4 }, false)?.key.tangents).toMatchObject({ outWidth: 10 });
     expect(withHandle(curve, 2, "out", { time: 22, value: 4 }, false)).toBeNull();
+  });
+
+  it("turns no farther than the curve may go down", () => {
+    const steep = withHandle(curve, 1, "out", { time: 11, value: 1000 }, false)?.key.tangents;
+    expect(4 - (steep?.inSlope ?? 0) * (steep?.inWidth ?? 0)).toBeGreaterThan(0.6);
+    const down = withHandle(curve, 1, "out", { time: 14, value: -50 }, true)?.key.tangents;
+    expect(4 + (down?.outSlope ?? 0) * 4).toBeGreaterThan(0.6);
+    const tilt = curveOf("tiltDeg", key(0, 0), key(10, 1), key(20, 3));
+    expect(withHandle(tilt, 1, "out", { time: 14, value: -50 }, false)?.key.tangents).toMatchObject({
+      outSlope: -12.75,
+    });
   });
 
   it("is an edit of its key alone", () => {

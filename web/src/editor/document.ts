@@ -43,8 +43,9 @@ export class ShotDocument {
   readonly curve = signal<Curve>([]);
   /** The history of the shot, which other editors share. */
   readonly history = signal(NO_HISTORY);
-  /** A drag is under way. */
   readonly dragging = signal(false);
+  /** Counts the undos and redos that were begun. */
+  readonly walks = signal(0);
   /** What the last edit has made of the keys of a setting, where it simplified them. */
   readonly simplified = signal<Simplified | null>(null);
   /** Changes that the picture shows and that are not saved: those of a drag, or of an edit that is under way. */
@@ -56,10 +57,8 @@ export class ShotDocument {
   readonly #settings = signal<{ readonly revision: number; readonly value: FocusSettings } | null>(null);
   readonly #curveRevision = signal(-1);
   readonly #time: ReadonlySignal<number>;
-
   /** Reason why it may not be edited; null where it may. */
   readonly noEdits: ReadonlySignal<string | null>;
-
   readonly #service: Service;
   readonly #fail: Fail;
   /** Result of the last edit. */
@@ -220,8 +219,7 @@ export class ShotDocument {
       if (unsaved) this.endPreview();
       return Promise.resolve(true);
     }
-    const time = this.#time.peek();
-    const withCurve = frameCount(this.shot.range) <= MOST_CURVE_FRAMES;
+    const [time, withCurve] = [this.#time.peek(), frameCount(this.shot.range) <= MOST_CURVE_FRAMES];
     const task = async (): Promise<TimedResult> => {
       const known = typeof changes === "function" ? await changes() : changes;
       const result = await this.#service.edit(this.view, { label, gesture, changes: known, time, withCurve });
@@ -243,7 +241,9 @@ export class ShotDocument {
 
   #walk(way: "undo" | "redo"): Promise<boolean> {
     const isEnd = (): boolean => this.history.peek()[way === "undo" ? "before" : "after"] === null;
-    if (this.#isRefused() || (this.pending.peek() === 0 && isEnd())) return Promise.resolve(false);
+    if (this.dragging.peek() || this.#isRefused() || (this.pending.peek() === 0 && isEnd()))
+      return Promise.resolve(false);
+    this.walks.value += 1;
     const step = async (): Promise<null> => {
       if (!isEnd()) this.history.value = await this.#service[way](this.shot.id, this.history.peek().revision);
       this.simplified.value = null;

@@ -3,7 +3,7 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
 import {
-  holdShift,
+  holdAll,
   lanesOf,
   mapKeys,
   mirrored,
@@ -64,8 +64,8 @@ export interface KeyDrag {
 
 /** The selected stacks as the edits under way leave them. */
 interface Pending {
-  /** Their ids as the service has them now. */
-  readonly of: readonly string[];
+  /** For each of them the ids by which the service may have it, as the edits under way are made one after the other. */
+  readonly of: readonly ReadonlySet<string>[];
   readonly stacks: readonly KeyStack[];
 }
 
@@ -83,6 +83,10 @@ export class KeyEditing {
   constructor(parts: KeyedParts, fail: Fail) {
     this.#parts = parts;
     this.#fail = fail;
+    effect(() => {
+      // An undo takes back what edits under way have made.
+      if (parts.document.walks.value > 0) this.#forgetPending();
+    });
   }
 
   readonly lanes = computed(() => {
@@ -124,6 +128,11 @@ export class KeyEditing {
     return this.#parts.document.noEdits.value;
   }
 
+  /** Whether something is dragged, which nothing else may interfere with. */
+  get isDragged(): boolean {
+    return this.#parts.document.dragging.peek();
+  }
+
   /** A stack as it is shown. */
   shownAs(stack: KeyStack): KeyStack {
     return this.#shown.value.get(stack.id) ?? stack;
@@ -132,9 +141,10 @@ export class KeyEditing {
   /** Selects stacks in place of others; with `adds`, beside them, or no longer where all of them are selected. */
   select(stacks: readonly KeyStack[], adds = false): void {
     const ids = idsOf(stacks);
-    const underWay = this.#pending?.of;
+    const underWay = this.#pending?.of ?? [];
     // Edits of these very stacks may be under way: they are shown as they are to be.
-    if (!adds && underWay?.length === ids.length && ids.every((id) => underWay.includes(id))) return;
+    const isSame = underWay.length === ids.length && ids.every((id) => underWay.some((of) => of.has(id)));
+    if (!adds && isSame && ids.length > 0) return;
     this.#forgetPending();
     const before = this.selected.value;
     if (!adds) this.selected.value = new Set(ids);
@@ -172,9 +182,11 @@ export class KeyEditing {
     const others = this.lanes.peek().flatMap((lane) => (lanes.has(lane.id) ? [] : lane.stacks));
     const targets = [playhead.time.peek(), ...others.map(({ time }) => time)];
     const snapped = ({ by, reach }: KeyShift): number =>
-      reach === null
-        ? Number(holdShift(playhead.range, from, by).toFixed(2))
-        : snapShift(playhead.range, from, by, targets, reach);
+      holdAll(
+        playhead.range,
+        stacks,
+        reach === null ? Number(by.toFixed(2)) : snapShift(playhead.range, from, by, targets, reach),
+      );
     const after = (shift: KeyShift): readonly KeyStack[] => {
       const by = snapped(shift);
       const reshaped = shift.reshape ? mapKeys(stacks, shift.reshape) : stacks;
@@ -206,7 +218,7 @@ export class KeyEditing {
   moveTo(time: number): void {
     const base = this.#base();
     const first = Math.min(...base.stacks.map((stack) => stack.time));
-    const by = holdShift(this.#parts.playhead.range, first, time - first);
+    const by = holdAll(this.#parts.playhead.range, base.stacks, time - first);
     const after = by === 0 ? base.stacks : base.stacks.map((stack) => movedStack(stack, by));
     void this.#apply(`Move ${named(base.stacks)}`, base, after);
   }
@@ -226,7 +238,7 @@ export class KeyEditing {
   /** Sets the copied keys, the first of which comes to the playhead, and selects them. */
   async paste(): Promise<void> {
     const copied = this.copied.peek();
-    if (copied.length === 0) return;
+    if (copied.length === 0 || this.isDragged) return;
     const time = this.#parts.playhead.time.peek();
     const changes = pasteKeys(copied, time, this.#mode);
     this.clear();
@@ -270,6 +282,7 @@ export class KeyEditing {
   }
 
   async remove(): Promise<void> {
+    if (this.isDragged) return;
     const { stacks } = this.#base();
     const before = this.selected.value;
     const isMade = await this.#edit(`Remove ${named(stacks)}`, removeStacks(stacks));
@@ -285,11 +298,8 @@ export class KeyEditing {
   /** Sets the value of the only selected key. */
   setValue(value: number): void {
     const base = this.#base();
-    void this.#apply(
-      "Value of a key",
-      base,
-      mapKeys(base.stacks, (owned) => valued(owned, value)),
-    );
+    const after = mapKeys(base.stacks, (owned) => valued(owned, value));
+    void this.#apply("Value of a key", base, after);
   }
 
   get #mode(): FocusMode {
@@ -300,14 +310,21 @@ export class KeyEditing {
   #base(): Pending {
     if (this.#pending) return this.#pending;
     const stacks = this.selectedStacks.peek();
-    return { of: idsOf(stacks), stacks };
+    return { of: stacks.map(({ id }) => new Set([id])), stacks };
   }
 
   /** Shows stacks as they are to be. */
   #show(base: Pending, after: readonly KeyStack[]): void {
-    // Where the edits under way are made meanwhile, the service has the stacks by other ids.
-    const of = this.#pending === base ? base.of : idsOf(base.stacks);
-    this.#shown.value = new Map(after.flatMap((stack, place) => (of[place] ? [[of[place], stack]] : [])));
+    const of = this.#idsNow(base);
+    this.#shown.value = new Map(
+      after.flatMap((stack, place) => [...(of[place] ?? [])].map((id) => [id, stack] as const)),
+    );
+  }
+
+  /** The ids by which the service may have stacks: those before the edits under way, and those after each of them. */
+  #idsNow(base: Pending): ReadonlySet<string>[] {
+    const isUnderWay = this.#pending === base;
+    return base.stacks.map(({ id }, place) => new Set(isUnderWay ? [...(base.of[place] ?? []), id] : [id]));
   }
 
   /** Shows the keys as the service has them, though edits of them may be under way. */
@@ -324,14 +341,15 @@ export class KeyEditing {
   /** Edits stacks, which stay selected as they are afterwards. */
   async #apply(label: string, base: Pending, after: readonly KeyStack[]): Promise<boolean> {
     this.#show(base, after);
-    const pending: Pending = { of: [...this.#shown.peek().keys()], stacks: after };
+    const pending: Pending = { of: this.#idsNow(base), stacks: after };
+    const before = pending.of.flatMap((ids) => [...ids]);
     this.#pending = pending;
-    this.selected.value = new Set([...pending.of, ...idsOf(after)]); // those that the service will have, too
+    this.selected.value = new Set([...before, ...idsOf(after)]); // those that the service will have, too
     const isMade = await this.#edit(label, replaceStacks(base.stacks, after, this.#mode));
     if (this.#isUnderWay(isMade ? pending : null)) {
       batch(() => {
         this.#forgetPending();
-        this.selected.value = new Set(isMade ? idsOf(after) : pending.of);
+        this.selected.value = new Set(isMade ? idsOf(after) : before);
       });
     }
     return isMade;

@@ -8,6 +8,7 @@ import type { Changes } from "../model/changes";
 import { draftQuality, type Quality } from "../model/quality";
 import type { FocusPoint } from "../model/shot";
 import { sameTime } from "../model/time";
+import { ServiceError } from "../net/errors";
 import type { LiveLink, LiveListener, LivePicture, PictureRequest } from "../net/live_link";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
@@ -86,6 +87,9 @@ export class Pictures {
     this.refusal = refusal;
     const onError = (error: unknown): void => {
       this.busy.value = false;
+      // A preview may be of keys that an edit under way has yet to make.
+      const isEditing = document.pending.peek() > 0 || document.dragging.peek();
+      if (isEditing && error instanceof ServiceError && error.status === 404) return;
       fail(error, () => {
         document.refresh();
       });

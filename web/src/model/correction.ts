@@ -22,13 +22,17 @@ export const MOST_BENT = 100;
 const MOST_KEYS = 120;
 /** How near the keys on both sides of a dense curve's frame are, frames. */
 const DENSE = 2.5;
+const MANY = 4;
 
 /** Whether a key at this time alone would make a spike: the curve has keys close to it on both sides. */
 export function isDense(keys: readonly Key[], time: number): boolean {
   const others = keys.filter((key) => !sameTime(key.time, time));
-  const isNear = (side: number): boolean =>
-    others.some((key) => (key.time - time) * side > 0 && Math.abs(key.time - time) <= DENSE);
-  return isNear(-1) && isNear(1);
+  const reached = (side: number, reach: number): number =>
+    others.filter((key) => (key.time - time) * side > 0 && Math.abs(key.time - time) <= reach).length;
+  const [before, after] = [reached(-1, DENSE), reached(1, DENSE)];
+  if (before > 0 && after > 0) return true;
+  // At an end of the curve, several on the other side say so.
+  return [-1, 1].some((side) => reached(side, 2 * DENSE) >= MANY && reached(-side, Infinity) === 0);
 }
 
 /** Bends a dense curve to a value: most where it is wanted, and less and less up to `width` frames before and after. */

@@ -312,6 +312,13 @@ export function snapShift(
   return (nearestTime(near, wanted) ?? frame) - from;
 }
 
+/** How far keys go together that are to go so far: all of them stay in the shot, or come no farther out of it. */
+export function holdAll(range: FrameRange, stacks: readonly KeyStack[], by: number): number {
+  const times = stacks.map(({ time }) => time);
+  const [least, most] = [Math.min(0, range.start - Math.min(...times)), Math.max(0, range.end - Math.max(...times))];
+  return Math.min(Math.max(by, least), most);
+}
+
 /** How far a key goes that is to go so far: it stays in the shot, or comes no farther out of it. */
 export function holdShift(range: FrameRange, from: number, by: number): number {
   return Math.min(Math.max(from + by, Math.min(range.start, from)), Math.max(range.end, from)) - from;

@@ -15,7 +15,8 @@ import {
   type OwnedKey,
 } from "./key_lanes";
 import type { Key } from "./keys";
-import { tangentsAt, type Place, type Side } from "./spline";
+import type { SliderRange } from "./settings.gen";
+import { handleAt, tangentsAt, type Place, type Side } from "./spline";
 import { sameTime } from "./time";
 
 /** A key of a curve, and the stack of its lane that it is moved with. */
@@ -107,9 +108,10 @@ const THIRDS = Array.from({ length: 40 }, (_, third) => 2 ** (third / 6 - 1));
 export function valueAxis(curve: ValueCurve, more: readonly number[], unit: LengthUnit, mostTicks: number): ValueAxis {
   const slider = sliderOf(curve.owner);
   const isShare = slider?.scale === "linear" && slider.most - slider.least <= 1;
+  const keyed = curve.keys.map(({ owned }) => owned.key.value);
   const values = [
-    ...curve.keys.map(({ owned }) => owned.key.value),
-    ...more,
+    ...keyed,
+    ...more.map((value) => held(value, keyed, slider)),
     ...(isShare ? [slider.least, slider.most] : []),
   ];
   if (slider?.scale === "ring") {
@@ -123,7 +125,7 @@ export function valueAxis(curve: ValueCurve, more: readonly number[], unit: Leng
       fraction: (value) => axisFraction(axis, value === 0 ? Infinity : Math.max(value, NEAREST_M)),
       value: (fraction) => {
         const w = axis.nearW - fraction * span;
-        return w <= inverse(FARTHEST_M) ? FARTHEST_M : 1 / w;
+        return w <= inverse(FARTHEST_M) ? FAR_AWAY_M : 1 / w;
       },
       ticks: axis.ticks.map((tick) => ({ value: tick, label: formatMark(tick, unit) })),
     };
@@ -144,6 +146,13 @@ export function valueAxis(curve: ValueCurve, more: readonly number[], unit: Leng
 
 function same(value: number): number {
   return value;
+}
+
+/** A value that an axis holds too, but not farther from the keys than they are from each other. */
+function held(value: number, keyed: readonly number[], slider: SliderRange | null): number {
+  const [low, high] = [Math.min(...keyed), Math.max(...keyed)];
+  const room = Math.max(high - low, slider?.scale === "linear" ? (slider.most - slider.least) / 4 : high / 2);
+  return Math.min(Math.max(value, low - room), high + room);
 }
 
 /** Round values at a step of 1, 2 or 5. */
@@ -240,7 +249,15 @@ export function withHandle(
   const rise = side === "in" ? key.value - end.value : end.value - key.value;
   const before = tangentsAt(keys, index);
   const joined = !isBroken && Math.abs(before.inSlope - before.outSlope) < 1e-9;
-  const slope = Number((rise / width).toPrecision(6));
+  const wanted = Number((rise / width).toPrecision(6));
+  const room = roomBelow(curve.owner, key.value);
+  // Where neither handle ends below what the setting may be, the curve does not go there.
+  const outWidth = side === "out" ? width : joined && handleAt(keys, index, "out") ? before.outWidth : 0;
+  const inWidth = side === "in" ? width : joined && handleAt(keys, index, "in") ? before.inWidth : 0;
+  const slope = Math.min(
+    Math.max(wanted, outWidth > 0 ? -room / outWidth : -Infinity),
+    inWidth > 0 ? room / inWidth : Infinity,
+  );
   const [own, opposite] = [Number(width.toFixed(3)), joined ? slope : null];
   return withTangents(
     at.owned,
@@ -248,6 +265,12 @@ export function withHandle(
       ? { ...before, inSlope: slope, inWidth: own, outSlope: opposite ?? before.outSlope }
       : { ...before, outSlope: slope, outWidth: own, inSlope: opposite ?? before.inSlope },
   );
+}
+
+/** How far a curve may go below a key; infinite for a setting that may be negative. */
+function roomBelow(owner: KeyOwner, value: number): number {
+  const least = sliderOf(owner)?.least ?? -Infinity;
+  return least >= 0 ? Math.max(0, value - Math.min(least, value)) * 0.999 : Infinity;
 }
 
 /** Puts a key in place of the same one; for `KeyShift`. */

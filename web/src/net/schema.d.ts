@@ -7149,7 +7149,9 @@ export interface components {
         };
         /**
          * SimplifySetting
-         * @description Replace the keys of a camera's setting, such as those of an imported curve, by few that make nearly the same curve.
+         * @description Replace the keys of a camera's setting, such as those of an imported curve, by fewer that make nearly the same curve.
+         *
+         *     An edit has at most one for each setting. Where there are no fewer, the keys stay.
          * @example {
          *       "setting": "focusDistanceM",
          *       "tolerance": 0.02,

@@ -3,6 +3,7 @@
 import type { JSX } from "preact";
 import { SHAPES } from "../../editor/key_actions";
 import type { Session } from "../../editor/session";
+import { FAR_AWAY_M } from "../../model/changes";
 import {
   isSameOwner,
   isSwitch,
@@ -28,6 +29,7 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
   const first = stacks.toSorted((a, b) => a.time - b.time)[0];
   const [only] = owned;
   const length = first ? Math.max(...stacks.map(({ time }) => time)) - first.time : 0;
+  const simplified = session.document.simplified.value;
   const setting = manyOf(owned, keys.lanes.value);
   return (
     <div class="key-bar" role="group" aria-label="Selected keys">
@@ -64,6 +66,11 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
         {owned.length === 1 && only && !isSwitch(only.owner) && <Value session={session} owned={only} unit={unit} />}
         {!owned.every(({ owner }) => isSwitch(owner)) && <ShapeChoice session={session} shape={shapeOfAll(stacks)} />}
         {setting && <Simplify session={session} setting={setting} />}
+        {simplified && owned.every(({ owner }) => "setting" in owner && owner.setting === simplified.setting) && (
+          <span class="muted simplified" role="status">
+            {simplified.after} of {simplified.before} keys, at most {trim(100 * simplified.off, 2)} % off
+          </span>
+        )}
         <button
           type="button"
           class="button small"
@@ -123,7 +130,9 @@ function Value({ session, owned, unit }: { session: Session; owned: OwnedKey; un
     <TypedNumber
       label={`Value of ${labelOf(owned.owner)}`}
       value={owned.key.value}
-      format={isDistance ? (value) => formatDistance(value, unit) : (value) => trim(value, 3)}
+      format={
+        isDistance ? (value) => formatDistance(value < FAR_AWAY_M ? value : Infinity, unit) : (value) => trim(value, 3)
+      }
       parse={isDistance ? (text) => parseDistance(text, unit) : (text) => parseQuantity(text, "")}
       example={isDistance ? formatDistance(3, unit) : trim(owned.key.value, 3)}
       onTyped={(value) => {

@@ -1,7 +1,7 @@
 /** The menu of the keys: it opens where the pointer is, or at the focused key by the menu key of the keyboard. */
 
 import type { JSX } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { KEY_ACTIONS } from "../../editor/key_actions";
 import type { Session } from "../../editor/session";
 
@@ -20,7 +20,7 @@ interface KeyMenuProps {
 export function KeyMenu({ session, place, close }: KeyMenuProps): JSX.Element {
   const list = useRef<HTMLDivElement>(null);
   const opener = useRef(document.activeElement);
-  useEffect(() => {
+  useLayoutEffect(() => {
     items(list.current)[0]?.focus();
     const outside = (event: PointerEvent): void => {
       if (!list.current?.contains(event.target as Node)) close();

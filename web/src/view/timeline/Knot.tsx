@@ -4,6 +4,7 @@ import type { JSX, RefObject } from "preact";
 import { useRef } from "preact/hooks";
 import type { KeyShift } from "../../editor/key_editing";
 import type { Session } from "../../editor/session";
+import { FAR_AWAY_M } from "../../model/changes";
 import { sampleAt } from "../../model/curve";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { sliderOf, stackId, type KeyOwner } from "../../model/key_lanes";
@@ -170,8 +171,9 @@ const HANDLE_STEP = 0.02;
 /** The end of a handle so many frames later, and so much of the axis higher. */
 function endAt(plot: Plot, end: Place | null, frames: number, up: number): Place {
   const { time, value } = end ?? { time: 0, value: 0 };
-  // What the axis cannot show is left as it is, unless it is to be changed.
-  return { time: time + frames, value: up === 0 ? value : plot.axis.value(plot.axis.fraction(value) + up) };
+  const raised = up === 0 ? value : plot.axis.value(plot.axis.fraction(value) + up);
+  // A handle does not go to infinity.
+  return { time: time + frames, value: raised >= FAR_AWAY_M ? value : raised };
 }
 
 /** What a pointer makes of the selected keys: the one under it snaps, and those of the same curve go up and down with it. */
@@ -203,5 +205,5 @@ function stepped(owner: KeyOwner, value: number, count: number): number {
 }
 
 function inWords(owner: KeyOwner, value: number, unit: LengthUnit): string {
-  return isDistance(owner) ? formatDistance(value, unit) : trim(value, 3);
+  return isDistance(owner) ? formatDistance(value < FAR_AWAY_M ? value : Infinity, unit) : trim(value, 3);
 }

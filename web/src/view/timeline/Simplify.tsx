@@ -1,4 +1,4 @@
-/** Makes few keys of the many of one setting, and says how far their curve is off. */
+/** Makes fewer keys of the many of one setting, within a tolerance. */
 
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
@@ -9,7 +9,6 @@ import { parseQuantity, trim } from "../numbers";
 export function Simplify({ session, setting }: { session: Session; setting: KeyedSetting }): JSX.Element {
   const { keys } = session;
   const tolerance = keys.tolerance.value;
-  const found = session.document.simplified.value;
   return (
     <>
       <TypedNumber
@@ -19,7 +18,7 @@ export function Simplify({ session, setting }: { session: Session; setting: Keye
         format={(share) => `${trim(100 * share, 2)} %`}
         parse={(text) => {
           const typed = parseQuantity(text, "%");
-          return typed !== null && typed > 0 && typed < 100 ? typed / 100 : null;
+          return typed !== null && typed >= 0.01 && typed < 100 ? typed / 100 : null;
         }}
         example="2 %"
         onTyped={(share) => {
@@ -36,11 +35,6 @@ export function Simplify({ session, setting }: { session: Session; setting: Keye
       >
         Simplify
       </button>
-      {found?.setting === setting && (
-        <span class="muted" role="status">
-          {found.after} of {found.before} keys, at most {trim(100 * found.off, 2)} % off
-        </span>
-      )}
     </>
   );
 }

@@ -145,7 +145,8 @@ function addKey(session: Session, plot: Plot, curve: ValueCurve, event: MouseEve
   const left = (event.currentTarget as HTMLElement).getBoundingClientRect().left;
   const time = plot.time.time(event.clientX - left);
   const value = valueAt(keys, time);
-  if (value === null || event.target instanceof HTMLButtonElement) return;
+  const isBeside = event.clientX - left < plot.time.left || event.clientX - left > plot.time.right;
+  if (value === null || isBeside || event.target instanceof HTMLButtonElement) return;
   const there = curve.keys.find(({ owned }) => sameTime(owned.key.time, time));
   if (there) {
     session.keys.select([there.stack]);

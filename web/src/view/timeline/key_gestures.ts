@@ -167,7 +167,7 @@ function nudgeKey(
   held: { current: HeldKey | null },
 ): boolean {
   const { keys } = session;
-  if (keys.noEdits !== null) return false;
+  if (keys.noEdits !== null || (keys.isDragged && !held.current)) return false;
   if (!keys.selected.value.has(stack.id)) keys.select([stack]);
   const size = altKey ? 0.1 : shiftKey ? 10 : 1;
   const step = key === "ArrowRight" || key === "ArrowDown" ? size : -size;

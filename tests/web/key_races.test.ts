@@ -1,0 +1,115 @@
+/** Gestures on keys that meet each other, an undo, or a service that is slow. */
+
+import { signal } from "@preact/signals";
+import { Session } from "@/editor/session";
+import type { KeyStack } from "@/model/key_lanes";
+import { FakeService, SHOT, turn } from "./fake_service";
+import { point } from "./points";
+
+beforeEach(() => {
+  vi.stubGlobal("cancelAnimationFrame", () => undefined);
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+function withKeys(...times: number[]): ReturnType<typeof point> {
+  return point("pip", { weight: Object.fromEntries(times.map((time) => [time, 1])) });
+}
+
+/** A session whose one point has keys at frames 1, 10 and 20; it does what it is told, in the order of the edits. */
+async function opened(): Promise<{ fake: FakeService; session: Session; failed: unknown[] }> {
+  const fake = new FakeService();
+  fake.points = [withKeys(1, 10, 20)];
+  const failed: unknown[] = [];
+  const rights = { noEdits: signal(null), noPictures: signal(null) };
+  const session = new Session(fake.service, SHOT, "/cam", 1, (error) => failed.push(error), rights);
+  await turn();
+  return { fake, session, failed };
+}
+
+function stackAt({ keys }: Session, time: number): KeyStack {
+  const found = keys.lanes.value.flatMap(({ stacks }) => stacks).find((stack) => stack.time === time);
+  if (!found) throw new Error(`There is no key at ${time.toString()}.`);
+  return found;
+}
+
+function answer(fake: FakeService, ...times: number[]): void {
+  const points = [withKeys(...times)];
+  fake.points = points;
+  fake.state = { points, readout: null, focusSettings: null, photography: null, curve: null };
+}
+
+it("a third drag goes on from the second, when the first is made meanwhile", async () => {
+  const { fake, session } = await opened();
+  session.keys.select([stackAt(session, 10)]);
+  const answers: (() => void)[] = [];
+  fake.gate = () =>
+    new Promise((resolve) => {
+      answers.push(resolve);
+    });
+  answer(fake, 1, 14, 20);
+  const first = session.keys.drag(stackAt(session, 10)).commit({ by: 4, reach: null });
+  const second = session.keys.drag(stackAt(session, 10)).commit({ by: -3, reach: null });
+  await turn();
+  answers[0]?.();
+  await first;
+  await turn();
+  // As on the page: the key is pressed where it is shown.
+  const shown = session.keys.lanes.value
+    .flatMap(({ stacks }) => stacks)
+    .find((stack) => session.keys.shownAs(stack).time === 11);
+  expect(shown).toBeDefined();
+  expect(session.keys.selectedStacks.value).toHaveLength(1);
+  if (!shown) return;
+  session.keys.select([shown]);
+  const third = session.keys.drag(shown).commit({ by: 5, reach: null });
+  fake.gate = () => Promise.resolve();
+  answers[1]?.();
+  await Promise.all([second, third]);
+  expect(fake.made.map(([removal, key]) => [removal, key])).toMatchObject([
+    [{ time: 10 }, { key: { time: 14 } }],
+    [{ time: 14 }, { key: { time: 11 } }],
+    [{ time: 11 }, { key: { time: 16 } }],
+  ]);
+});
+
+it("a drag after an undo begins where the key was before", async () => {
+  const { fake, session, failed } = await opened();
+  session.keys.select([stackAt(session, 10)]);
+  const moved = session.keys.drag(stackAt(session, 10)).commit({ by: -6, reach: null });
+  const undone = session.document.undo();
+  expect(session.keys.shownAs(stackAt(session, 10)).time).toBe(10);
+  session.keys.select([stackAt(session, 10)]);
+  const again = session.keys.drag(stackAt(session, 10)).commit({ by: 3, reach: null });
+  await Promise.all([moved, undone, again]);
+  expect(fake.made.at(-1)).toMatchObject([{ time: 10 }, { key: { time: 13 } }]);
+  expect(failed).toEqual([]);
+});
+
+it("while a key is dragged, nothing is undone, removed or pasted", async () => {
+  const { fake, session } = await opened();
+  session.keys.select([stackAt(session, 20)]);
+  session.keys.copy();
+  await session.keys.drag(stackAt(session, 20)).commit({ by: 1, reach: null });
+  answer(fake, 1, 10, 21);
+  session.document.refresh();
+  await turn();
+  const drag = session.keys.drag(stackAt(session, 10));
+  drag.move({ by: 2, reach: null });
+  expect(await session.document.undo()).toBe(false);
+  await session.keys.remove();
+  await session.keys.paste();
+  expect(fake.made).toHaveLength(1);
+  drag.cancel();
+  await session.keys.remove();
+  expect(fake.made).toHaveLength(2);
+});
+
+it("several keys stay in the shot together", async () => {
+  const { fake, session } = await opened();
+  session.keys.select(session.keys.lanes.value.flatMap(({ stacks }) => stacks));
+  await session.keys.drag(stackAt(session, 10)).commit({ by: 90, reach: null });
+  expect(fake.made[0]?.slice(3)).toMatchObject([{ key: { time: 77 } }, { key: { time: 86 } }, { key: { time: 96 } }]);
+});

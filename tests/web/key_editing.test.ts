@@ -225,7 +225,7 @@ it("more keys than an edit takes are refused with what to do", async () => {
   expect([fake.made, failed.length, session.keys.shownAs(stackAt(session, 1)).time]).toEqual([[], 1, 1]);
 });
 
-it("stacks are added to the selection and taken out of it", async () => {
+it("stacks are added to the selection and taken out of it, and those of their lanes are all selected", async () => {
   const { session } = await opened();
   const { keys } = session;
   const [one, ten] = [stackAt(session, 1), stackAt(session, 10)];
@@ -234,6 +234,8 @@ it("stacks are added to the selection and taken out of it", async () => {
   expect(keys.selectedStacks.value).toEqual([one, ten]);
   keys.select([one], true);
   expect(keys.selectedStacks.value).toEqual([ten]);
+  keys.selectLanes();
+  expect(keys.selectedStacks.value.map(({ time }) => time)).toEqual([1, 10, 20]);
   expect([keys.clear(), keys.clear()]).toEqual([true, false]);
 });
 
@@ -287,7 +289,10 @@ it("keys that are selected again while they are moved go on from where they go",
 it("a key that is added is selected once it is there", async () => {
   const { fake, session } = await opened();
   nowAt(fake, 1, 10, 15, 20);
-  await session.keys.add({ point: "pip", attribute: "weight" }, { time: 15, value: 0.5, interpolation: "auto" });
+  const keys = stackAt(session, 10)
+    .keys.concat(stackAt(session, 20).keys)
+    .map(({ key }) => key);
+  await session.keys.add({ point: "pip", attribute: "weight" }, keys, 15);
   await turn();
   expect(fake.made[0]).toMatchObject([{ type: "keyPoint", name: "pip", key: { time: 15, value: 0.5 } }]);
   expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([15]);
@@ -319,11 +324,4 @@ it("keys are stretched to a length and turned round, each in one edit", async ()
   session.keys.mirror();
   await session.document.idle();
   expect(fake.made).toHaveLength(2);
-});
-
-it("all keys of the lanes of the selected ones are selected", async () => {
-  const { session } = await opened();
-  session.keys.select([stackAt(session, 10)]);
-  session.keys.selectLanes();
-  expect(session.keys.selectedStacks.value.map(({ time }) => time)).toEqual([1, 10, 20]);
 });

@@ -1,6 +1,6 @@
 import { readFileSync } from "node:fs";
 import type { Key } from "@/model/keys";
-import { curveOf, handleAt, tangentsAt, valueAt } from "@/model/spline";
+import { curveOf, handleAt, insertion, tangentsAt, valueAt } from "@/model/spline";
 
 interface Case {
   readonly name: string;
@@ -14,6 +14,17 @@ const CASES = JSON.parse(readFileSync(new URL("splines.json", import.meta.url), 
 describe.each(CASES)("a spline with $name", ({ keys, values }) => {
   it("has the values of USD", () => {
     for (const [time, value] of values) expect(valueAt(keys, time), `at ${time.toString()}`).toBeCloseTo(value, 5);
+  });
+
+  it("stays as it is with one more key", () => {
+    const [first, last] = [keys[0]?.time ?? 0, keys.at(-1)?.time ?? 0];
+    const time = first + 0.37 * (last - first);
+    const set = insertion(keys, time);
+    const times = set.map((key) => key.time);
+    const more = [...keys.filter((key) => !times.includes(key.time)), ...set].toSorted((a, b) => a.time - b.time);
+    expect(more).toHaveLength(keys.length + (last > first ? 1 : 0));
+    if (keys.some((key, i) => key.interpolation === "linear" && keys[i - 1]?.interpolation === "bezier")) return; // its handle is USD's
+    for (const [at, value] of values) expect(valueAt(more, at), `at ${at.toString()}`).toBeCloseTo(value, 4);
   });
 
   it("is drawn where it is", () => {

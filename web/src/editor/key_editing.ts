@@ -11,6 +11,8 @@ import {
   movedStack,
   pasteKeys,
   labelOf,
+  lengthOf,
+  keepMode,
   laneOf,
   removeStacks,
   replaceStacks,
@@ -28,6 +30,7 @@ import {
 import type { Key, KeyedSetting } from "../model/keys";
 import type { FocusMode } from "../model/shot";
 import { formatFrame } from "../model/time";
+import { insertion } from "../model/spline";
 import { curvesOf } from "../model/value_curves";
 import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
@@ -223,11 +226,12 @@ export class KeyEditing {
     void this.#apply(`Move ${named(base.stacks)}`, base, after);
   }
 
-  /** Adds a key, or replaces the one at its time, and selects it. */
-  async add(owner: KeyOwner, key: Key): Promise<void> {
+  /** Adds a key to a curve, which stays as it is, and selects it. */
+  async add(owner: KeyOwner, keys: readonly Key[], time: number): Promise<void> {
     this.clear();
-    const isMade = await this.#edit(`Add the key at ${formatFrame(key.time)}`, setKey(owner, key, this.#mode));
-    if (isMade && this.selected.value.size === 0) this.selected.value = new Set([stackId(laneOf(owner), key.time)]);
+    const changes = insertion(keys, time).map((key) => setKey(owner, key));
+    const isMade = await this.#edit(`Add the key at ${formatFrame(time)}`, keepMode(changes, [owner], this.#mode));
+    if (isMade && this.selected.value.size === 0) this.selected.value = new Set([stackId(laneOf(owner), time)]);
   }
 
   /** Keeps the selected keys for `paste`. */
@@ -257,10 +261,8 @@ export class KeyEditing {
   /** Stretches the selected keys from the first one on, until the last is so many frames after it. */
   stretchTo(frames: number): void {
     const base = this.#base();
-    const times = base.stacks.map(({ time }) => time);
-    const length = Math.max(...times) - Math.min(...times);
-    if (frames > 0 && length > 0)
-      void this.#apply(`Stretch ${named(base.stacks)}`, base, stretched(base.stacks, frames / length));
+    const factor = frames / lengthOf(base.stacks);
+    void this.#apply(`Stretch ${named(base.stacks)}`, base, stretched(base.stacks, factor));
   }
 
   /** Replaces all keys of a setting by few, which are selected then. */

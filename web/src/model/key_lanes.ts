@@ -137,7 +137,7 @@ export function replaceStacks(before: readonly KeyStack[], after: readonly KeySt
     return to && !isSameKey(from.key, to.key) ? [{ from, to }] : [];
   });
   const removed = pairs.filter(({ from, to }) => from.key.time !== to.key.time).map(({ from }) => remove(from));
-  const set = pairs.map(({ to: { owner, key } }) => setOwned(owner, key));
+  const set = pairs.map(({ to: { owner, key } }) => setKey(owner, key));
   return keepMode(
     [...removed, ...set],
     pairs.map(({ to: { owner } }) => owner),
@@ -145,13 +145,8 @@ export function replaceStacks(before: readonly KeyStack[], after: readonly KeySt
   );
 }
 
-/** Sets one key, or adds it. */
-export function setKey(owner: KeyOwner, key: Key, mode: FocusMode): Changes {
-  return keepMode([setOwned(owner, key)], [owner], mode);
-}
-
 /** Adds what keeps the focus mode: with a key of its own distance, a camera is focused by hand. */
-function keepMode(changes: Changes, owners: readonly KeyOwner[], mode: FocusMode): Changes {
+export function keepMode(changes: Changes, owners: readonly KeyOwner[], mode: FocusMode): Changes {
   const isByHand = owners.some((owner) => "setting" in owner && owner.setting === "focusDistanceM");
   return isByHand && mode !== "manual" ? [...changes, { type: "setFocus", values: { mode } }] : changes;
 }
@@ -230,11 +225,17 @@ function retimed(stack: KeyStack, time: number, turn: (tangents: Tangents) => Ta
   return { id: stackId(stack.lane, at), lane: stack.lane, time: at, keys };
 }
 
+/** Time from the first of stacks to the last, time codes; 0 for none. */
+export function lengthOf(stacks: readonly KeyStack[]): number {
+  const times = stacks.map(({ time }) => time);
+  return times.length > 0 ? Math.max(...times) - Math.min(...times) : 0;
+}
+
 /** Sets copies of keys, the first of which comes to a time. */
 export function pasteKeys(keys: readonly OwnedKey[], time: number, mode: FocusMode): Changes {
   const by = time - Math.min(...keys.map(({ key }) => key.time));
   return keepMode(
-    keys.map(({ owner, key }) => setOwned(owner, { ...key, time: Number((key.time + by).toFixed(4)) })),
+    keys.map(({ owner, key }) => setKey(owner, { ...key, time: Number((key.time + by).toFixed(4)) })),
     keys.map(({ owner }) => owner),
     mode,
   );
@@ -278,7 +279,8 @@ export function valued({ owner, key }: OwnedKey, value: number): OwnedKey {
   return { owner, key: { ...key, value: Math.min(value, FAR_AWAY_M) } };
 }
 
-function setOwned(owner: KeyOwner, key: Key): Changes[number] {
+/** The change that sets a key, or adds it. */
+export function setKey(owner: KeyOwner, key: Key): Changes[number] {
   return "setting" in owner
     ? { type: "keySetting", setting: owner.setting, key }
     : { type: "keyPoint", name: owner.point, attribute: owner.attribute, key };

@@ -72,6 +72,55 @@ export function valueAt(keys: readonly Key[], time: number): number | null {
 }
 
 /**
+ * The keys to set for one more on a curve, which stays as it is: the new one, and those beside it where the curve between them is
+ * curved, with shorter handles.
+ */
+export function insertion(keys: readonly Key[], time: number): Key[] {
+  const value = valueAt(keys, time);
+  const index = keys.findLastIndex((key) => key.time <= time);
+  const [before, after] = [keys[index], keys[index + 1]];
+  if (value === null) return [];
+  if (!before || !after || !isCurved(before)) {
+    const beside = before ?? after;
+    return [{ time, value, interpolation: beside && !isCurved(beside) ? beside.interpolation : "auto" }];
+  }
+  const controls = controlsOf(keys, index, before, after);
+  const t = parameterAt(controls, time);
+  const [a, b, c, d] = controls;
+  const [ab, bc, cd] = [between(a, b, t), between(b, c, t), between(c, d, t)];
+  const [abc, bcd] = [between(ab, bc, t), between(bc, cd, t)];
+  const [into, out] = [tangentsAt(keys, index), tangentsAt(keys, index + 1)];
+  const at = between(abc, bcd, t);
+  const own = {
+    inSlope: slopeOf(abc, at),
+    inWidth: at.time - abc.time,
+    outSlope: slopeOf(at, bcd),
+    outWidth: bcd.time - at.time,
+  };
+  const isBefore = { ...into, outSlope: slopeOf(a, ab), outWidth: ab.time - a.time };
+  const isAfter = { ...out, inSlope: slopeOf(cd, d), inWidth: d.time - cd.time };
+  const bezierKey = ({ time: at, value }: Place, tangents: Tangents): Key => ({
+    time: at,
+    value,
+    interpolation: "bezier",
+    tangents,
+  });
+  return [
+    bezierKey(before, isBefore),
+    bezierKey({ time, value }, own),
+    ...(isCurved(after) ? [bezierKey(after, isAfter)] : []),
+  ];
+}
+
+function between(a: Place, b: Place, t: number): Place {
+  return { time: a.time + (b.time - a.time) * t, value: a.value + (b.value - a.value) * t };
+}
+
+function slopeOf(a: Place, b: Place): number {
+  return b.time > a.time ? (b.value - a.value) / (b.time - a.time) : 0;
+}
+
+/**
  * Places along the curve that draw it, from the first key to the last.
  *
  * @param steps places in one curved segment.

@@ -9,6 +9,7 @@ import {
   isSwitch,
   labelOf,
   laneOf,
+  lengthOf,
   shapeOfAll,
   type KeyLane,
   type KeyShape,
@@ -28,7 +29,7 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
   const owned = stacks.flatMap((stack) => stack.keys);
   const first = stacks.toSorted((a, b) => a.time - b.time)[0];
   const [only] = owned;
-  const length = first ? Math.max(...stacks.map(({ time }) => time)) - first.time : 0;
+  const length = lengthOf(stacks);
   const simplified = session.document.simplified.value;
   const setting = manyOf(owned, keys.lanes.value);
   return (

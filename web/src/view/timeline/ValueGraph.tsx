@@ -9,7 +9,7 @@ import type { Session } from "../../editor/session";
 import type { LengthUnit } from "../../model/distance";
 import { sliderOf } from "../../model/key_lanes";
 import type { Key } from "../../model/keys";
-import { curveOf, handleAt, valueAt, type Place } from "../../model/spline";
+import { curveOf, handleAt, type Place } from "../../model/spline";
 import { sameTime } from "../../model/time";
 import { keysOfCurve, valueAxis, type ValueCurve } from "../../model/value_curves";
 import { useSize } from "../hooks";
@@ -139,19 +139,17 @@ function Arms({ plot, keys, index }: { plot: Plot; keys: readonly Key[]; index: 
   return <path class="arms" d={lines.join("")} />;
 }
 
-/** Adds a key to a curve at the frame of a double click, with the value that the curve has there; selects one that is there. */
+/** Adds a key to a curve at the frame of a double click; selects one that is there. */
 function addKey(session: Session, plot: Plot, curve: ValueCurve, event: MouseEvent): void {
   const keys = keysOfCurve(curve);
   const left = (event.currentTarget as HTMLElement).getBoundingClientRect().left;
   const time = plot.time.time(event.clientX - left);
-  const value = valueAt(keys, time);
   const isBeside = event.clientX - left < plot.time.left || event.clientX - left > plot.time.right;
-  if (value === null || isBeside || event.target instanceof HTMLButtonElement) return;
+  if (isBeside || event.target instanceof HTMLButtonElement) return;
   const there = curve.keys.find(({ owned }) => sameTime(owned.key.time, time));
   if (there) {
     session.keys.select([there.stack]);
     return;
   }
-  const before = keys.findLast((key) => key.time < time) ?? keys[0];
-  void session.keys.add(curve.owner, { time, value, interpolation: before?.interpolation ?? "auto" });
+  void session.keys.add(curve.owner, keys, time);
 }

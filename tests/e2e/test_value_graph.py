@@ -86,6 +86,36 @@ def test_a_double_click_adds_a_key_on_the_curve(page: Page, service: str) -> Non
     assert weight_keys(service) == before
 
 
+def test_the_wheel_and_the_keyboard_show_a_part_of_the_shot(page: Page) -> None:
+    wait_settled(page)
+    bed = page.locator(".scrub-bed").bounding_box()
+    assert bed is not None
+    at = bed["x"] + bed["width"] * 43 / 95  # frame 44, which has a key
+    page.mouse.move(at, bed["y"] + 5)
+    page.mouse.wheel(0, -150)
+    whole = page.get_by_role("button", name="Whole shot")
+    expect(whole).to_be_visible()
+    key = page.locator(f'[data-stack="point {NEAR}@44"]').bounding_box()
+    assert key is not None
+    assert key["x"] + key["width"] / 2 == pytest.approx(at, abs=12)
+    expect(page.locator(f'[data-stack="point {NEAR}@96"]')).not_to_be_visible()
+
+    page.locator(f'[data-stack="point {NEAR}@44"]').click()
+    page.locator(f'[data-stack="point {NEAR}@66"]').click(modifiers=["Shift"])
+    page.keyboard.press("f")
+    shown = [page.locator(f'[data-stack="point {NEAR}@{time}"]').bounding_box() for time in (44, 66)]
+    assert shown[0] is not None
+    assert shown[1] is not None
+    assert shown[1]["x"] - shown[0]["x"] > 0.7 * bed["width"]
+    whole.click()
+    expect(whole).to_have_count(0)
+    expect(page.locator(f'[data-stack="point {NEAR}@96"]')).to_be_visible()
+    page.keyboard.press("+")
+    expect(whole).to_be_visible()
+    page.keyboard.press("-")
+    expect(whole).to_have_count(0)
+
+
 def weight_keys(service: str) -> list[dict]:
     """Return the keys of the near subject's weight."""
     return focus_points(service, 1)[NEAR]["keys"]["weight"]

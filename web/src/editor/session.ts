@@ -48,6 +48,7 @@ import { Picks } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 import { readSetting } from "./setting_state";
+import { TimeView } from "./time_view";
 
 const MODE_NAMES: Readonly<Record<FocusMode, string>> = {
   manual: "by hand",
@@ -63,6 +64,7 @@ export class Session {
   readonly shot: Shot;
   readonly document: ShotDocument;
   readonly playhead: Playhead;
+  readonly timeView: TimeView;
   readonly pictures: Pictures;
   readonly photography: CameraPhotography;
   readonly picks: Picks;
@@ -93,6 +95,7 @@ export class Session {
     this.#fail = fail;
     this.shot = shot;
     this.playhead = new Playhead(shot.range, time, () => this.pictures.free);
+    this.timeView = new TimeView(this.playhead);
     this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail, noEdits);
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek());
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);

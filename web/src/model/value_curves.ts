@@ -104,11 +104,17 @@ const THIRDS = Array.from({ length: 40 }, (_, third) => 2 ** (third / 6 - 1));
  * @param curve as the service has it, so that the axis stays as it is while keys are dragged.
  * @param more values that it holds too.
  * @param mostTicks labels that there is room for.
+ * @param keyed values that the curve has, by default those of all its keys.
  */
-export function valueAxis(curve: ValueCurve, more: readonly number[], unit: LengthUnit, mostTicks: number): ValueAxis {
+export function valueAxis(
+  curve: ValueCurve,
+  more: readonly number[],
+  unit: LengthUnit,
+  mostTicks: number,
+  keyed: readonly number[] = curve.keys.map(({ owned }) => owned.key.value),
+): ValueAxis {
   const slider = sliderOf(curve.owner);
   const isShare = slider?.scale === "linear" && slider.most - slider.least <= 1;
-  const keyed = curve.keys.map(({ owned }) => owned.key.value);
   const values = [
     ...keyed,
     ...more.map((value) => held(value, keyed, slider)),

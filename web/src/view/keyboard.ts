@@ -26,7 +26,14 @@ export const SHORTCUTS: readonly Shortcut[] = [
   },
   { keys: "Alt click", does: "Move the selected point there" },
   { keys: "[ ]", does: "Select the previous or next point" },
-  { keys: "F", does: "Pull focus to the selected point at this time" },
+  {
+    keys: "F",
+    does: "Pull focus to the selected point at this time; with keys selected or in the timeline, show them or the whole shot",
+  },
+  {
+    keys: "+ −",
+    does: "Show less or more of the shot's time, about the playhead; the wheel does so at the pointer, with Shift it pans",
+  },
   { keys: ", .", does: "Go to its previous or next key" },
   { keys: "K", does: "Set or remove its weight key at this time" },
   { keys: "Delete", does: "Remove the selected keys, or else the selected point" },
@@ -110,12 +117,17 @@ function plainKeys(event: KeyboardEvent, editor: Editor, session: Session | null
   return session !== null && (timeKeys(event, session) || keyKeys(event, session) || pointKeys(event, session));
 }
 
+/** Zoom of the timeline for each press of a key. */
+const KEY_ZOOM = 1.5;
+
 function timeKeys(event: KeyboardEvent, session: Session): boolean {
-  const { playhead } = session;
+  const { playhead, timeView } = session;
   const step = event.shiftKey ? 10 : 1;
   if (event.key === " ") playhead.toggle();
   else if (event.key === "ArrowLeft") playhead.step(-step);
   else if (event.key === "ArrowRight") playhead.step(step);
+  else if (event.key === "+" || event.key === "=") timeView.zoom(1 / KEY_ZOOM);
+  else if (event.key === "-") timeView.zoom(KEY_ZOOM);
   else if (event.key === "Home") playhead.goTo(playhead.range.start);
   else if (event.key === "End") playhead.goTo(playhead.range.end);
   else return false;
@@ -123,8 +135,14 @@ function timeKeys(event: KeyboardEvent, session: Session): boolean {
 }
 
 /** Keys for the selected keys. */
-function keyKeys(event: KeyboardEvent, { keys }: Session): boolean {
+function keyKeys(event: KeyboardEvent, { keys, timeView }: Session): boolean {
   if (event.key === "Escape") return keys.clear();
+  const stacks = keys.selectedStacks.value;
+  const isInTimeline = document.activeElement?.closest(".tracks") !== null && document.activeElement !== document.body;
+  if (event.key.toLowerCase() === "f" && (stacks.length > 0 || isInTimeline)) {
+    timeView.frame(stacks.map(({ time }) => time));
+    return true;
+  }
   if ((event.key !== "Delete" && event.key !== "Backspace") || keys.selectedStacks.value.length === 0) return false;
   REMOVE.act(keys);
   return true;

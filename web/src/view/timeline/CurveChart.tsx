@@ -59,7 +59,7 @@ export function CurveChart({ session, axis, unit, onScrub }: CurveChartProps): J
             <PointTracks curve={curve} plot={plot} selected={session.selected.value} right={axis.right} />
             <FocusLine curve={curve} plot={plot} />
           </g>
-          <NowDot session={session} plot={plot} />
+          {axis.has(session.playhead.time.value) && <NowDot session={session} plot={plot} />}
         </svg>
       )}
     </div>
@@ -138,7 +138,7 @@ export function PointTracks({ curve, plot, selected, right }: PointTracksProps):
       })),
     [curve],
   );
-  const labels = labelPlaces(tracks, plot, selected);
+  const labels = labelPlaces(tracks, plot, selected, right);
   return (
     <>
       {tracks.map(({ name, depths }) => (
@@ -162,11 +162,12 @@ function labelPlaces(
   tracks: readonly { name: string; depths: Track }[],
   plot: Plot,
   selected: string | null,
+  right: number,
 ): Map<string, number> {
   const places = new Map<string, number>();
   const first = tracks.toSorted((a, b) => Number(b.name === selected) - Number(a.name === selected));
   for (const { name, depths } of first) {
-    const end = depths.at(-1)?.[1] ?? 0;
+    const end = depths.findLast(([time]) => plot.x(time) <= right + 0.5)?.[1] ?? 0;
     const above = plot.y(end) - 5;
     const y = above < 12 ? above + 18 : above;
     if (end > 0 && [...places.values()].every((other) => Math.abs(other - y) > 11)) places.set(name, y);

@@ -164,6 +164,7 @@ function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.E
   const isEnabled = stack.keys.every(({ owner }) => "attribute" in owner && owner.attribute === "enabled");
   const classes = ["lane-key", isEnabled && "enabled", isZero && "zero", isSelected && "selected"];
   if (sameTime(time, playhead.time.value)) classes.push("now");
+  if (!axis.has(time)) classes.push("out");
   return (
     <button
       type="button"

@@ -93,7 +93,7 @@ export function Knot({
         type="button"
         ref={button}
         data-knot={stack.id}
-        class={isSelected ? "knot selected" : "knot"}
+        class={`knot${isSelected ? " selected" : ""}${plot.time.has(key.time) ? "" : " out"}`}
         style={{ left: `${plot.x(key.time)}px`, top: `${plot.y(key.value)}px` }}
         aria-pressed={isSelected}
         aria-label={`${curve.label} at frame ${formatFrame(key.time)}: ${says}`}
@@ -147,7 +147,7 @@ function Handle({ session, plot, curve, keys, index, side }: KnotProps & { side:
   return (
     <button
       type="button"
-      class="handle"
+      class={plot.time.has(end.time) ? "handle" : "handle out"}
       data-handle={side}
       style={{ left: `${plot.x(end.time)}px`, top: `${plot.y(end.value)}px` }}
       aria-label={`Handle ${name} frame ${formatFrame(key.time)}: slope ${trim(slope, 4)} a frame, ${length} frames long`}

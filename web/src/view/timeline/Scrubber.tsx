@@ -17,7 +17,7 @@ export function Scrubber({ session, axis, onScrub }: ScrubberProps): JSX.Element
   const { range } = axis;
   const { playhead } = session;
   const time = playhead.time.value;
-  const major = frameTicks(range, (axis.right - axis.left) / 70);
+  const major = frameTicks({ ...range, ...axis.span }, (axis.right - axis.left) / 70);
   return (
     <div
       class="scrubber"
@@ -46,9 +46,11 @@ export function Scrubber({ session, axis, onScrub }: ScrubberProps): JSX.Element
           </g>
         ))}
         <KeptFrames session={session} axis={axis} />
-        <g class="scrub-head" transform={`translate(${axis.x(time)} 0)`}>
-          <path d={`M-5 0H5V${HEIGHT_PX - 12}L0 ${HEIGHT_PX - 6}L-5 ${HEIGHT_PX - 12}Z`} />
-        </g>
+        {axis.has(time) && (
+          <g class="scrub-head" transform={`translate(${axis.x(time)} 0)`}>
+            <path d={`M-5 0H5V${HEIGHT_PX - 12}L0 ${HEIGHT_PX - 6}L-5 ${HEIGHT_PX - 12}Z`} />
+          </g>
+        )}
       </svg>
     </div>
   );
@@ -69,16 +71,18 @@ function scrubKey(session: Session, event: KeyboardEvent): boolean {
 
 /** A tick for each frame, where there is room. */
 function MinorTicks({ axis }: { axis: TimeAxis }): JSX.Element | null {
-  if (axis.x(axis.range.start + 1) - axis.left < 5) return null;
+  if (axis.perFrame < 5) return null;
   const xs: number[] = [];
-  for (let time = axis.range.start; time <= axis.range.end + 1e-6; time += 1) xs.push(axis.x(time));
+  const { range, span } = axis;
+  const first = range.start + Math.ceil(span.start - range.start - 1e-6);
+  for (let time = first; time <= span.end + 1e-6; time += 1) xs.push(axis.x(time));
   return <path class="minor" d={xs.map((x) => `M${x.toFixed(1)} ${HEIGHT_PX - 4}V${HEIGHT_PX}`).join("")} />;
 }
 
 /** Which frames play without asking the service. */
 function KeptFrames({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
-  const half = (axis.x(axis.range.start + 1) - axis.left) / 2;
-  const kept = session.pictures.keptTimes.value;
+  const half = axis.perFrame / 2;
+  const kept = session.pictures.keptTimes.value.filter((time) => axis.has(time));
   const line = kept
     .map((time) => `M${(axis.x(time) - half).toFixed(1)} ${HEIGHT_PX - 1}h${(2 * half).toFixed(1)}`)
     .join("");

@@ -1,7 +1,7 @@
 /** Time at the foot of the page: transport, scrubber, the focus curve under it, and the points' keys under that. */
 
-import type { JSX } from "preact";
-import { useCallback, useMemo, useRef, useState } from "preact/hooks";
+import type { JSX, RefObject } from "preact";
+import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import type { LengthUnit } from "../../model/distance";
@@ -34,7 +34,9 @@ function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.
   const closeMenu = useCallback(() => {
     setMenu(null);
   }, []);
-  const axis = useMemo(() => timeAxis(session.shot.range, width), [session, width]);
+  const span = session.timeView.span.value;
+  const axis = useMemo(() => timeAxis(session.shot.range, span, width), [session, span, width]);
+  useWheel(box, session, axis);
   const scrub = (down: PointerEvent): void => {
     if (down.button !== 0) return;
     const left = box.current?.getBoundingClientRect().left ?? 0;
@@ -97,7 +99,34 @@ function Chart(props: ChartProps): JSX.Element {
   return <ValueGraph key={graph.saved.id} {...props} curve={graph.shown} saved={graph.saved} />;
 }
 
-function Playhead({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
-  const x = axis.x(session.playhead.time.value);
+/** Zooms at the pointer by the wheel, and pans by Shift and the wheel; lanes that scroll zoom by Ctrl and the wheel. */
+function useWheel(box: RefObject<HTMLDivElement | null>, { timeView }: Session, axis: TimeAxis): void {
+  useEffect(() => {
+    const element = box.current;
+    const turned = (event: WheelEvent): void => {
+      const lanes = event.target instanceof Element ? event.target.closest(".lanes") : null;
+      const scrolls = lanes !== null && lanes.scrollHeight > lanes.clientHeight;
+      if (scrolls && !event.ctrlKey && !event.shiftKey) return;
+      event.preventDefault();
+      const { deltaX, deltaY } = event;
+      const isAcross = event.shiftKey || Math.abs(deltaX) > Math.abs(deltaY);
+      const left = element?.getBoundingClientRect().left ?? 0;
+      if (isAcross) timeView.pan((deltaX || deltaY) / axis.perFrame);
+      else timeView.zoom(WHEEL_ZOOM ** deltaY, axis.exactTime(event.clientX - left));
+    };
+    element?.addEventListener("wheel", turned, { passive: false });
+    return () => {
+      element?.removeEventListener("wheel", turned);
+    };
+  }, [box, timeView, axis]);
+}
+
+/** Zoom for each px that a wheel turns by. */
+const WHEEL_ZOOM = 1.002;
+
+function Playhead({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element | null {
+  const time = session.playhead.time.value;
+  if (!axis.has(time)) return null;
+  const x = axis.x(time);
   return <div class="playhead" style={{ transform: `translateX(${x}px)` }} aria-hidden="true" />;
 }

@@ -66,6 +66,7 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
         {Number(range.framesPerSecond.toFixed(3))} fps
       </span>
       <CurveChoice session={session} />
+      <WholeShot session={session} />
       <div class="spacer" />
       <Reading session={session} unit={unit} />
     </div>
@@ -110,6 +111,23 @@ function CurveChoice({ session }: { session: Session }): JSX.Element | null {
         </option>
       ))}
     </select>
+  );
+}
+
+/** Shows the whole shot again, where the timeline shows a part of it. */
+function WholeShot({ session: { timeView } }: { session: Session }): JSX.Element | null {
+  if (timeView.isWhole.value) return null;
+  return (
+    <button
+      type="button"
+      class="button small"
+      title="Show the whole shot (F in the timeline, with no keys selected)"
+      onClick={() => {
+        timeView.frame([]);
+      }}
+    >
+      Whole shot
+    </button>
   );
 }
 

@@ -9,7 +9,7 @@ import type { Session } from "../../editor/session";
 import type { LengthUnit } from "../../model/distance";
 import { sliderOf } from "../../model/key_lanes";
 import type { Key } from "../../model/keys";
-import { curveOf, handleAt, type Place } from "../../model/spline";
+import { curveOf, handleAt, valueAt, type Place } from "../../model/spline";
 import { sameTime } from "../../model/time";
 import { keysOfCurve, valueAxis, type ValueCurve } from "../../model/value_curves";
 import { useSize } from "../hooks";
@@ -93,15 +93,18 @@ export function ValueGraph({ session, axis, unit, curve, saved, onScrub }: Value
   );
 }
 
-/** The axis stays as it is while keys are dragged. */
+/** The vertical axis is of what is shown, and stays as it is while keys are dragged. */
 function usePlot(saved: ValueCurve, unit: LengthUnit, height: number, axis: TimeAxis): Plot {
   return useMemo<Plot>(() => {
-    const keys = keysOfCurve(saved);
-    const ends = keys.flatMap((_, index) => [handleAt(keys, index, "in"), handleAt(keys, index, "out")]);
+    const all = keysOfCurve(saved);
+    const [from, to] = [valueAt(all, axis.span.start), valueAt(all, axis.span.end)];
+    const shown = all.flatMap((key) => (axis.has(key.time) ? [key.value] : []));
+    const ends = all.flatMap((_, index) => SIDES.map((side) => handleAt(all, index, side)));
     const more = ends.flatMap((end) =>
-      end && (sliderOf(saved.owner)?.scale === "linear" || end.value > 0) ? [end.value] : [],
+      end && axis.has(end.time) && (sliderOf(saved.owner)?.scale === "linear" || end.value > 0) ? [end.value] : [],
     );
-    const values = valueAxis(saved, more, unit, Math.max(2, Math.floor(height / ROW_PX)));
+    const keyed = [...shown, from, to].filter((value) => value !== null);
+    const values = valueAxis(saved, more, unit, Math.max(2, Math.floor(height / ROW_PX)), keyed);
     const held = (fraction: number): number => Math.min(Math.max(fraction, -1), 2);
     return { time: axis, axis: values, height, x: axis.x, y: (value) => (1 - held(values.fraction(value))) * height };
   }, [saved, unit, height, axis]);

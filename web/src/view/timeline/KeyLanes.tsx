@@ -86,7 +86,7 @@ function selectInBox(
       if (event.type !== "pointerup") return;
       const box = boxTo(event);
       const inside = new Set(
-        [...list.querySelectorAll<HTMLElement>("[data-stack]")]
+        [...list.querySelectorAll<HTMLElement>("[data-stack]:not(.out)")]
           .filter((key) => {
             const frame = key.getBoundingClientRect();
             const [left, top] = [list.getBoundingClientRect().left, list.getBoundingClientRect().top - list.scrollTop];
@@ -104,7 +104,8 @@ function selectInBox(
 function Lane({ session, axis, lane }: { session: Session; axis: TimeAxis; lane: KeyLane }): JSX.Element {
   const isSelected = lane.point !== null && session.selected.value === lane.point;
   const selected = session.keys.selected.value;
-  const entry = lane.stacks.find(({ id }) => selected.has(id)) ?? lane.stacks[0];
+  const shown = lane.stacks.filter((stack) => axis.has(session.keys.shownAs(stack).time));
+  const entry = shown.find(({ id }) => selected.has(id)) ?? shown[0];
   return (
     <div class={isSelected ? "lane selected" : "lane"}>
       <button
@@ -198,11 +199,19 @@ function goToNext({ keys, playhead }: Session, lane: KeyLane, stack: KeyStack, e
   if (next) {
     keys.select([next]);
     playhead.goTo(next.time);
-    focusOn((event.currentTarget as HTMLElement).closest(".lanes"), next.id);
+    const list = (event.currentTarget as HTMLElement).closest(".lanes");
+    if (focusOn(list, next.id)) return true;
+    // It was beyond what the timeline shows.
+    requestAnimationFrame(() => {
+      focusOn(list, next.id);
+    });
   }
   return true;
 }
 
-function focusOn(lanes: Element | null, stack: string): void {
-  lanes?.querySelector<HTMLElement>(`[data-stack="${CSS.escape(stack)}"]`)?.focus();
+/** Focuses a key; returns whether it could be. */
+function focusOn(lanes: Element | null, stack: string): boolean {
+  const key = lanes?.querySelector<HTMLElement>(`[data-stack="${CSS.escape(stack)}"]`);
+  key?.focus();
+  return key !== undefined && key === document.activeElement;
 }

@@ -82,8 +82,15 @@ def test_a_double_click_adds_a_key_on_the_curve(page: Page, service: str) -> Non
     assert (added["time"], added["value"]) == (55, pytest.approx(0.5, abs=1e-6))  # half way from 44 to 66
     expect(page.locator(".knot.selected")).to_have_attribute("data-knot", f"point {NEAR}@55")
     page.keyboard.press("Control+z")
-    wait_edited(page, revision)
+    revision = wait_edited(page, revision)
     assert weight_keys(service) == before
+
+    # Where there is a key, and beside the shot, nothing is added.
+    page.mouse.dblclick(bed["x"] + bed["width"] * 43 / 95, graph["y"] + graph["height"] / 2)
+    expect(page.locator(".knot.selected")).to_have_attribute("data-knot", f"point {NEAR}@44")
+    page.mouse.dblclick(bed["x"] - 40, graph["y"] + graph["height"] / 2)
+    assert weight_keys(service) == before
+    assert revision_of(page) == revision
 
 
 def test_the_wheel_and_the_keyboard_show_a_part_of_the_shot(page: Page) -> None:

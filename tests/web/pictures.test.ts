@@ -3,6 +3,7 @@ import { ShotDocument } from "@/editor/document";
 import { Pictures } from "@/editor/pictures";
 import type { Changes } from "@/model/changes";
 import { restQuality } from "@/model/quality";
+import { errorOf } from "@/net/errors";
 import { FakeService, SHOT } from "./fake_service";
 
 const REST = restQuality(800, 400);
@@ -176,4 +177,18 @@ describe("where pictures do not come live", () => {
     expect(fake.requests.map(({ time }) => time)).toEqual([1, 2]);
     expect(pictures.free).toBe(true);
   });
+});
+
+it("what a preview of keys that are still to be made lacks is no failure, and what a picture lacks is", () => {
+  const { fake, document, want } = opened();
+  const missing = errorOf(404, { code: "key_not_found", detail: "there is no key at 43" });
+  want(5, true, UNSAVED);
+  document.preview(UNSAVED);
+  expect(() => fake.listener?.onError(missing)).not.toThrow();
+  document.endPreview();
+  expect(() => fake.listener?.onError(missing)).toThrow("no key at 43");
+  document.preview(UNSAVED);
+  expect(() => fake.listener?.onError(errorOf(422, { code: "bad_lens_setting", detail: "too small" }))).toThrow(
+    "too small",
+  );
 });

@@ -1,10 +1,7 @@
 /** Gestures on keys that meet each other, an undo, or a service that is slow. */
 
-import { signal } from "@preact/signals";
-import { Session } from "@/editor/session";
-import type { KeyStack } from "@/model/key_lanes";
-import { FakeService, SHOT, turn } from "./fake_service";
-import { point } from "./points";
+import { turn } from "./fake_service";
+import { nowAt, opened, stackAt } from "./keyed_session";
 
 beforeEach(() => {
   vi.stubGlobal("cancelAnimationFrame", () => undefined);
@@ -14,33 +11,6 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-function withKeys(...times: number[]): ReturnType<typeof point> {
-  return point("pip", { weight: Object.fromEntries(times.map((time) => [time, 1])) });
-}
-
-/** A session whose one point has keys at frames 1, 10 and 20; it does what it is told, in the order of the edits. */
-async function opened(): Promise<{ fake: FakeService; session: Session; failed: unknown[] }> {
-  const fake = new FakeService();
-  fake.points = [withKeys(1, 10, 20)];
-  const failed: unknown[] = [];
-  const rights = { noEdits: signal(null), noPictures: signal(null) };
-  const session = new Session(fake.service, SHOT, "/cam", 1, (error) => failed.push(error), rights);
-  await turn();
-  return { fake, session, failed };
-}
-
-function stackAt({ keys }: Session, time: number): KeyStack {
-  const found = keys.lanes.value.flatMap(({ stacks }) => stacks).find((stack) => stack.time === time);
-  if (!found) throw new Error(`There is no key at ${time.toString()}.`);
-  return found;
-}
-
-function answer(fake: FakeService, ...times: number[]): void {
-  const points = [withKeys(...times)];
-  fake.points = points;
-  fake.state = { points, readout: null, focusSettings: null, photography: null, curve: null };
-}
-
 it("a third drag goes on from the second, when the first is made meanwhile", async () => {
   const { fake, session } = await opened();
   session.keys.select([stackAt(session, 10)]);
@@ -49,7 +19,7 @@ it("a third drag goes on from the second, when the first is made meanwhile", asy
     new Promise((resolve) => {
       answers.push(resolve);
     });
-  answer(fake, 1, 14, 20);
+  nowAt(fake, 1, 14, 20);
   const first = session.keys.drag(stackAt(session, 10)).commit({ by: 4, reach: null });
   const second = session.keys.drag(stackAt(session, 10)).commit({ by: -3, reach: null });
   await turn();
@@ -93,7 +63,7 @@ it("while a key is dragged, nothing is undone, removed or pasted", async () => {
   session.keys.select([stackAt(session, 20)]);
   session.keys.copy();
   await session.keys.drag(stackAt(session, 20)).commit({ by: 1, reach: null });
-  answer(fake, 1, 10, 21);
+  nowAt(fake, 1, 10, 21);
   session.document.refresh();
   await turn();
   const drag = session.keys.drag(stackAt(session, 10));

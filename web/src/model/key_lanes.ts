@@ -322,7 +322,7 @@ export function holdAll(range: FrameRange, stacks: readonly KeyStack[], by: numb
 }
 
 /** How far a key goes that is to go so far: it stays in the shot, or comes no farther out of it. */
-export function holdShift(range: FrameRange, from: number, by: number): number {
+function holdShift(range: FrameRange, from: number, by: number): number {
   return Math.min(Math.max(from + by, Math.min(range.start, from)), Math.max(range.end, from)) - from;
 }
 

@@ -172,7 +172,7 @@ function linearTicks(low: number, high: number, most: number): number[] {
   );
 }
 
-/** Full stops, halves of a stop apart where there is room, as f-numbers and focal lengths are marked. */
+/** Stops of an f-number, a factor of √2 apart: thirds of them where there is room, several where there is little. */
 function stopTicks(low: number, high: number, most: number): number[] {
   const [first, last] = [Math.log2(low), Math.log2(high)];
   const step = [1 / 6, 0.5, 1, 2, 4].find((stops) => (last - first) / stops <= most) ?? 8;
@@ -276,7 +276,7 @@ export function withHandle(
 /** How far a curve may go below a key; infinite for a setting that may be negative. */
 function roomBelow(owner: KeyOwner, value: number): number {
   const least = sliderOf(owner)?.least ?? -Infinity;
-  return least >= 0 ? Math.max(0, value - Math.min(least, value)) * 0.999 : Infinity;
+  return least >= 0 ? (value - Math.min(least, value)) * 0.999 : Infinity;
 }
 
 /** Puts a key in place of the same one; for `KeyShift`. */

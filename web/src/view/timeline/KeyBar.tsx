@@ -3,7 +3,6 @@
 import type { JSX } from "preact";
 import { SHAPES } from "../../editor/key_actions";
 import type { Session } from "../../editor/session";
-import { FAR_AWAY_M } from "../../model/changes";
 import {
   isSameOwner,
   isSwitch,
@@ -15,13 +14,14 @@ import {
   type KeyShape,
   type OwnedKey,
 } from "../../model/key_lanes";
-import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
+import { parseDistance, type LengthUnit } from "../../model/distance";
 import type { KeyedSetting } from "../../model/keys";
 import { formatFrame } from "../../model/time";
 import { Edits } from "../controls/Edits";
 import { TypedNumber } from "../controls/TypedNumber";
 import { parseQuantity, trim } from "../numbers";
 import { Simplify } from "./Simplify";
+import { formatValue, isDistance } from "./value_plot";
 
 export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const { keys } = session;
@@ -126,16 +126,14 @@ function manyOf(keys: readonly OwnedKey[], lanes: readonly KeyLane[]): KeyedSett
 
 /** The value of one key; a distance in the unit of the page. */
 function Value({ session, owned, unit }: { session: Session; owned: OwnedKey; unit: LengthUnit }): JSX.Element {
-  const isDistance = "setting" in owned.owner && owned.owner.setting === "focusDistanceM";
+  const { owner } = owned;
   return (
     <TypedNumber
-      label={`Value of ${labelOf(owned.owner)}`}
+      label={`Value of ${labelOf(owner)}`}
       value={owned.key.value}
-      format={
-        isDistance ? (value) => formatDistance(value < FAR_AWAY_M ? value : Infinity, unit) : (value) => trim(value, 3)
-      }
-      parse={isDistance ? (text) => parseDistance(text, unit) : (text) => parseQuantity(text, "")}
-      example={isDistance ? formatDistance(3, unit) : trim(owned.key.value, 3)}
+      format={(value) => formatValue(owner, value, unit)}
+      parse={isDistance(owner) ? (text) => parseDistance(text, unit) : (text) => parseQuantity(text, "")}
+      example={formatValue(owner, isDistance(owner) ? 3 : owned.key.value, unit)}
       onTyped={(value) => {
         session.keys.setValue(value);
       }}

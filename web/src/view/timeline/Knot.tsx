@@ -6,7 +6,7 @@ import type { KeyShift } from "../../editor/key_editing";
 import type { Session } from "../../editor/session";
 import { FAR_AWAY_M } from "../../model/changes";
 import { sampleAt } from "../../model/curve";
-import { formatDistance, type LengthUnit } from "../../model/distance";
+import type { LengthUnit } from "../../model/distance";
 import { sliderOf, stackId, type KeyOwner } from "../../model/key_lanes";
 import type { Key } from "../../model/keys";
 import { scaleOf } from "../../model/scale";
@@ -22,8 +22,8 @@ import {
   type ValueCurve,
 } from "../../model/value_curves";
 import { trim } from "../numbers";
-import { SNAP_PX, useKeyGestures, type Way } from "./key_gestures";
-import { isDistance, SIDES, type Plot } from "./value_plot";
+import { SNAP_PX, useKeyGestures, type KeyGestures, type Way } from "./key_gestures";
+import { formatValue, isDistance, SIDES, type Plot } from "./value_plot";
 
 interface KnotProps {
   readonly session: Session;
@@ -41,7 +41,7 @@ function useKnotGestures(
   curve: ValueCurve,
   entry: CurveKey,
   button: RefObject<HTMLButtonElement | null>,
-): ReturnType<typeof useKeyGestures> {
+): KeyGestures {
   const { keys, playhead } = session;
   const { stack } = entry;
   return useKeyGestures(session, {
@@ -86,7 +86,7 @@ export function Knot({
   const button = useRef<HTMLButtonElement>(null);
   const isSelected = session.keys.selected.value.has(stack.id);
   const gestures = useKnotGestures(session, plot, curve, entry, button);
-  const says = `${inWords(curve.owner, key.value, unit)}, ${key.interpolation}`;
+  const says = `${formatValue(curve.owner, key.value, unit)}, ${key.interpolation}`;
   return (
     <>
       <button
@@ -98,15 +98,7 @@ export function Knot({
         aria-pressed={isSelected}
         aria-label={`${curve.label} at frame ${formatFrame(key.time)}: ${says}`}
         title={`${formatFrame(key.time)}: ${says}`}
-        onPointerDown={(event) => {
-          event.stopPropagation();
-          gestures.onPointerDown(event);
-        }}
-        onKeyDown={(event) => {
-          if (gestures.onKeyDown(event)) event.preventDefault();
-        }}
-        onKeyUp={gestures.onKeyUp}
-        onBlur={gestures.onBlur}
+        {...handlersOf(gestures)}
         onClick={(event) => {
           if (event.detail > 0) return; // a pointer's, which `useKeyGestures` sees
           session.keys.select([stack], event.shiftKey);
@@ -152,18 +144,29 @@ function Handle({ session, plot, curve, keys, index, side }: KnotProps & { side:
       style={{ left: `${plot.x(end.time)}px`, top: `${plot.y(end.value)}px` }}
       aria-label={`Handle ${name} frame ${formatFrame(key.time)}: slope ${trim(slope, 4)} a frame, ${length} frames long`}
       title={`Slope ${trim(slope, 4)} a frame, ${length} frames long; Alt moves this handle alone`}
-      onPointerDown={(event) => {
-        event.stopPropagation();
-        gestures.onPointerDown(event);
-      }}
-      onKeyDown={(event) => {
-        if (gestures.onKeyDown(event)) event.preventDefault();
-      }}
-      onKeyUp={gestures.onKeyUp}
-      onBlur={gestures.onBlur}
+      {...handlersOf(gestures)}
     />
   );
 }
+
+/** The handlers of a key or handle: what it takes does not scrub, and does nothing else on the page. */
+function handlersOf({ onPointerDown, onKeyDown, onKeyUp, onBlur }: KeyGestures): KeyHandlers {
+  return {
+    onPointerDown: (event) => {
+      event.stopPropagation();
+      onPointerDown(event);
+    },
+    onKeyDown: (event) => {
+      if (onKeyDown(event)) event.preventDefault();
+    },
+    onKeyUp,
+    onBlur,
+  };
+}
+
+type KeyHandlers = Pick<KeyGestures, "onPointerDown" | "onKeyUp" | "onBlur"> & {
+  readonly onKeyDown: (event: KeyboardEvent) => void;
+};
 
 /** Share of the axis that an arrow key moves the end of a handle by. */
 const HANDLE_STEP = 0.02;
@@ -202,8 +205,4 @@ function stepped(owner: KeyOwner, value: number, count: number): number {
   if (count === 0) return value;
   const slider = sliderOf(owner);
   return slider ? scaleOf(slider).step(value, count) : value + count * 0.01 * Math.max(1, Math.abs(value));
-}
-
-function inWords(owner: KeyOwner, value: number, unit: LengthUnit): string {
-  return isDistance(owner) ? formatDistance(value < FAR_AWAY_M ? value : Infinity, unit) : trim(value, 3);
 }

@@ -35,7 +35,7 @@ interface GestureOptions {
   readonly arrived: (time: number) => void;
 }
 
-interface KeyGestures {
+export interface KeyGestures {
   readonly onPointerDown: (down: PointerEvent) => void;
   /** Returns whether the key was for it. */
   readonly onKeyDown: (event: KeyboardEvent) => boolean;

@@ -9,6 +9,8 @@ Why each adaptation is here:
 - pyrender's platform requests OpenGL 4.1, and NVIDIA's driver gives exactly that; `make_context` asks for 4.5 first.
 - pyrender pins PyOpenGL 3.1.0 (2014), which knows OpenGL up to 4.4; ``glClipControl`` of 4.5 is fetched from the driver.
 - PyOpenGL asks for the names of all extensions in one string, which the core profile refuses: it is given the list.
+- pyrender's platform terminates its display when Python collects it, and with it every context of the process: on NVIDIA's
+  driver the next call fails. It is kept from that; `release_context` destroys one context.
 - pyrender's context cannot be a debug context, whose driver reports errors and undefined use; `make_context` can ask for one.
 - pyrender imports its viewer (pyglet, tkinter, imageio), its fonts (freetype), and trimesh with all of SciPy: a second and more,
   for parts that are not used here. So its modules are imported one by one, and these packages run late: when one of their
@@ -119,6 +121,7 @@ __all__ = [
     "make_context",
     "pyrender",
     "pyrender_egl",
+    "query_integers",
     "release_context",
     "report_to",
     "set_clip_depth",
@@ -176,6 +179,7 @@ class _NodeTree:
         return path
 
 
+pyrender_egl.EGLPlatform.__del__ = lambda platform: None
 pyrender.scene.nx = SimpleNamespace(DiGraph=_NodeTree, shortest_path=_NodeTree.path)
 
 
@@ -257,14 +261,18 @@ def _open_display(platform: pyrender_egl.EGLPlatform) -> None:
 
 
 def release_context(platform: pyrender_egl.EGLPlatform) -> None:
-    """Destroy a platform's context. pyrender's own way terminates the display, and with it every context of the process.
+    """Destroy a platform's context, if it has one. pyrender's own way terminates the display, and with it every context of the
+    process.
 
     Args:
         platform: platform whose context is destroyed.
     """
+    if platform._egl_context is None:
+        return
     EGL.eglMakeCurrent(platform._egl_display, EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, EGL.EGL_NO_CONTEXT)
     EGL.eglDestroyContext(platform._egl_display, platform._egl_context)
     _debug_callbacks.pop(_address(platform), None)
+    platform._egl_context = None
 
 
 def report_to(platform: pyrender_egl.EGLPlatform, report: Report) -> None:
@@ -284,6 +292,13 @@ def report_to(platform: pyrender_egl.EGLPlatform, report: Report) -> None:
     GL.glEnable(_DEBUG_OUTPUT)
     GL.glEnable(_DEBUG_OUTPUT_SYNCHRONOUS)
     _gl_function("glDebugMessageCallback", _DebugCallback, ctypes.c_void_p)(callback, None)
+
+
+def query_integers(name: int, count: int) -> list[int]:
+    """``glGetIntegerv`` of a name that PyOpenGL does not know, as of an extension, which has ``count`` values."""
+    values = (ctypes.c_int * count)()
+    _gl_function("glGetIntegerv", ctypes.c_uint, ctypes.c_void_p)(name, values)
+    return list(values)
 
 
 def set_clip_depth(mode: int) -> None:

@@ -20,7 +20,7 @@ from render.gl.compat import (
     software_device,
 )
 from render.gl.debug import DebugLog, is_debugging
-from render.gl.limits import check_device
+from render.gl.limits import check_device, memory_bytes
 from render.gl.no_gpu import check_software, is_gpu_refused
 
 REQUIRED_VERSION = 450
@@ -35,6 +35,7 @@ class GraphicsContext:
         ctx: moderngl's view of the context.
         renderer: the driver's name of the device, such as ``llvmpipe (LLVM 15.0.6, 256 bits)``.
         is_software: whether the device is a CPU rasteriser.
+        memory_bytes: memory of the GPU, as its driver states it; 0 where it states none, and of a CPU rasteriser.
         cancellation: cancellation point of long work on it.
     """
 
@@ -45,14 +46,17 @@ class GraphicsContext:
             GraphicsError: no EGL device, or one that lacks OpenGL 4.5 or what that leaves to a device (`render.gl.limits`), or
                 a GPU where none may be used (`render.gl.no_gpu`).
         """
+        platform = None
         try:
-            self._platform = pyrender_egl.EGLPlatform(1, 1, _chosen_device())
+            platform = self._platform = pyrender_egl.EGLPlatform(1, 1, _chosen_device())
             debug = is_debugging()
             make_context(self._platform, debug=debug)
             # Not create_context: from its second call in a process on, it asks GLX, which knows no EGL context.
             moderngl.init_context(FunctionLoader())
             self.ctx = moderngl.get_context()
         except Exception as error:  # EGL and PyOpenGL raise their own kinds, bare assertions included
+            if platform is not None:
+                release_context(platform)
             raise GraphicsError(
                 f"no OpenGL context could be made through EGL ({type(error).__name__}: {error}); on a machine without a GPU "
                 "install Mesa's software rasteriser (Debian: libegl1 libgl1 libgl1-mesa-dri)"
@@ -69,6 +73,7 @@ class GraphicsContext:
         except GraphicsError:
             self.close()
             raise
+        self.memory_bytes = 0 if self.is_software else memory_bytes(self.ctx)
         self._log = DebugLog()
         if debug:
             report_to(self._platform, self._log.add)

@@ -12,7 +12,9 @@ from typing import Any
 import moderngl
 
 from render.errors import GraphicsError
+from render.gl.compat import query_integers
 
+_DEDICATED_MEMORY_NVX, _TEXTURE_FREE_MEMORY_ATI = 0x9047, 0x87FC
 _NEEDED = {"GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS": (2, "storage buffers in a vertex shader")}  # OpenGL 4.5 allows 0
 
 
@@ -29,6 +31,21 @@ def check_device(renderer: str, info: Mapping[str, Any]) -> None:
     for name, (least, what) in _NEEDED.items():
         if int(info[name]) < least:
             raise GraphicsError(f"{renderer} offers {info[name]} {what} ({name}), and {least} are needed")
+
+
+def memory_bytes(ctx: moderngl.Context) -> int:
+    """Ask for the memory of a GPU, bytes; 0 where the driver does not say (Intel's, for one, which shares the processor's).
+
+    Args:
+        ctx: context of the GPU, which is current.
+
+    Sources: GL_NVX_gpu_memory_info (the GPU's own memory) and GL_ATI_meminfo (memory that is free for textures), both in KiB.
+    """
+    if "GL_NVX_gpu_memory_info" in ctx.extensions:
+        return query_integers(_DEDICATED_MEMORY_NVX, 1)[0] << 10
+    if "GL_ATI_meminfo" in ctx.extensions:
+        return query_integers(_TEXTURE_FREE_MEMORY_ATI, 4)[0] << 10
+    return 0
 
 
 def make_storage(ctx: moderngl.Context, size: int, what: str) -> moderngl.Buffer:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import gc
+
+import moderngl
 import numpy as np
 import pytest
 
 from render.errors import GraphicsError
 from render.frame import FrameRenderer, FrameSettings
 from render.gl import compat
+from render.gl.context import GraphicsContext
 from render.lab.reference.scenes import spheres_over_checkerboard
 
 
@@ -31,6 +35,20 @@ def test_one_renderer_does_not_disturb_another() -> None:
         np.testing.assert_array_equal(first.render(scene, camera, settings).color, alone)
         assert first.graphics.ctx.error == "GL_NO_ERROR"
     np.testing.assert_array_equal(beside, alone)
+
+
+def test_a_context_that_cannot_be_made_costs_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is left of it is collected, which must not close the display that all contexts share."""
+    scene, camera = spheres_over_checkerboard()
+    settings = FrameSettings(64, 48, rays=4, supersample=1)
+    with FrameRenderer() as other:
+        before = other.render(scene, camera, settings).color
+        with monkeypatch.context() as patched:
+            patched.setattr(moderngl, "get_context", lambda: 1 / 0)
+            with pytest.raises(GraphicsError, match="ZeroDivisionError"):
+                GraphicsContext()
+        gc.collect()
+        np.testing.assert_array_equal(other.render(scene, camera, settings).color, before)
 
 
 def test_where_the_wanted_version_is_refused_the_devices_own_is_made(monkeypatch: pytest.MonkeyPatch) -> None:

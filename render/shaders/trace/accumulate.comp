@@ -29,10 +29,12 @@ void main()
     vec4 w = texelFetch(packed_w, pixel, 0);
     vec4 total = is_first ? vec4(0.0) : imageLoad(seen, pixel);
     float passing = is_first ? 1.0 : imageLoad(through, pixel).r;
-    for (int i = 0; i < count && w[i] != 0.0 && passing > 0.0; ++i) {
+    for (int i = 0; i < count; ++i) {
+        float w_of_layer = w[i];  // as part of the loop's condition, NVIDIA's compiler 580 leaves the test out
+        if (w_of_layer == 0.0 || passing <= 0.0) break;
         vec4 surface = texelFetch(radiance, ivec3(pixel, slice_of_first + i), 0);
-        total += passing * light_of(surface, w[i] > 0.0);
-        passing *= 1.0 - opacity_of(surface, w[i] > 0.0);
+        total += passing * light_of(surface, w_of_layer > 0.0);
+        passing *= 1.0 - opacity_of(surface, w_of_layer > 0.0);
     }
     if (is_last) {
         total.rgb += passing * texelFetch(background, pixel, 0).rgb;

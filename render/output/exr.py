@@ -199,7 +199,7 @@ def file_spec(
 
 def _ids(ids: NDArray[Any]) -> NDArray[np.uint32]:
     """Ids with `NO_ID` in place of negative ones, which are empty."""
-    return np.where(ids < 0, NO_ID, ids).astype(np.uint32)
+    return np.where(ids < 0, np.uint32(NO_ID), ids.astype(np.uint32))
 
 
 def _manifest(indices: NDArray[Any], prim_paths: tuple[str, ...], first_id: int) -> str:

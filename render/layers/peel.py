@@ -134,7 +134,7 @@ class Peeler:
         # on a CPU, anisotropic look-ups triple the time of a textured layer, and the layers are supersampled anyway
         self.index = SceneIndex(anisotropy=1.0 if graphics.is_software else 8.0)
         self.sketches = SketchIndex(self.index)
-        self.textures = TextureBudget(self.index)
+        self.textures = TextureBudget(self.index, graphics.memory_bytes)
         self._renderer = LayerRenderer(self.index, self.sketches, graphics.ctx, programs, graphics.cancellation)
         self._lighting = Lighting(self._renderer, programs)
         self._targets: dict[str, LayerTargets] = {}

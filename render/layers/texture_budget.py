@@ -46,14 +46,16 @@ class TextureBudget:
 
     Args:
         index: render index.
+        memory_bytes: memory of the GPU, of which an eighth is the budget if that is more than `TEXTURE_BUDGET_BYTES`; 0 where it
+            is not known, and for a CPU rasteriser.
 
     Attributes:
         bytes: the budget.
     """
 
-    def __init__(self, index: SceneIndex) -> None:
+    def __init__(self, index: SceneIndex, memory_bytes: int = 0) -> None:
         self._index = index
-        self.bytes = TEXTURE_BUDGET_BYTES
+        self.bytes = max(TEXTURE_BUDGET_BYTES, memory_bytes // 8)
         self._densities: dict[int, tuple[Geometry, DoubleArray]] = {}
 
     def prepare(self) -> None:

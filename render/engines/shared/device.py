@@ -18,6 +18,7 @@ from render.trace.adaptive import RayBudget, whole_stops
 from render.trace.lens import LensTracer
 from render.trace.motion_tracer import ShutterSample
 from render.trace.rays import RayPattern, make_adaptive_pattern, make_ray_pattern
+from render.trace.tiling.plan import LayerBudget
 
 if TYPE_CHECKING:
     from render.postblur.focus_split import Blur
@@ -43,6 +44,7 @@ class Device:
         self.programs = ProgramCache(graphics.ctx)
         self.peeler = Peeler(graphics, self.programs)
         self.tracer = LensTracer(graphics.ctx, self.programs, graphics.cancellation)
+        self.tracer.budget = LayerBudget.of_device(graphics.memory_bytes)
 
     @cached_property
     def _blur(self) -> SingleImageBlur:

@@ -14,7 +14,7 @@ import numpy as np
 
 from render.layers.limits import BLOCK_PX
 from render.layers.nbuffers import BINS_ABOVE_NEAREST, nbuffer_bytes
-from render.layers.targets import REFLECTOR_BYTES_PER_PX, layer_bytes_per_px
+from render.layers.targets import MAX_LAYER_PIXELS, REFLECTOR_BYTES_PER_PX, layer_bytes_per_px
 from render.optics.view import PinholeView
 from render.trace.lens_table import BOUND, PolynomialTable
 from render.trace.picture_focus import PictureFocus
@@ -38,6 +38,16 @@ class LayerBudget:
 
     bytes: int = 1 << 30
     strip_bytes: int = 1 << 27
+
+    @classmethod
+    def of_device(cls, memory_bytes: int) -> LayerBudget:
+        """Give the budget on a device: an eighth of its memory, and no less than where that is not known.
+
+        Args:
+            memory_bytes: memory of the GPU; 0 where it is not known, and for a CPU rasteriser.
+        """
+        most = max(cls.bytes, memory_bytes // 8)
+        return cls(most, most // 8)
 
 
 @dataclass(frozen=True)
@@ -92,7 +102,7 @@ def plan_tiles(
     lit: bool = False,
     ids: bool = False,
 ) -> TilePlan | None:
-    """Plan the tiles of a picture; None where its layers fit the budget.
+    """Plan the tiles of a picture; None where its layers fit the budget and the limits on layers.
 
     Args:
         picture: view of the picture.
@@ -104,13 +114,14 @@ def plan_tiles(
         lit: whether surfaces are lit, for which strips hold `render.layers.targets.Reflectors` too.
         ids: whether layers hold ids.
     """
-    if layers_bytes(*whole.size, layers, lit=lit, ids=ids) <= budget.bytes and max(whole.size) <= most_side_px:
-        return None
     axis = 0 if whole.width >= whole.height else 1
     length, across = whole.size[axis], whole.size[1 - axis]
+    most_side_px = min(most_side_px, MAX_LAYER_PIXELS // across)
+    if layers_bytes(*whole.size, layers, lit=lit, ids=ids) <= budget.bytes and length <= most_side_px:
+        return None
     per_line = layers_bytes(1 << 14, across, layers, ids=ids) >> 14
     strip_line = per_line + across * REFLECTOR_BYTES_PER_PX * lit
-    strip = min(length, max(BLOCK_PX, min(budget.strip_bytes // strip_line, most_side_px) // BLOCK_PX * BLOCK_PX))
+    strip = min(length, max(BLOCK_PX, min(budget.strip_bytes // strip_line, most_side_px // 8) // BLOCK_PX * BLOCK_PX))
     unit = strip if strip < length else BLOCK_PX
     scale = whole.fx / picture.fx
     least = _multiple(int(np.ceil(2 * reach_px + _GROUP * scale + 2 * _GUARD)) + unit, unit)

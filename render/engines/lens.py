@@ -30,10 +30,10 @@ llvmpipe, most of it for drawing and lighting the layers. What the rays take is 
 that of the lens surfaces.
 
 Memory: layers take some 104 bytes for each layer pixel, with mattes 32 more and 128 for each pixel of the picture, 384 where
-it is deep. Above 1 GiB the picture is traced in tiles, whose number does not change the pixels (`render.trace.tiling.plan`),
-but that adaptive rays are distributed over each tile by itself. Highlights have a share of the connections in each strip of
-the layers, whose cut follows from their size. Above 1 GiB textures are held as finely as the view shows them, in all engines
-(`render.layers.texture_budget`).
+it is deep. Above 1 GiB, or an eighth of a GPU's memory where that is more, the picture is traced in tiles, whose number
+does not change the pixels (`render.trace.tiling.plan`), but that adaptive rays are distributed over each tile by itself.
+Highlights have a share of the connections in each strip of the layers, whose cut follows from their size. Above as much again,
+textures are held as finely as the view shows them, in all engines (`render.layers.texture_budget`).
 
 Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes. Shading
 is that of the view from the pupil's centre, so that glints do not change over the pupil.

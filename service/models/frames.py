@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from render.model.frame_settings import MAX_MOTION, MOST_NOISE, FrameSettings
-from service.models.base import Model, PrimPath, TimeCode
+from service.models.base import Model, PrimPath, TimeCode, shown_as
 from service.models.engines import ENGINE_HELP, EngineName
 
 
@@ -96,6 +96,25 @@ class PictureQuery(Model):
         description="Looks of the configuration, separated by commas, in place of the shot's; empty for none.",
         examples=[""],
     )
+
+
+class PictureState(Model):
+    """What the picture of a frame depends on."""
+
+    time: TimeCode = Field(description="USD time code.", examples=[24])
+    state: str | None = Field(
+        description="Digest of the camera, its exposure and film, the solved focus, and all edits of anything else; null where "
+        "no picture can be made.",
+        examples=["9c2b670164472ae10e72acb941365fc3"],
+    )
+
+
+class PictureStates(Model):
+    """What the pictures of some frames depend on."""
+
+    model_config = shown_as({"states": [{"time": 24.0, "state": "9c2b670164472ae10e72acb941365fc3"}]})
+
+    states: list[PictureState]
 
 
 class FrameQuery(PictureQuery):

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         libraries,
         opened,
         photography,
+        picture_states,
         shots,
         solving,
     )
@@ -33,6 +34,7 @@ else:
     libraries = RemoteModule("service.stage.libraries")
     opened = RemoteModule("service.stage.opened")
     photography = RemoteModule("service.stage.photography")
+    picture_states = RemoteModule("service.stage.picture_states")
     shots = RemoteModule("service.stage.shots")
     solving = RemoteModule("service.stage.solving")
 
@@ -46,6 +48,7 @@ __all__ = [
     "libraries",
     "opened",
     "photography",
+    "picture_states",
     "shots",
     "solving",
 ]

@@ -88,7 +88,7 @@ def inspection_model(record: ShotRecord, shot: OpenShot) -> Inspection:
 
 
 def curve_frames(shot: OpenShot, spec: str | None, max_frames: int) -> list[float]:
-    """Return the frames of a focus curve: those of a specification, or the whole shot.
+    """Return the frames of a focus curve or the like: those of a specification, or the whole shot.
 
     Args:
         shot: the shot.
@@ -105,9 +105,7 @@ def curve_frames(shot: OpenShot, spec: str | None, max_frames: int) -> list[floa
         whole = _frame_range(shot)
         count = max(1, math.floor(whole.end - whole.start) + 1)
     if count > max_frames:
-        raise SettingsError(
-            f"a focus curve of {count:,} frames was requested; at most {max_frames:,} are returned at once"
-        )
+        raise SettingsError(f"{count:,} frames were requested; at most {max_frames:,} are returned at once")
     return frames if spec is not None else [whole.start + n for n in range(count)]
 
 

@@ -11,12 +11,13 @@ from service.http.bodies import BodyRoute
 from service.http.clients import present_client
 from service.http.frame_cache import matches
 from service.http.frame_requests import frame_request, tag_of_frame
-from service.http.routes.parameters import ShotId, problems
+from service.http.routes.parameters import CameraQuery, ShotId, problems
 from service.http.service import Service, ServiceDep
 from service.models.focus import Pick
-from service.models.frames import FrameQuery
+from service.models.frames import FrameQuery, PictureStates
 from service.models.shots import PickRequest
-from service.picture.calls import frames
+from service.picture.calls import frames as frame_calls
+from service.stage.calls import picture_states
 from service.storage.store import ShotRecord
 from service.workers.calls import call
 
@@ -65,7 +66,7 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
     cost, limits = service.admission.check(record.id, query)
     request = frame_request(record, edits, query, limits)
     picture = await service.lanes.frame_lane(cost.expected_s).result(
-        call(frames.render_frame, request, query.format, live),
+        call(frame_calls.render_frame, request, query.format, live),
         service.place_of(record),
         client,
         group=group,
@@ -76,8 +77,28 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
     return picture
 
 
+@router.get("/shots/{shot}/picture-states", operation_id="getPictureStates", responses=problems(404, 423, 503))
+async def get_picture_states(
+    service: ServiceDep,
+    shot: ShotId,
+    camera: CameraQuery = None,
+    frames: Annotated[
+        str | None,
+        Query(max_length=4000, description="Such as 1:96 or 1,5:9x2; the whole shot when left out.", examples=["1:96"]),
+    ] = None,
+) -> PictureStates:
+    """Tell which pictures an edit leaves as they are.
+
+    Pictures of one frame without motion blur, asked for in the same way before and after an edit, are the same where their states
+    are.
+    """
+    record = service.store.get(shot)
+    max_frames = service.settings.max_curve_frames
+    return await service.call_reader(picture_states.read_picture_states, record, camera, frames, max_frames)
+
+
 @router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 423, 503))
 async def pick(service: ServiceDep, shot: ShotId, request: PickRequest) -> Pick:
     """Find the surface under a pixel. Its `anchor` places a focus point on it."""
     record = service.store.get(shot)
-    return await service.call_picture(frames.pick_surface, record, record.edit_text(), request)
+    return await service.call_picture(frame_calls.pick_surface, record, record.edit_text(), request)

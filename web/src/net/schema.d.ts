@@ -957,6 +957,29 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/picture-states": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Picture States
+         * @description Tell which pictures an edit leaves as they are.
+         *
+         *     Pictures of one frame without motion blur, asked for in the same way before and after an edit, are the same where their states
+         *     are.
+         */
+        readonly get: operations["getPictureStates"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/quarantine": {
         readonly parameters: {
             readonly query?: never;
@@ -6434,6 +6457,40 @@ export interface components {
              * @description From the picture's top edge, px; a pixel's centre is at .5.
              */
             readonly y: number;
+        };
+        /**
+         * PictureState
+         * @description What the picture of a frame depends on.
+         */
+        readonly PictureState: {
+            /**
+             * State
+             * @description Digest of the camera, its exposure and film, the solved focus, and all edits of anything else; null where no picture can be made.
+             * @example 9c2b670164472ae10e72acb941365fc3
+             */
+            readonly state: string | null;
+            /**
+             * Time
+             * @description USD time code.
+             * @example 24
+             */
+            readonly time: number;
+        };
+        /**
+         * PictureStates
+         * @description What the pictures of some frames depend on.
+         * @example {
+         *       "states": [
+         *         {
+         *           "state": "9c2b670164472ae10e72acb941365fc3",
+         *           "time": 24
+         *         }
+         *       ]
+         *     }
+         */
+        readonly PictureStates: {
+            /** States */
+            readonly states: readonly components["schemas"]["PictureState"][];
         };
         /**
          * PlaceReadout
@@ -13116,6 +13173,97 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["Pick"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getPictureStates: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Such as 1:96 or 1,5:9x2; the whole shot when left out. */
+                readonly frames?: string | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["PictureStates"];
                 };
             };
             /** @description A key or token is missing, wrong or expired. */

@@ -150,3 +150,35 @@ def test_the_pixel_limit_holds_for_heights_from_the_film_gate(client, room, heig
     refusal = answer.json()
     assert (answer.status_code, refusal["code"], refusal["path"]) == (422, "too_many_pixels", "query.width")
     assert "8192 × " in refusal["detail"]
+
+
+def test_pictures_whose_states_stay_are_the_same_after_an_edit(client, room):
+    """A key that bends the focus of late frames leaves the early ones, to the byte."""
+
+    def states() -> dict[float, str]:
+        answer = client.get(f"/v1/shots/{room}/picture-states", params={"frames": "1:12"})
+        assert answer.status_code == 200, answer.text
+        return {one["time"]: one["state"] for one in answer.json()["states"]}
+
+    def set_key(time: float, distance_m: float) -> None:
+        key = {"time": time, "value": distance_m, "interpolation": "linear"}
+        answer = client.put(f"/v1/shots/{room}/camera/keys/focusDistanceM", json=key)
+        assert answer.status_code == 200, answer.text
+
+    client.patch(f"/v1/shots/{room}/camera", json={"fStop": 1})
+    for time in (1, 6, 12):
+        set_key(time, 4.0)
+    before = states(), {time: pixels(frame(client, room, time=time)) for time in (3, 9)}
+    set_key(12, 9.0)
+    after = states(), {time: pixels(frame(client, room, time=time)) for time in (3, 9)}
+
+    kept = [time for time, state in before[0].items() if after[0][time] == state]
+    assert kept == [1, 2, 3, 4, 5, 6]
+    np.testing.assert_array_equal(before[1][3], after[1][3])
+    assert (before[1][9] != after[1][9]).any()
+
+
+def test_states_of_too_many_frames_are_refused(client, room):
+    answer = client.get(f"/v1/shots/{room}/picture-states", params={"frames": "1:90000"})
+    assert answer.status_code == 422
+    assert "at most" in answer.json()["detail"]

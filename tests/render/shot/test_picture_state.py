@@ -1,0 +1,109 @@
+"""States of pictures: which frames an edit leaves as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Sdf, UsdGeom
+
+from render.model.content import digest_of
+from render.shot import Shot
+from render.shot.picture_state import picture_states
+from tests.render.kits.focus_shot import CAMERA, FAR, FRAMES, NEAR, write_shot
+
+TIMES = [float(frame) for frame in FRAMES]
+
+
+@pytest.fixture
+def shot(tmp_path: Path) -> Shot:
+    return Shot.open(write_shot(tmp_path / "shot.usda"))
+
+
+def changed(shot: Shot, edit: Callable[[], object]) -> list[int]:
+    """Frames whose state an edit changes."""
+    before = picture_states(shot, None, TIMES)
+    with shot.edits.transaction("edit"):
+        edit()
+    after = picture_states(shot, None, TIMES)
+    return [int(time) for time, one, other in zip(TIMES, before, after, strict=True) if one != other]
+
+
+def author(shot: Shot, path: str, name: str, type_name: Sdf.ValueTypeName, value: object) -> None:
+    shot.stage.GetPrimAtPath(path).CreateAttribute(name, type_name).Set(value)
+
+
+def test_equal_shots_have_equal_states(tmp_path: Path, shot: Shot) -> None:
+    (tmp_path / "other").mkdir()
+    other = Shot.open(write_shot(tmp_path / "other/shot.usda"))
+    states = picture_states(shot, None, TIMES)
+    assert states == picture_states(other, CAMERA, TIMES)
+    assert None not in states
+
+
+def test_a_key_changes_the_frames_that_it_bends(shot: Shot) -> None:
+    focus = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("focusDistance")
+
+    def key(time: float, distance: float) -> Callable[[], object]:
+        return lambda: focus.Set(distance, time)
+
+    for time in (1.0, 12.0, 24.0):
+        changed(shot, key(time, 3.0))
+    assert changed(shot, key(24.0, 5.0)) == list(range(13, 25))
+    assert changed(shot, key(24.0, 5.0)) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "type_name", "value"),
+    [
+        ("fStop", Sdf.ValueTypeNames.Float, 5.6),
+        ("exposure", Sdf.ValueTypeNames.Float, 1.0),
+        ("horizontalAperture", Sdf.ValueTypeNames.Float, 24.0),
+        ("exposure:metering:mode", Sdf.ValueTypeNames.Token, "spot"),
+    ],
+)
+def test_what_is_set_for_all_time_changes_all_frames(
+    shot: Shot, name: str, type_name: Sdf.ValueTypeName, value: object
+) -> None:
+    assert changed(shot, lambda: author(shot, CAMERA, name, type_name, value)) == list(FRAMES)
+
+
+def test_a_point_without_weight_changes_nothing(shot: Shot) -> None:
+    """Nor does one that is added where the focus is set by hand."""
+
+    def add() -> None:
+        prim = shot.stage.GetPrimAtPath(CAMERA)
+        prim.ApplyAPI("FocusPointAPI", "hero")
+        prim.CreateAttribute("focusPoint:hero:weight", Sdf.ValueTypeNames.Double).Set(1.0)
+        prim.CreateRelationship("focusPoint:hero:target").SetTargets([NEAR])
+
+    assert changed(shot, add) == []
+
+
+def test_edits_of_other_prims_change_all_frames(shot: Shot) -> None:
+    assert changed(shot, lambda: UsdGeom.Imageable(shot.stage.GetPrimAtPath(FAR)).MakeInvisible()) == list(FRAMES)
+
+
+def test_a_camera_that_makes_no_picture_has_no_state(shot: Shot) -> None:
+    shot.stage.GetPrimAtPath(CAMERA).GetAttribute("focalLength").Set(-1.0)
+    assert picture_states(shot, None, TIMES[:2]) == [None, None]
+
+
+def test_digests_are_of_what_values_hold() -> None:
+    ones, twos = np.ones(3), np.full(3, 2.0)
+    assert digest_of((1, ones, {"a": None})) == digest_of((1, ones.copy(), {"a": None}))
+    different = [
+        ones,
+        twos,
+        ones.astype(np.float32),
+        ones.reshape(3, 1),
+        [1.0, 1.0, 1.0],
+        (1, 2),
+        ((1,), 2),
+        "1",
+        1,
+        1.0,
+    ]
+    assert len({digest_of(value) for value in different}) == len(different)

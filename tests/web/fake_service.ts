@@ -7,7 +7,7 @@ import type { Who } from "@/model/identity";
 import type { Keyed } from "@/model/keys";
 import type { LensSummary } from "@/model/lens";
 import type { Libraries, Photography } from "@/model/photography";
-import type { Quality } from "@/model/quality";
+import type { CacheEngine, Quality } from "@/model/quality";
 import type { FocusPoint, FocusSettings, Pick, Readout, Shot, ShotSummary } from "@/model/shot";
 import { errorOf } from "@/net/errors";
 import type { LiveListener, LiveLink, LivePicture, PictureRequest } from "@/net/live_link";
@@ -76,6 +76,11 @@ export class FakeService implements Partial<Service> {
   /** Whether there is something at each place of the picture; its anchor then has that place. */
   hits = true;
   points: FocusPoint[] = [];
+  /** What the picture of a time depends on. */
+  stateAt: (time: number) => string | null = () => "as shot";
+  /** The frames for playing that were asked for, and what holds them up. */
+  readonly cacheRequests: { time: number; engine: CacheEngine }[] = [];
+  cacheGate: (time: number) => Promise<void> = () => Promise.resolve();
 
   /** As the interface that the editor asks; what a test does not need is not there. */
   get service(): Service {
@@ -192,6 +197,18 @@ export class FakeService implements Partial<Service> {
     this.frames.push({ time, quality });
     await new Promise((resolve) => setTimeout(resolve, 150));
     return new Blob(["picture"]);
+  }
+
+  pictureStates(_: View, start: number, end: number): Promise<ReadonlyMap<number, string | null>> {
+    const times = Array.from({ length: end - start + 1 }, (_frame, k) => start + k);
+    return Promise.resolve(new Map(times.map((time) => [time, this.stateAt(time)])));
+  }
+
+  async cacheFrame(_: View, time: number, _quality: Quality, engine: CacheEngine, abort?: AbortSignal): Promise<Blob> {
+    this.cacheRequests.push({ time, engine });
+    await this.cacheGate(time);
+    if (abort?.aborted) throw new DOMException("aborted", "AbortError");
+    return new Blob([`cached ${time}`]);
   }
 
   focusSettings(): Promise<FocusSettings> {

@@ -175,7 +175,7 @@ describe("where pictures do not come live", () => {
     expect(fake.requests).toHaveLength(1);
     fake.listener?.onOpen(true);
     expect(fake.requests.map(({ time }) => time)).toEqual([1, 2]);
-    expect(pictures.free).toBe(true);
+    expect(pictures.isFreeFor(3)).toBe(true);
   });
 });
 

@@ -1,12 +1,4 @@
-import {
-  frameAtFraction,
-  frameCount,
-  frameTicks,
-  playheadAt,
-  snapToFrame,
-  stepFrames,
-  type FrameRange,
-} from "@/model/time";
+import { frameAtFraction, frameCount, frameTicks, snapToFrame, stepFrames, type FrameRange } from "@/model/time";
 
 const range: FrameRange = { start: 1, end: 96, framesPerSecond: 24 };
 const still: FrameRange = { start: 0, end: 0, framesPerSecond: 24 };
@@ -31,22 +23,6 @@ describe("frames", () => {
 
   it("the ends of the scrubber are the ends of the shot", () => {
     expect([frameAtFraction(range, 0), frameAtFraction(range, 1)]).toEqual([1, 96]);
-  });
-});
-
-describe("playing", () => {
-  it("is true to the clock, however few frames are shown", () => {
-    expect(playheadAt(range, 1, 1)).toBe(25);
-    expect(playheadAt(range, 10, 0.5)).toBe(22);
-  });
-
-  it("loops: after as long as the shot lasts, it is where it set out from", () => {
-    expect(playheadAt(range, 90, 96 / 24)).toBe(90);
-    expect(playheadAt(range, 96, 1 / 24)).toBe(1);
-  });
-
-  it("a shot of one frame stays on it", () => {
-    expect(playheadAt(still, 0, 12.3)).toBe(0);
   });
 });
 

@@ -8,10 +8,10 @@ import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
 import { frameCount, sameTime } from "../model/time";
 import { HintError, isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
-import { Recent } from "../net/recent";
 import type { EditResult, Service, Simplified } from "../net/service";
 import type { View } from "../net/view";
 import type { Fail } from "./fail";
+import { PointsByTime } from "./points_by_time";
 
 const NO_CHANGES: Changes = [];
 const NO_EDITS_ADVICE = "Whoever gave you the key can give you one that may.";
@@ -63,7 +63,8 @@ export class ShotDocument {
   readonly #fail: Fail;
   /** Result of the last edit. */
   #lastEdit: (EditResult & At) | null = null;
-  readonly #pointsAt = new Recent<Promise<readonly FocusPoint[]>>(512);
+  /** The focus points at other times, in the present revision. */
+  readonly pointsByTime: PointsByTime;
   readonly #followPoints: NewestWins<number, readonly FocusPoint[]>;
   readonly #followReadout: NewestWins<At, Readout>;
   readonly #followSettings: NewestWins<At, FocusSettings>;
@@ -84,6 +85,7 @@ export class ShotDocument {
     this.view = { shot: shot.id, camera };
     this.#time = time;
     this.#fail = fail;
+    this.pointsByTime = new PointsByTime((at) => service.focusPoints(this.view, at));
     const onError = (error: unknown): void => {
       fail(error, () => {
         this.refresh();
@@ -182,15 +184,7 @@ export class ShotDocument {
   /** The focus points at a time, read once in each revision. */
   pointsAt(time: number): Promise<readonly FocusPoint[]> {
     if (!this.hasLens) return Promise.resolve([]);
-    const key = pointsKey({ time, revision: this.revision.value });
-    const cached = this.#pointsAt.get(key);
-    if (cached) return cached;
-    const points = this.#service.focusPoints(this.view, time);
-    this.#pointsAt.set(key, points);
-    points.catch(() => {
-      this.#pointsAt.delete(key);
-    });
-    return points;
+    return this.pointsByTime.at(time);
   }
 
   /** Lets the points decide the focus, in the way that they do already. */
@@ -324,9 +318,8 @@ export class ShotDocument {
   refresh(result: TimedResult | null = null): void {
     const revision = this.revision.value + 1;
     this.#service.forget(this.shot.id);
-    this.#pointsAt.clear();
     this.#lastEdit = result && { ...result, revision };
-    if (result?.points) this.#pointsAt.set(pointsKey({ time: result.time, revision }), Promise.resolve(result.points));
+    this.pointsByTime.forget(result?.points ? { time: result.time, points: result.points } : null);
     this.revision.value = revision;
   }
 
@@ -380,9 +373,4 @@ export class ShotDocument {
     this.#queue = done;
     return done;
   }
-}
-
-/** Cache key of the focus points at a time in a revision. */
-function pointsKey({ time, revision }: At): string {
-  return `${revision}@${time}`;
 }

@@ -3,7 +3,7 @@
  * to the exact one. They come live; without that connection each is a request of its own.
  */
 
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
 import { draftQuality, type Quality } from "../model/quality";
 import type { FocusPoint } from "../model/shot";
@@ -15,6 +15,7 @@ import { Recent } from "../net/recent";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
+import type { FrameCache } from "./frame_cache";
 
 /** Pictures kept for playing again. */
 const MOST_KEPT = 400;
@@ -22,6 +23,11 @@ const MOST_KEPT = 400;
 const GOOD_WIDTH = 0.45;
 /** Rest before a whole picture is requested where pictures are not live, ms. */
 const SETTLE_MS = 400;
+
+const NO_CACHE: Pick<FrameCache, "find"> = { find: () => null };
+
+/** Points of cached frames, where they are not known. */
+const NO_POINTS = Promise.resolve<readonly FocusPoint[]>([]);
 
 /** In place of live pictures that may not be drawn. */
 const NO_LINK: LiveLink = {
@@ -62,17 +68,25 @@ export class Pictures {
   /** Whether a better picture follows. */
   readonly busy = signal(false);
   /** Times whose picture is kept and can be played without the service. */
-  readonly keptTimes = signal<readonly number[]>([]);
+  readonly keptTimes = computed<readonly number[]>(() => {
+    const { revision, times } = this.#keptTimes.value;
+    return revision === this.#document.revision.value ? times : [];
+  });
 
   /** Reason why no pictures may be drawn; null where they may. */
   readonly refusal: string | null;
 
   readonly #document: ShotDocument;
+  readonly #cache: Pick<FrameCache, "find">;
   readonly #link: LiveLink;
   readonly #fetcher: NewestWins<NumberedRequest, LivePicture>;
   readonly #kept = new Recent<Kept>(MOST_KEPT);
   #isLive = true;
   #keptRevision = -1;
+  readonly #keptTimes = signal<{ readonly revision: number; readonly times: readonly number[] }>({
+    revision: -1,
+    times: [],
+  });
   #current: NumberedRequest | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
   /** Number of the newest request. */
@@ -82,8 +96,16 @@ export class Pictures {
   #serial = 0;
   #shownSerial = 0;
 
-  constructor(service: Service, document: ShotDocument, fail: Fail, refusal: string | null = null) {
+  /** @param cache frames that are shown while things move. */
+  constructor(
+    service: Service,
+    document: ShotDocument,
+    fail: Fail,
+    refusal: string | null = null,
+    cache: Pick<FrameCache, "find"> = NO_CACHE,
+  ) {
     this.#document = document;
+    this.#cache = cache;
     this.refusal = refusal;
     const onError = (error: unknown): void => {
       this.busy.value = false;
@@ -122,8 +144,9 @@ export class Pictures {
     });
   }
 
-  /** Whether another picture would be made soon: playing waits for it. */
-  get free(): boolean {
+  /** Whether the picture of a time is there, or would be made soon: else playing drops the frame. */
+  isFreeFor(time: number): boolean {
+    if (this.#cache.find(time)) return true;
     return this.#isLive ? this.#link.free : this.#fetcher.free;
   }
 
@@ -133,17 +156,27 @@ export class Pictures {
     if (this.#current && isSame(this.#current, picture) && (picture.moving || !this.#current.moving)) return;
     const request = { ...picture, number: (this.#newest += 1) };
     this.#current = request;
+    const cached = request.moving && request.unsaved.length === 0 ? this.#cache.find(request.time) : null;
+    if (cached) {
+      this.#sendNothing();
+      void this.#show(cached, request, this.#document.pointsByTime.known(request.time) ?? NO_POINTS);
+      return;
+    }
     const kept = this.#keptFor(request);
     if (kept) void this.#take(kept.picture, { ...request, quality: kept.quality });
     if (kept && (request.moving || kept.picture.stage === "final")) {
-      // Pictures under way belong to the request before.
-      this.busy.value = false;
-      clearTimeout(this.#timer);
-      this.#link.cancel();
-      this.#fetcher.clear();
+      this.#sendNothing();
       return;
     }
     this.#send(request);
+  }
+
+  /** Cancels the pictures under way, which belong to the request before. */
+  #sendNothing(): void {
+    this.busy.value = false;
+    clearTimeout(this.#timer);
+    this.#link.cancel();
+    this.#fetcher.clear();
   }
 
   close(): void {
@@ -171,15 +204,24 @@ export class Pictures {
     }, SETTLE_MS);
   }
 
-  /** Shows a picture, unless one of a later request or a better one is shown. Resolves when it is on screen. */
-  async #take(picture: LivePicture, request: NumberedRequest): Promise<void> {
+  /** Takes a picture that was made. Resolves when it is on screen. */
+  #take(picture: LivePicture, request: NumberedRequest): Promise<void> {
     this.#keep(picture, request);
+    return this.#show(picture, request, this.#document.pointsAt(request.time));
+  }
+
+  /** Shows a picture, unless one of a later request or a better one is shown. Resolves when it is on screen. */
+  async #show(
+    picture: LivePicture,
+    request: NumberedRequest,
+    pointsThen: Promise<readonly FocusPoint[]>,
+  ): Promise<void> {
     if (request.number < this.#answered) return;
     this.#answered = request.number;
     const serial = (this.#serial += 1);
     const { blob, ...facts } = picture;
     const { time, revision, quality, unsaved } = request;
-    const [bitmap, points] = await Promise.all([createImageBitmap(blob), this.#document.pointsAt(time)]);
+    const [bitmap, points] = await Promise.all([createImageBitmap(blob), pointsThen]);
     if (serial < this.#shownSerial || this.#current === null) {
       bitmap.close();
       return;
@@ -199,7 +241,7 @@ export class Pictures {
     const before = this.#kept.get(time.toString());
     if (before && picture.stage !== "final" && before.picture.width > picture.width) return;
     this.#kept.set(time.toString(), { picture, quality });
-    this.keptTimes.value = this.#kept.names().map(Number);
+    this.#keptTimes.value = { revision, times: this.#kept.names().map(Number) };
   }
 
   /** A kept picture that is good enough for a request. */

@@ -39,10 +39,12 @@ import { HintError } from "../net/errors";
 import { base64Of } from "../net/files";
 import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
+import { CacheFiller } from "./cache_filler";
 import { Corrections } from "./corrections";
 import { KeyEditing } from "./key_editing";
 import { CameraPhotography } from "./photography";
 import type { Fail } from "./fail";
+import { FrameCache } from "./frame_cache";
 import type { Identity } from "./identity";
 import { Picks } from "./picks";
 import { Pictures } from "./pictures";
@@ -66,6 +68,8 @@ export class Session {
   readonly playhead: Playhead;
   readonly timeView: TimeView;
   readonly pictures: Pictures;
+  readonly cache: FrameCache;
+  readonly filler: CacheFiller;
   readonly photography: CameraPhotography;
   readonly picks: Picks;
   readonly keys: KeyEditing;
@@ -94,10 +98,11 @@ export class Session {
     this.#service = service;
     this.#fail = fail;
     this.shot = shot;
-    this.playhead = new Playhead(shot.range, time, () => this.pictures.free);
+    this.playhead = new Playhead(shot.range, time, (at) => this.pictures.isFreeFor(at));
     this.timeView = new TimeView(this.playhead);
     this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail, noEdits);
-    this.pictures = new Pictures(service, this.document, fail, noPictures.peek());
+    this.cache = new FrameCache(service, this.document, this.playhead.played);
+    this.pictures = new Pictures(service, this.document, fail, noPictures.peek(), this.cache);
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, fail);
@@ -105,6 +110,8 @@ export class Session {
       const { keys } = await readSetting(service, this.document.view, setting, this.playhead.time.peek());
       return keys[setting] ?? [];
     });
+    this.playhead.watch(this.pictures.displayed);
+    this.filler = new CacheFiller(service, this, fail);
     this.#stop = this.#follow();
   }
 
@@ -296,6 +303,8 @@ export class Session {
     this.playhead.pause();
     this.document.close();
     this.photography.close();
+    this.filler.close();
+    this.cache.close();
     this.pictures.close();
   }
 

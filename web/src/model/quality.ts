@@ -35,6 +35,27 @@ export function draftQuality(rest: Quality): Quality {
   return { ...rest, ...size, rays: 24, layers: 2, supersample: 1, motion: 1, format: "jpeg" };
 }
 
+/** What makes the frames that are cached: all of the lens, or the blur of one picture, which takes a fraction of the time. */
+export type CacheEngine = "lens" | "flag";
+
+/** Width of cached frames: no less than what shows who is sharp. */
+const CACHE_WIDTH_PX: Readonly<Record<CacheEngine, number>> = { lens: 960, flag: 480 };
+/** Longest wait for a cached frame by the lens, ms. */
+const MOST_CACHE_MS = 1000;
+
+/** The engine for cached frames, by the time that an exact picture took. */
+export function fittingEngine(exact: { width: number; height: number; tookMs: number } | null): CacheEngine {
+  if (exact === null) return "flag";
+  const pixels = CACHE_WIDTH_PX.lens ** 2 * (exact.height / exact.width);
+  return exact.tookMs * (pixels / (exact.width * exact.height)) <= MOST_CACHE_MS ? "lens" : "flag";
+}
+
+/** The quality of a cached frame: motion stands still. */
+export function cacheQuality(engine: CacheEngine, aspect: number): Quality {
+  const width = CACHE_WIDTH_PX[engine];
+  return { ...restQuality(width, width / aspect), format: "jpeg" };
+}
+
 /** Even sizes, as chroma-subsampled JPEGs and movies like them, and never none. */
 function even(width: number, height: number): { width: number; height: number } {
   const round = (side: number): number => Math.max(16, Math.round(side / 2) * 2);

@@ -24,17 +24,6 @@ export function stepFrames(range: FrameRange, time: number, count: number): numb
   return snapToFrame(range, snapToFrame(range, time) + count);
 }
 
-/**
- * Where a playhead is that set out from `from` some seconds ago and loops over the range.
- *
- * It follows the clock and not the pictures, so a slow renderer skips frames and the shot still lasts as long as it
- * should.
- */
-export function playheadAt(range: FrameRange, from: number, seconds: number): number {
-  const first = snapToFrame(range, from) - range.start;
-  return range.start + ((first + Math.floor(seconds * range.framesPerSecond + 1e-6)) % frameCount(range));
-}
-
 /** Where a time stands in the range: 0 at the first frame, 1 at the last. */
 export function fractionOf(range: FrameRange, time: number): number {
   return range.end > range.start ? (time - range.start) / (range.end - range.start) : 0;

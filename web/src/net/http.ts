@@ -6,8 +6,9 @@ import type { EditHistory } from "../model/history";
 import type { Who } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
-import type { Quality } from "../model/quality";
+import type { CacheEngine, Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary, TrashedShot } from "../model/shot";
+import { done, refusalIn, REFUSED_FOR_NOW, result } from "./answers";
 import {
   toCurve,
   toEditResult,
@@ -24,7 +25,6 @@ import {
   toSummary,
   type Json,
 } from "./convert";
-import { errorOf, isAbort, UnreachableError, type ServiceError } from "./errors";
 import { LiveSocket, liveAddress } from "./live";
 import type { LiveListener, LiveLink } from "./live_link";
 import { Patience, type PatienceListener } from "./patience";
@@ -33,13 +33,6 @@ import type { CurveFormat, Download, Edit, EditResult, PictureFormat, Service } 
 import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
 import { sendFile } from "./upload";
 import { cameraOf, type View } from "./view";
-
-/** Answer of openapi-fetch: either data or an error. */
-interface Answer<Data> {
-  readonly data?: Data;
-  readonly error?: unknown;
-  readonly response: Response;
-}
 
 export class HttpService implements Service {
   readonly #base: string;
@@ -171,6 +164,31 @@ export class HttpService implements Service {
 
   async frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob> {
     return this.#picture(view, { ...pictureOf(time, quality), format: quality.format, live: true }, signal);
+  }
+
+  async cacheFrame(
+    view: View,
+    time: number,
+    quality: Quality,
+    engine: CacheEngine,
+    signal?: AbortSignal,
+  ): Promise<Blob> {
+    return this.#picture(view, { ...pictureOf(time, quality), engine, format: quality.format, live: true }, signal);
+  }
+
+  async pictureStates(
+    view: View,
+    start: number,
+    end: number,
+    signal?: AbortSignal,
+  ): Promise<ReadonlyMap<number, string | null>> {
+    const frames = `${start}:${end}`;
+    const answer = this.#client.GET("/v1/shots/{shot}/picture-states", {
+      ...at(view, { frames }),
+      ...abortable(signal),
+    });
+    const { states } = await result(answer);
+    return new Map(states.map(({ time, state }) => [time, state]));
   }
 
   async focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]> {
@@ -310,31 +328,4 @@ function at<Query extends object>(
 
 function abortable(signal: AbortSignal | undefined): { signal?: AbortSignal } {
   return signal ? { signal } : {};
-}
-
-/** Statuses after which a request may be sent again as it is. */
-const REFUSED_FOR_NOW = [401, 429, 503];
-
-async function refusalIn(answer: Response): Promise<ServiceError> {
-  const body: unknown = await answer.json().catch(() => null);
-  return errorOf(answer.status, body, answer.headers.get("Retry-After"));
-}
-
-async function result<Data>(answer: Promise<Answer<Data>>): Promise<Data> {
-  const { data, error, response } = await reached(answer);
-  if (!response.ok) throw errorOf(response.status, error, response.headers.get("Retry-After"));
-  return data as Data;
-}
-
-async function done(answer: Promise<Answer<unknown>>): Promise<void> {
-  await result(answer);
-}
-
-/** Awaits an answer; the error of fetch without one becomes an `UnreachableError`. */
-async function reached<Data>(answer: Promise<Answer<Data>>): Promise<Answer<Data>> {
-  try {
-    return await answer;
-  } catch (error) {
-    throw isAbort(error) || !(error instanceof TypeError) ? error : new UnreachableError();
-  }
 }

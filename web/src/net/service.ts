@@ -6,7 +6,7 @@ import type { EditHistory } from "../model/history";
 import type { Who } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
-import type { Quality } from "../model/quality";
+import type { CacheEngine, Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary, TrashedShot } from "../model/shot";
 import type { LiveListener, LiveLink } from "./live_link";
 import type { components } from "./schema";
@@ -82,6 +82,15 @@ export interface Service {
   live(view: View, listener: LiveListener): LiveLink;
   /** A graded picture. */
   frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob>;
+  /** A graded picture for playing, by an engine. */
+  cacheFrame(view: View, time: number, quality: Quality, engine: CacheEngine, signal?: AbortSignal): Promise<Blob>;
+  /** What the pictures of the frames from one time to another depend on, by time; null where none can be made. */
+  pictureStates(
+    view: View,
+    start: number,
+    end: number,
+    signal?: AbortSignal,
+  ): Promise<ReadonlyMap<number, string | null>>;
   focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]>;
   focusSettings(view: View, time: number, signal?: AbortSignal): Promise<FocusSettings>;
   readout(view: View, time: number, signal?: AbortSignal): Promise<Readout>;

@@ -13,6 +13,8 @@ export interface Shortcut {
 /** For the help. */
 export const SHORTCUTS: readonly Shortcut[] = [
   { keys: "Space", does: "Play or pause" },
+  { keys: "J K L", does: "Play backwards, pause, play; J and L again play faster" },
+  { keys: "I O", does: "Play from this frame on, or up to it; with Shift from the first frame, or up to the last" },
   { keys: "← →", does: "One frame back or forward" },
   { keys: "Shift ← →", does: "Ten frames back or forward" },
   { keys: "Home End", does: "First or last frame" },
@@ -35,7 +37,7 @@ export const SHORTCUTS: readonly Shortcut[] = [
     does: "Show less or more of the shot's time, about the playhead; the wheel does so at the pointer, with Shift it pans",
   },
   { keys: ", .", does: "Go to its previous or next key" },
-  { keys: "K", does: "Set or remove its weight key at this time" },
+  { keys: "S", does: "Set or remove its weight key at this time" },
   { keys: "Delete", does: "Remove the selected keys, or else the selected point" },
   { keys: "Esc", does: "Select nothing" },
   {
@@ -114,7 +116,33 @@ function plainKeys(event: KeyboardEvent, editor: Editor, session: Session | null
     guide.value = names[(names.indexOf(guide.value) + 1) % names.length] ?? "";
     return true;
   }
-  return session !== null && (timeKeys(event, session) || keyKeys(event, session) || pointKeys(event, session));
+  return (
+    session !== null &&
+    (playKeys(event, session) || timeKeys(event, session) || keyKeys(event, session) || pointKeys(event, session))
+  );
+}
+
+function playKeys(event: KeyboardEvent, { playhead }: Session): boolean {
+  const mark = event.shiftKey ? null : playhead.time.value;
+  switch (event.key.toLowerCase()) {
+    case "j":
+      playhead.shuttle(-1);
+      return true;
+    case "k":
+      playhead.pause();
+      return true;
+    case "l":
+      playhead.shuttle(1);
+      return true;
+    case "i":
+      playhead.markFirst(mark);
+      return true;
+    case "o":
+      playhead.markLast(mark);
+      return true;
+    default:
+      return false;
+  }
 }
 
 /** Zoom of the timeline for each press of a key. */
@@ -155,7 +183,7 @@ function pointKeys(event: KeyboardEvent, session: Session): boolean {
   else if (!point) return false;
   else if (event.key.toLowerCase() === "f") session.pullTo(point);
   else if (event.key === "," || event.key === ".") session.goToKey(point, event.key === "." ? 1 : -1);
-  else if (event.key.toLowerCase() === "k") session.toggleKey(point, "weight");
+  else if (event.key.toLowerCase() === "s") session.toggleKey(point, "weight");
   else if (event.key === "Delete" || event.key === "Backspace") session.remove(point);
   else return false;
   return true;

@@ -166,7 +166,7 @@ export function KeyButton({
       what={attribute}
       keyed={keyed}
       now={key !== null}
-      shortcut={attribute === "weight" ? " (K)" : ""}
+      shortcut={attribute === "weight" ? " (S)" : ""}
       onToggle={() => {
         session.toggleKey(point, attribute);
       }}

@@ -36,6 +36,7 @@ export function Scrubber({ session, axis, onScrub }: ScrubberProps): JSX.Element
     >
       <svg width={axis.width} height={HEIGHT_PX} aria-hidden="true">
         <rect class="scrub-bed" x={axis.left} y={0} width={axis.right - axis.left} height={HEIGHT_PX} />
+        <Outside session={session} axis={axis} />
         <MinorTicks axis={axis} />
         {major.map((tick) => (
           <g key={tick} transform={`translate(${axis.x(tick)} 0)`}>
@@ -79,16 +80,36 @@ function MinorTicks({ axis }: { axis: TimeAxis }): JSX.Element | null {
   return <path class="minor" d={xs.map((x) => `M${x.toFixed(1)} ${HEIGHT_PX - 4}V${HEIGHT_PX}`).join("")} />;
 }
 
-/** Which frames play without asking the service. */
+/** What is not played. */
+function Outside({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
+  const { start, end } = session.playhead.played.value;
+  const within = (time: number): number => Math.min(Math.max(axis.x(time), axis.left), axis.right);
+  const [from, to] = [within(start), within(end)];
+  return (
+    <>
+      <rect class="not-played" x={axis.left} y={0} width={from - axis.left} height={HEIGHT_PX} />
+      <rect class="not-played" x={to} y={0} width={axis.right - to} height={HEIGHT_PX} />
+    </>
+  );
+}
+
+/** Which frames play without asking the service: those that were seen, and those that are cached. */
 function KeptFrames({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
   const half = axis.perFrame / 2;
-  const kept = session.pictures.keptTimes.value.filter((time) => axis.has(time));
-  const line = kept
-    .map((time) => `M${(axis.x(time) - half).toFixed(1)} ${HEIGHT_PX - 1}h${(2 * half).toFixed(1)}`)
-    .join("");
+  const bars = (times: readonly number[]): string =>
+    times
+      .filter((time) => axis.has(time))
+      .map((time) => `M${(axis.x(time) - half).toFixed(1)} ${HEIGHT_PX - 1}h${(2 * half).toFixed(1)}`)
+      .join("");
+  const cached = session.cache.times.value;
   return (
-    <path class="kept" d={line}>
-      <title>Frames that play at once</title>
-    </path>
+    <>
+      <path class="kept" d={bars(session.pictures.keptTimes.value)}>
+        <title>Frames that were seen and are shown at once</title>
+      </path>
+      <path class="cached" d={bars(cached)} data-cached={cached.length}>
+        <title>Cached frames, which play at the shot’s rate</title>
+      </path>
+    </>
   );
 }

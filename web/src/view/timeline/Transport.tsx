@@ -11,6 +11,7 @@ import { TypedNumber } from "../controls/TypedNumber";
 import { Icon, type IconName } from "../icons";
 import { parseQuantity } from "../numbers";
 import { KeyBar } from "./KeyBar";
+import { Playback } from "./Playback";
 
 export function Transport({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const { playhead } = session;
@@ -65,6 +66,7 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
         of {formatFrame(range.start)}–{formatFrame(range.end)} · {seconds.toFixed(2)} s ·{" "}
         {Number(range.framesPerSecond.toFixed(3))} fps
       </span>
+      <Playback session={session} />
       <CurveChoice session={session} />
       <WholeShot session={session} />
       <div class="spacer" />

@@ -1,0 +1,174 @@
+/** Makes the frames of a cache one by one: all that are played where a person asks for them, else while nothing else is wanted. */
+
+import { computed, effect, signal, type ReadonlySignal } from "@preact/signals";
+import { cacheQuality, fittingEngine, type CacheEngine } from "../model/quality";
+import { isAbort } from "../net/errors";
+import type { Service } from "../net/service";
+import type { ShotDocument } from "./document";
+import type { Fail } from "./fail";
+import type { FrameCache } from "./frame_cache";
+import type { Pictures } from "./pictures";
+import type { Playhead } from "./playhead";
+
+/** Rest before frames are made unasked, ms. */
+const REST_MS = 2500;
+
+/** What the filler works for. */
+export interface Player {
+  readonly document: ShotDocument;
+  readonly cache: FrameCache;
+  readonly playhead: Pick<Playhead, "played" | "every" | "time">;
+  /** The pictures on screen, by which the engine is chosen. */
+  readonly pictures: Pick<Pictures, "displayed">;
+  /** Whether nothing else is wanted: the best picture is on screen, and nothing moves. */
+  readonly settled: ReadonlySignal<boolean>;
+  /** Width over height of the picture. */
+  readonly aspect: number;
+}
+
+export class CacheFiller {
+  /** Whether a person has asked for all frames of what is played. */
+  readonly asked = signal(false);
+  /** Time of the frame that is being made. */
+  readonly making = signal<number | null>(null);
+  /** The engine that makes them; null until that is decided. */
+  readonly engine = signal<CacheEngine | null>(null);
+  /** Whether the memory is full. */
+  readonly isFull = signal(false);
+  readonly #service: Service;
+  readonly #player: Player;
+  readonly #fail: Fail;
+  readonly #isRested = signal(false);
+  /** A frame could not be made, so that none is made unasked before the next edit. */
+  readonly #hasFailed = signal(false);
+  readonly #stops: readonly (() => void)[];
+  #flight: AbortController | null = null;
+  #rest: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(service: Service, player: Player, fail: Fail) {
+    [this.#service, this.#player, this.#fail] = [service, player, fail];
+    const { cache, document, playhead } = player;
+    this.#stops = [
+      effect(() => {
+        clearTimeout(this.#rest);
+        this.#isRested.value = false;
+        if (player.settled.value) this.#rest = setTimeout(() => (this.#isRested.value = true), REST_MS);
+      }),
+      effect(() => {
+        const wants = this.#wants.value;
+        cache.isFilling.value = wants;
+        const next = wants ? this.#next.value : null;
+        if (next === null) this.#flight?.abort();
+        else if (this.making.value === null) void this.#make(next);
+      }),
+      effect(() => {
+        if (this.asked.value && this.progress.value.missing === 0) this.asked.value = false;
+      }),
+      effect(() => {
+        const refusal = cache.refusal.value;
+        if (refusal !== null) this.#giveUp(refusal);
+      }),
+      // What could not be made may be possible after an edit, and what was too much may fit another part.
+      document.revision.subscribe(() => {
+        this.#tryAgain();
+      }),
+      playhead.played.subscribe(() => {
+        this.#tryAgain();
+      }),
+    ];
+  }
+
+  /** Whether frames are to be made now. */
+  readonly #wants = computed(() => {
+    if (!this.#player.settled.value || this.isFull.value) return false;
+    return this.asked.value || (this.#isRested.value && !this.#hasFailed.value);
+  });
+
+  /** Frames of what is played, those that follow the playhead first. */
+  readonly #wanted = computed<readonly number[]>(() => {
+    const { start, end } = this.#player.playhead.played.value;
+    const times: number[] = [];
+    for (let time = start; time <= end + 1e-6; time += this.#player.playhead.every.value) times.push(time);
+    const first = times.findIndex((time) => time >= this.#player.playhead.time.value);
+    return first > 0 ? [...times.slice(first), ...times.slice(0, first)] : times;
+  });
+
+  /** The next frame to make; null where all are there, or where it is not known yet which are. */
+  readonly #next = computed(() => {
+    const states = this.#player.cache.states.value;
+    const cached = new Set(this.#player.cache.times.value);
+    return this.#wanted.value.find((time) => !cached.has(time) && isPossible(states, time) === true) ?? null;
+  });
+
+  /** How many frames of what is played are cached, of how many, and how many are missing that can be made. */
+  readonly progress = computed(() => {
+    const cached = new Set(this.#player.cache.times.value);
+    const wanted = this.#wanted.value;
+    const states = this.#player.cache.states.value;
+    const missing = wanted.filter((time) => !cached.has(time) && isPossible(states, time) !== false);
+    return { cached: wanted.filter((time) => cached.has(time)).length, of: wanted.length, missing: missing.length };
+  });
+
+  /** Makes all frames of what is played, or no longer. */
+  ask(all: boolean): void {
+    this.#tryAgain();
+    this.asked.value = all;
+    if (!all) this.#flight?.abort();
+  }
+
+  /** Forgets all frames, and how they were made. */
+  clear(): void {
+    this.ask(false);
+    this.#isRested.value = false;
+    this.engine.value = null;
+    this.#player.cache.clear();
+  }
+
+  close(): void {
+    for (const stop of this.#stops) stop();
+    clearTimeout(this.#rest);
+    this.#flight?.abort();
+  }
+
+  async #make(time: number): Promise<void> {
+    const { view, revision } = this.#player.document;
+    const [flight, before] = [new AbortController(), revision.peek()];
+    const engine = (this.engine.value ??= fittingEngine(this.#player.pictures.displayed.peek()));
+    const quality = cacheQuality(engine, this.#player.aspect);
+    [this.#flight, this.making.value] = [flight, time];
+    const began = performance.now();
+    try {
+      const blob = await this.#service.cacheFrame(view, time, quality, engine, flight.signal);
+      void this.#player.document.pointsAt(time).catch(() => undefined);
+      const tookMs = performance.now() - began;
+      const { width, height } = quality;
+      const rays = engine === "lens" ? quality.rays : 0;
+      if (flight.signal.aborted || revision.peek() !== before) return;
+      const picture = { blob, stage: "preview" as const, width, height, rays, share: 0, tookMs };
+      this.isFull.value = !this.#player.cache.put(time, picture, this.#player.playhead.time.peek());
+      if (this.isFull.value) this.asked.value = false;
+    } catch (error) {
+      if (!isAbort(error)) this.#giveUp(error);
+    } finally {
+      [this.#flight, this.making.value] = [null, null];
+    }
+  }
+
+  #tryAgain(): void {
+    this.#hasFailed.value = this.isFull.value = false;
+  }
+
+  #giveUp(error: unknown): void {
+    this.#hasFailed.value = true;
+    if (!this.asked.peek()) return;
+    this.asked.value = false;
+    this.#fail(error, () => {
+      this.ask(true);
+    });
+  }
+}
+
+/** Whether the picture of a time can be made; null where that is not known yet. */
+function isPossible(states: ReadonlyMap<number, string | null> | null, time: number): boolean | null {
+  return states === null ? null : (states.get(time) ?? null) !== null;
+}

@@ -1,0 +1,97 @@
+/** Playing: which frame is due when, and how many are really shown. */
+
+import { frameCount, snapToFrame, type FrameRange } from "./time";
+
+export const REPEATS = ["loop", "pingPong", "once"] as const;
+/** What follows the last frame: the first one, the way back, or nothing. */
+export type Repeat = (typeof REPEATS)[number];
+
+export interface Playing {
+  /** What is played, both ends included. */
+  readonly range: FrameRange;
+  readonly repeat: Repeat;
+  /** Times the shot's rate; negative backwards. */
+  readonly speed: number;
+  /** Only every so many frames are shown, counted from the first. */
+  readonly every: number;
+}
+
+/** A frame that is due. */
+export interface Due {
+  readonly time: number;
+  /** Number of frames that were due before it, since playing began. */
+  readonly index: number;
+  /** Whether nothing follows. */
+  readonly isLast: boolean;
+}
+
+/** Fastest play, times the shot's rate. */
+export const MOST_SPEED = 8;
+
+/**
+ * The frame that is due so many seconds after playing began.
+ *
+ * It follows the clock and not the pictures, so a slow renderer drops frames and the shot still lasts as long as it should.
+ */
+export function frameDue({ range, repeat, speed, every }: Playing, from: number, seconds: number): Due {
+  const [count, forward] = [frameCount(range), speed >= 0];
+  const passed = Math.floor(Math.abs(speed) * range.framesPerSecond * seconds + 1e-6);
+  const first = snapToFrame(range, from) - range.start;
+  const at = forward ? first + passed : first - passed;
+  const isLast = repeat === "once" && (forward ? at >= count - 1 : at <= 0);
+  const frame = placeOf(at, count, repeat);
+  const shown = frame - (frame % every);
+  return { time: range.start + shown, index: Math.floor(passed / every), isLast };
+}
+
+/** Where a count of frames that goes on and on is in the range. */
+function placeOf(at: number, count: number, repeat: Repeat): number {
+  if (repeat === "once" || count === 1) return Math.min(Math.max(at, 0), count - 1);
+  const period = repeat === "loop" ? count : 2 * (count - 1);
+  const within = ((at % period) + period) % period;
+  return within < count ? within : period - within;
+}
+
+/** The next speed of a shuttle that is pushed one way: twice as fast, or at the shot's rate where it went the other way or stood. */
+export function shuttled(speed: number, way: 1 | -1): number {
+  return speed * way > 0 ? way * Math.min(2 * Math.abs(speed), MOST_SPEED) : way;
+}
+
+/** What a viewer has seen since playing began. */
+export interface Seen {
+  /** Frames in a second, over the last ones; null until two were shown. */
+  readonly rate: number | null;
+  readonly dropped: number;
+}
+
+export const NOTHING_SEEN: Seen = { rate: null, dropped: 0 };
+
+/** Span that the rate is taken over, ms. */
+const RATE_MS = 2000;
+
+/** Counts the frames that are shown and those that were due before them and were not. */
+export class PlayMeter {
+  #asked: { readonly time: number; readonly index: number }[] = [];
+  #shown = 0;
+  #last = -1;
+  #at: number[] = [];
+
+  /** A frame is requested that is due as the given one. */
+  ask({ time, index }: Due): void {
+    this.#asked.push({ time, index });
+  }
+
+  /** A frame is on screen; returns what was seen so far, or null for a frame that was not asked for. */
+  show(time: number, nowMs: number): Seen | null {
+    const found = this.#asked.findIndex((asked) => asked.time === time);
+    const asked = this.#asked[found];
+    if (!asked || asked.index <= this.#last) return null;
+    this.#asked = this.#asked.slice(found + 1);
+    this.#last = asked.index;
+    this.#shown += 1;
+    this.#at = [...this.#at.filter((at) => nowMs - at <= RATE_MS), nowMs];
+    const [first = nowMs] = this.#at;
+    const rate = nowMs > first ? (1000 * (this.#at.length - 1)) / (nowMs - first) : null;
+    return { rate, dropped: asked.index + 1 - this.#shown };
+  }
+}

@@ -27,11 +27,17 @@ const ENGINE_NAMES: Readonly<Record<CacheEngine, string>> = {
 
 const MEGABYTE = 2 ** 20;
 
+const HEAD = (
+  <>
+    Playback <span aria-hidden="true">▾</span>
+  </>
+);
+
 export function Playback({ session }: { session: Session }): JSX.Element {
   const { playhead } = session;
   return (
     <>
-      <Menu name="playback" label="Playback" head="Playback ▾">
+      <Menu name="playback" label="Playback" head={HEAD}>
         {() => (
           <div class="playback">
             <Limits playhead={playhead} />

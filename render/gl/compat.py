@@ -179,7 +179,7 @@ class _NodeTree:
         return path
 
 
-pyrender_egl.EGLPlatform.__del__ = lambda platform: None
+del pyrender_egl.Platform.__del__
 pyrender.scene.nx = SimpleNamespace(DiGraph=_NodeTree, shortest_path=_NodeTree.path)
 
 

@@ -130,9 +130,8 @@ class _Maps:
             GL.glFramebufferTextureLayer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, self.texture, 0, layer)
             GL.glDepthMask(True)
             if clear:
-                GL.glUseProgram(
-                    0
-                )  # a program that samples the maps may be bound, and a driver checks its textures here
+                # A program that samples the maps may be bound, and a driver checks its textures when it clears.
+                GL.glUseProgram(0)
                 GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(4, np.float32))
             draw(SHADOW_MAP_SIDE_PX, view, draws)
         finally:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from pxr import Sdf, Usd
 
-from render.errors import PullfocusError
+from render.errors import CameraError, PullfocusError
 from render.model.content import digest_of
 from render.shot.shot import Shot
 
@@ -24,7 +24,8 @@ def picture_states(shot: Shot, camera_path: str | None, times: Sequence[float]) 
     """Digest what the pictures of a camera depend on, apart from the shot's files: its lens, exposure, film and solved focus, and
     the edits of anything else.
 
-    Pictures without motion blur are meant: those with it see the camera at other times too.
+    A picture that a light meter exposes depends on all edits, as the meter looks at the frames around it too. Pictures without
+    motion blur are meant: others see the camera at other moments.
 
     Args:
         shot: the shot.
@@ -32,25 +33,35 @@ def picture_states(shot: Shot, camera_path: str | None, times: Sequence[float]) 
         times: USD time codes.
 
     Returns:
-        A digest for each time; None where no picture can be made.
+        A digest for each time; None where the camera makes no picture.
+
+    Raises:
+        CameraError: there is no such camera.
     """
     path = camera_path or shot.default_camera().path or ""
-    elsewhere = digest_of(_edits_elsewhere(shot.edits.layer, path))
-    return [_state_at(shot, path, time, elsewhere) for time in times]
+    if camera_path is not None and camera_path not in shot.cameras():
+        known = ", ".join(shot.cameras()) or "none"
+        raise CameraError(f"there is no camera at {camera_path!r}, the cameras are: {known}", path=camera_path)
+    layer = shot.edits.layer
+    elsewhere, everywhere = digest_of(_edits_elsewhere(layer, path)), digest_of(_text_of(layer))
+    return [_state_at(shot, path, time, elsewhere, everywhere) for time in times]
 
 
-def _state_at(shot: Shot, path: str, time: float, elsewhere: str) -> str | None:
+def _state_at(shot: Shot, path: str, time: float, elsewhere: str, everywhere: str) -> str | None:
     try:
         camera = shot.camera_at(path or None, time, *_SIZE_PX)
         finish = shot.film.finish(camera, time)
+        is_metered = camera.path and shot.exposure.metering(camera.path, time).mode != "manual"
     except PullfocusError:
         return None
+    if camera.shutter_close < camera.shutter_open:
+        return None
     own = _own_values(shot.stage.GetPrimAtPath(path), time) if path else []
-    return digest_of((camera, finish, own, elsewhere))
+    return digest_of((camera, finish, own, everywhere if is_metered else elsewhere))
 
 
 def _own_values(prim: Usd.Prim, time: float) -> list[tuple[str, str]]:
-    """List the authored values of a camera prim that act otherwise than through the focus, such as those of its light meter."""
+    """List the authored values of a camera prim that act otherwise than through the focus."""
     return [
         (attribute.GetName(), repr(attribute.Get(time)))
         for attribute in prim.GetAuthoredAttributes()
@@ -68,7 +79,14 @@ def _edits_elsewhere(layer: Sdf.Layer, path: str) -> str:
             camera.RemoveProperty(one)
         camera.ClearInfo("apiSchemas")
     rest.RemoveInertSceneDescription()
-    rest.documentation = rest.comment = ""
-    rest.customLayerData = {}
-    text: str = rest.ExportToString()
+    return _text_of(rest)
+
+
+def _text_of(layer: Sdf.Layer) -> str:
+    """Text of a layer without what it says of itself."""
+    copy = Sdf.Layer.CreateAnonymous(".usda")
+    copy.TransferContent(layer)
+    copy.documentation = copy.comment = ""
+    copy.customLayerData = {}
+    text: str = copy.ExportToString()
     return text

@@ -98,6 +98,10 @@ class PictureQuery(Model):
     )
 
 
+MAX_STATES = 1000
+"""Frames whose states are read at once: the focus of each is solved."""
+
+
 class PictureState(Model):
     """What the picture of a frame depends on."""
 
@@ -112,8 +116,14 @@ class PictureState(Model):
 class PictureStates(Model):
     """What the pictures of some frames depend on."""
 
-    model_config = shown_as({"states": [{"time": 24.0, "state": "9c2b670164472ae10e72acb941365fc3"}]})
+    model_config = shown_as(
+        {"revision": "5a302e56c1d04f7b", "states": [{"time": 24.0, "state": "9c2b670164472ae10e72acb941365fc3"}]}
+    )
 
+    revision: str = Field(
+        description="Revision of the edits that they are of, which pictures have in the header `Pullfocus-Revision`.",
+        examples=["5a302e56c1d04f7b"],
+    )
     states: list[PictureState]
 
 

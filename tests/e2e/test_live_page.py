@@ -10,7 +10,7 @@ import httpx
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
 from tests.e2e.conftest import PATIENCE_MS, VIEWPORT
 from tests.e2e.editor import FAR, NEAR, focus_points, metres, readout_m, revision_of, shown_picture, wait_settled
@@ -142,4 +142,26 @@ def test_without_a_websocket_pictures_come_one_by_one(browser: Browser, service:
     page.keyboard.press("ArrowRight")
     wait_settled(page, time=2)
     expect(page.get_by_role("alert")).to_have_count(0)
+    page.close()
+
+
+def test_a_picture_that_is_not_the_wanted_one_says_so(browser: Browser, service: str, pixel_ratio: float) -> None:
+    page = browser.new_page(base_url=service, viewport=VIEWPORT, device_scale_factor=pixel_ratio)
+    page.set_default_timeout(PATIENCE_MS)
+    page.add_init_script(NO_SOCKET)
+    page.goto("/?shot=demo&time=1")
+    wait_settled(page, time=1)
+    held: list[Route] = []
+    page.route("**/frame?*", lambda route: held.append(route))
+
+    page.keyboard.press("End")
+
+    expect(page.locator(".wanted")).to_have_text("Frame 1, wanted 96")
+    expect(page.locator("canvas.late")).to_have_css("filter", "brightness(0.6)")
+    page.unroute("**/frame?*")
+    for route in held:
+        route.continue_()
+    wait_settled(page, time=96)
+    expect(page.locator(".wanted")).to_have_count(0)
+    expect(page.locator("canvas.late")).to_have_count(0)
     page.close()

@@ -11,7 +11,7 @@ import type { CacheEngine, Quality } from "@/model/quality";
 import type { FocusPoint, FocusSettings, Pick, Readout, Shot, ShotSummary } from "@/model/shot";
 import { errorOf } from "@/net/errors";
 import type { LiveListener, LiveLink, LivePicture, PictureRequest } from "@/net/live_link";
-import type { Edit, EditResult, Service } from "@/net/service";
+import type { Edit, EditResult, PictureOfEdits, PictureStates, Service } from "@/net/service";
 import type { View } from "@/net/view";
 import { point } from "./points";
 
@@ -80,6 +80,7 @@ export class FakeService implements Partial<Service> {
   stateAt: (time: number) => string | null = () => "as shot";
   /** The frames for playing that were asked for, and what holds them up. */
   readonly cacheRequests: { time: number; engine: CacheEngine }[] = [];
+  pictureRevision: () => string = () => "now";
   cacheGate: (time: number) => Promise<void> = () => Promise.resolve();
 
   /** As the interface that the editor asks; what a test does not need is not there. */
@@ -199,16 +200,22 @@ export class FakeService implements Partial<Service> {
     return new Blob(["picture"]);
   }
 
-  pictureStates(_: View, start: number, end: number): Promise<ReadonlyMap<number, string | null>> {
+  pictureStates(_: View, start: number, end: number): Promise<PictureStates> {
     const times = Array.from({ length: end - start + 1 }, (_frame, k) => start + k);
-    return Promise.resolve(new Map(times.map((time) => [time, this.stateAt(time)])));
+    return Promise.resolve({ revision: "now", by: new Map(times.map((time) => [time, this.stateAt(time)])) });
   }
 
-  async cacheFrame(_: View, time: number, _quality: Quality, engine: CacheEngine, abort?: AbortSignal): Promise<Blob> {
+  async cacheFrame(
+    _: View,
+    time: number,
+    _quality: Quality,
+    engine: CacheEngine,
+    abort?: AbortSignal,
+  ): Promise<PictureOfEdits> {
     this.cacheRequests.push({ time, engine });
     await this.cacheGate(time);
     if (abort?.aborted) throw new DOMException("aborted", "AbortError");
-    return new Blob([`cached ${time}`]);
+    return { blob: new Blob([`cached ${time}`]), revision: this.pictureRevision() };
   }
 
   focusSettings(): Promise<FocusSettings> {

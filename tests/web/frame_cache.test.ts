@@ -39,7 +39,7 @@ function stand(tookMs = 60_000, mostBytes?: number): Stand {
   playhead.markFirst(RANGE.first);
   playhead.markLast(RANGE.last);
   const document = new ShotDocument(fake.service, SHOT, "/cam", playhead.time, fail);
-  const cache = new FrameCache(fake.service, document, playhead.played, mostBytes);
+  const cache = new FrameCache(fake.service, document, playhead.time, mostBytes);
   const settled = signal(true);
   const displayed = signal({ width: 960, height: 480, tookMs } as Displayed);
   const player = {
@@ -74,12 +74,12 @@ function pictureOf(bytes: number): LivePicture {
 const STEP = { type: "removePoint", name: "hero" } as const;
 
 describe("frames for playing", () => {
-  it("are made while nothing else is wanted, those that follow the playhead first", async () => {
+  it("are made while nothing else is wanted, those near the playhead first", async () => {
     const { cache, made, run } = stand();
     await run(2000);
     expect(made()).toEqual([]);
     await run(1000);
-    expect(made()).toEqual([12, 13, 14, 10, 11]);
+    expect(made()).toEqual([12, 13, 11, 14, 10]);
     expect([...cache.times.value].sort()).toEqual([10, 11, 12, 13, 14]);
   });
 
@@ -102,7 +102,7 @@ describe("frames for playing", () => {
     expect(made()).toEqual([12, 13]);
     settled.value = true;
     await run(1000);
-    expect(made()).toEqual([12, 13, 13, 14, 10, 11]);
+    expect(made()).toEqual([12, 13, 13, 11, 14, 10]);
   });
 });
 
@@ -170,7 +170,7 @@ describe("an edit", () => {
     const { fake, document, filler, made, run, failures } = stand();
     fake.cacheGate = () => Promise.reject(errorOf(500, { code: "broken", detail: "no" }));
     await run(20_000);
-    expect(made()).toEqual([12]); // unasked, it tries once
+    expect(made()).toEqual([12, 13, 11]); // unasked, it tries three
     expect(failures).toEqual([]);
     filler.ask(true);
     await run();
@@ -180,6 +180,30 @@ describe("an edit", () => {
     await document.edit("bend", [STEP]);
     await run(3000);
     expect(filler.progress.value.missing).toBe(0);
+  });
+});
+
+describe("a frame", () => {
+  it("that cannot be made does not keep the others back", async () => {
+    const { fake, filler, cache, failures, run } = stand();
+    fake.cacheGate = (time) =>
+      time === 12 ? Promise.reject(errorOf(422, { code: "costly", detail: "no" })) : Promise.resolve();
+    filler.ask(true);
+    await run();
+    expect([...cache.times.value].sort()).toEqual([10, 11, 13, 14]);
+    expect([failures.length, filler.asked.value]).toEqual([1, false]);
+  });
+
+  it("of edits that are not known here is not kept, and they are read", async () => {
+    const { fake, document, cache, filler, run } = stand();
+    fake.pictureRevision = () => "of somebody else";
+    const catchUp = vi.spyOn(document, "catchUp").mockResolvedValue(undefined);
+    filler.ask(true);
+    await run();
+    filler.ask(false);
+    await run();
+    expect(cache.times.value).toEqual([]);
+    expect(catchUp).toHaveBeenCalled();
   });
 });
 
@@ -193,18 +217,18 @@ describe("the memory", () => {
 
   it("holds frames near the playhead, and forgets those that are farther", async () => {
     const { cache } = await ready(250);
-    for (const time of [10, 20]) expect(cache.put(time, pictureOf(100), 12)).toBe(true);
-    expect(cache.put(14, pictureOf(100), 12)).toBe(true);
+    for (const time of [10, 20]) expect(cache.put(time, pictureOf(100), "now", 12)).toBe("kept");
+    expect(cache.put(14, pictureOf(100), "now", 12)).toBe("kept");
     expect([...cache.times.value].sort()).toEqual([10, 14]);
-    expect(cache.put(30, pictureOf(100), 12)).toBe(false);
+    expect(cache.put(30, pictureOf(100), "now", 12)).toBe("full");
     expect(cache.bytes.value).toBe(200);
   });
 
   it("is never exceeded, and a frame in place of another counts once", async () => {
     const { cache } = await ready(250);
-    for (const time of [10, 11, 10, 11]) cache.put(time, pictureOf(120), 10);
+    for (const time of [10, 11, 10, 11]) cache.put(time, pictureOf(120), "now", 10);
     expect(cache.bytes.value).toBe(240);
-    expect(cache.put(12, pictureOf(1000), 12)).toBe(false);
+    expect(cache.put(12, pictureOf(1000), "now", 12)).toBe("full");
     expect(cache.bytes.value).toBeLessThanOrEqual(250);
     cache.clear();
     expect(cache.bytes.value).toBe(0);

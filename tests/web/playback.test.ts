@@ -42,6 +42,12 @@ describe("the frame that is due", () => {
     expect(frameDue({ ...FORWARD, every: 3 }, 1, 6 / 24).index).toBe(2);
   });
 
+  it("of a range that they do not divide begins anew with the first, and none of them is missing", () => {
+    const five: Playing = { ...FORWARD, range: { ...PART, end: 14 }, every: 2 };
+    expect(played(five, 10, 8)).toEqual([10, 10, 12, 12, 14, 14, 10, 10]);
+    expect(frameDue(five, 10, 7 / 24).index).toBe(3);
+  });
+
   it("of a shot of one frame is that frame", () => {
     const still: FrameRange = { start: 0, end: 0, framesPerSecond: 24 };
     for (const repeat of ["loop", "pingPong", "once"] as const)
@@ -84,6 +90,16 @@ describe("the meter", () => {
     const meter = new PlayMeter();
     for (const index of [0, 1, 2, 3]) meter.ask({ time: 1 + (index % 2), index, isLast: false });
     for (const [k, time] of [1, 2, 1, 2].entries()) expect(meter.show(time, 40 * k)?.dropped).toBe(0);
+  });
+
+  it("says so where no picture comes any more", () => {
+    const meter = new PlayMeter();
+    for (const index of [0, 1]) meter.ask(due(index));
+    meter.show(1, 0);
+    meter.show(2, 40);
+    expect(meter.late(due(2), 80)).toBeNull();
+    expect(meter.late(due(24), 1000)).toEqual({ rate: 1, dropped: 22 });
+    expect(meter.late(due(72), 3000)).toEqual({ rate: 0, dropped: 70 });
   });
 
   it("forgets what is long past in the rate", () => {

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Response
 
+from render.model.edit_history import revision_of
 from service.http.access import RENDERS
 from service.http.bodies import BodyRoute
 from service.http.clients import present_client
@@ -47,7 +48,7 @@ async def get_frame(
     record = service.store.get(shot)
     edits = record.edit_text()
     tag = tag_of_frame(service, record, edits, query)
-    headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
+    headers = {"ETag": tag, "Cache-Control": "private, no-cache", "Pullfocus-Revision": revision_of(edits)}
     if matches(if_none_match, tag):
         service.metrics.frames.labels("not_modified").inc()
         return Response(status_code=304, headers=headers)
@@ -90,11 +91,10 @@ async def get_picture_states(
     """Tell which pictures an edit leaves as they are.
 
     Pictures of one frame without motion blur, asked for in the same way before and after an edit, are the same where their states
-    are.
+    are. At most 1,000 frames are read at once.
     """
     record = service.store.get(shot)
-    max_frames = service.settings.max_curve_frames
-    return await service.call_reader(picture_states.read_picture_states, record, camera, frames, max_frames)
+    return await service.call_reader(picture_states.read_picture_states, record, camera, frames)
 
 
 @router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 423, 503))

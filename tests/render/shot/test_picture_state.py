@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pxr import Sdf, UsdGeom
 
+from render.errors import CameraError
 from render.model.content import digest_of
 from render.shot import Shot
 from render.shot.picture_state import picture_states
@@ -61,7 +62,7 @@ def test_a_key_changes_the_frames_that_it_bends(shot: Shot) -> None:
         ("fStop", Sdf.ValueTypeNames.Float, 5.6),
         ("exposure", Sdf.ValueTypeNames.Float, 1.0),
         ("horizontalAperture", Sdf.ValueTypeNames.Float, 24.0),
-        ("exposure:metering:mode", Sdf.ValueTypeNames.Token, "spot"),
+        ("film:metering:mode", Sdf.ValueTypeNames.Token, "spot"),
     ],
 )
 def test_what_is_set_for_all_time_changes_all_frames(
@@ -70,8 +71,7 @@ def test_what_is_set_for_all_time_changes_all_frames(
     assert changed(shot, lambda: author(shot, CAMERA, name, type_name, value)) == list(FRAMES)
 
 
-def test_a_point_without_weight_changes_nothing(shot: Shot) -> None:
-    """Nor does one that is added where the focus is set by hand."""
+def test_a_point_changes_nothing_where_the_focus_is_set_by_hand(shot: Shot) -> None:
 
     def add() -> None:
         prim = shot.stage.GetPrimAtPath(CAMERA)
@@ -80,6 +80,24 @@ def test_a_point_without_weight_changes_nothing(shot: Shot) -> None:
         prim.CreateRelationship("focusPoint:hero:target").SetTargets([NEAR])
 
     assert changed(shot, add) == []
+
+
+def test_what_a_meter_exposes_depends_on_all_edits(shot: Shot) -> None:
+    """It looks at the frames around it, and at a focus point where the camera says so."""
+    focal_length = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("focalLength")
+    for time in (1.0, 12.0, 24.0):
+        changed(shot, lambda at=time: focal_length.Set(50.0, at))  # type: ignore[misc]
+    assert changed(shot, lambda: focal_length.Set(60.0, 24.0)) == list(range(13, 25))
+    shot.stage.GetPrimAtPath(CAMERA).ApplyAPI("FilmAPI")
+    author(shot, CAMERA, "film:metering:mode", Sdf.ValueTypeNames.Token, "average")
+    assert changed(shot, lambda: focal_length.Set(70.0, 24.0)) == list(FRAMES)
+    assert changed(shot, lambda: focal_length.Set(70.0, 24.0)) == []
+
+
+@pytest.mark.parametrize("path", ["/World/nothing", "/World", "/", "//", "/a b"])
+def test_what_is_no_camera_has_no_states(shot: Shot, path: str) -> None:
+    with pytest.raises(CameraError, match="there is no camera at"):
+        picture_states(shot, path, TIMES[:1])
 
 
 def test_edits_of_other_prims_change_all_frames(shot: Shot) -> None:

@@ -6,12 +6,15 @@ import { isAbort } from "../net/errors";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
-import type { FrameCache } from "./frame_cache";
+import type { FrameCache, Put } from "./frame_cache";
 import type { Pictures } from "./pictures";
 import type { Playhead } from "./playhead";
 
 /** Rest before frames are made unasked, ms. */
 const REST_MS = 2500;
+
+/** Failures after which no more frames are made unasked before the next edit. */
+const MOST_FAILURES = 3;
 
 /** What the filler works for. */
 export interface Player {
@@ -39,8 +42,8 @@ export class CacheFiller {
   readonly #player: Player;
   readonly #fail: Fail;
   readonly #isRested = signal(false);
-  /** A frame could not be made, so that none is made unasked before the next edit. */
-  readonly #hasFailed = signal(false);
+  /** Frames that could not be made, which are left out until the next edit. */
+  readonly #failed = signal<ReadonlySet<number>>(new Set());
   readonly #stops: readonly (() => void)[];
   #flight: AbortController | null = null;
   #rest: ReturnType<typeof setTimeout> | undefined;
@@ -66,14 +69,17 @@ export class CacheFiller {
       }),
       effect(() => {
         const refusal = cache.refusal.value;
-        if (refusal !== null) this.#giveUp(refusal);
+        if (refusal !== null && this.asked.peek()) this.#complain(refusal);
       }),
-      // What could not be made may be possible after an edit, and what was too much may fit another part.
+      // What could not be made may be possible after an edit, and what was too much may have room elsewhere.
       document.revision.subscribe(() => {
-        this.#tryAgain();
+        this.#failed.value = new Set();
       }),
       playhead.played.subscribe(() => {
-        this.#tryAgain();
+        this.isFull.value = false;
+      }),
+      playhead.time.subscribe(() => {
+        this.isFull.value = false;
       }),
     ];
   }
@@ -81,23 +87,23 @@ export class CacheFiller {
   /** Whether frames are to be made now. */
   readonly #wants = computed(() => {
     if (!this.#player.settled.value || this.isFull.value) return false;
-    return this.asked.value || (this.#isRested.value && !this.#hasFailed.value);
+    return this.asked.value || (this.#isRested.value && this.#failed.value.size < MOST_FAILURES);
   });
 
-  /** Frames of what is played, those that follow the playhead first. */
+  /** Frames of what is played, those near the playhead first. */
   readonly #wanted = computed<readonly number[]>(() => {
     const { start, end } = this.#player.playhead.played.value;
     const times: number[] = [];
     for (let time = start; time <= end + 1e-6; time += this.#player.playhead.every.value) times.push(time);
-    const first = times.findIndex((time) => time >= this.#player.playhead.time.value);
-    return first > 0 ? [...times.slice(first), ...times.slice(0, first)] : times;
+    const about = this.#player.playhead.time.value + 0.25; // of two as near, the one that follows
+    return times.sort((one, other) => Math.abs(one - about) - Math.abs(other - about));
   });
 
   /** The next frame to make; null where all are there, or where it is not known yet which are. */
   readonly #next = computed(() => {
     const states = this.#player.cache.states.value;
-    const cached = new Set(this.#player.cache.times.value);
-    return this.#wanted.value.find((time) => !cached.has(time) && isPossible(states, time) === true) ?? null;
+    const left = new Set([...this.#player.cache.times.value, ...this.#failed.value]);
+    return this.#wanted.value.find((time) => !left.has(time) && isPossible(states, time) === true) ?? null;
   });
 
   /** How many frames of what is played are cached, of how many, and how many are missing that can be made. */
@@ -105,13 +111,17 @@ export class CacheFiller {
     const cached = new Set(this.#player.cache.times.value);
     const wanted = this.#wanted.value;
     const states = this.#player.cache.states.value;
-    const missing = wanted.filter((time) => !cached.has(time) && isPossible(states, time) !== false);
+    const failed = this.#failed.value;
+    const missing = wanted.filter(
+      (time) => !cached.has(time) && !failed.has(time) && isPossible(states, time) !== false,
+    );
     return { cached: wanted.filter((time) => cached.has(time)).length, of: wanted.length, missing: missing.length };
   });
 
   /** Makes all frames of what is played, or no longer. */
   ask(all: boolean): void {
-    this.#tryAgain();
+    this.isFull.value = false;
+    if (all) this.#failed.value = new Set();
     this.asked.value = all;
     if (!all) this.#flight?.abort();
   }
@@ -133,35 +143,51 @@ export class CacheFiller {
   async #make(time: number): Promise<void> {
     const { view, revision } = this.#player.document;
     const [flight, before] = [new AbortController(), revision.peek()];
+    // With no frame left, none needs to be like those before.
+    if (this.#player.cache.bytes.peek() === 0) this.engine.value = null;
     const engine = (this.engine.value ??= fittingEngine(this.#player.pictures.displayed.peek()));
     const quality = cacheQuality(engine, this.#player.aspect);
     [this.#flight, this.making.value] = [flight, time];
     const began = performance.now();
     try {
-      const blob = await this.#service.cacheFrame(view, time, quality, engine, flight.signal);
+      const made = await this.#service.cacheFrame(view, time, quality, engine, flight.signal);
       void this.#player.document.pointsAt(time).catch(() => undefined);
       const tookMs = performance.now() - began;
       const { width, height } = quality;
       const rays = engine === "lens" ? quality.rays : 0;
       if (flight.signal.aborted || revision.peek() !== before) return;
-      const picture = { blob, stage: "preview" as const, width, height, rays, share: 0, tookMs };
-      this.isFull.value = !this.#player.cache.put(time, picture, this.#player.playhead.time.peek());
-      if (this.isFull.value) this.asked.value = false;
+      const picture = { blob: made.blob, stage: "preview" as const, width, height, rays, share: 0, tookMs };
+      this.#take(time, this.#player.cache.put(time, picture, made.revision, this.#player.playhead.time.peek()));
     } catch (error) {
-      if (!isAbort(error)) this.#giveUp(error);
+      if (!isAbort(error)) this.#note(time, error);
     } finally {
       [this.#flight, this.making.value] = [null, null];
     }
   }
 
-  #tryAgain(): void {
-    this.#hasFailed.value = this.isFull.value = false;
+  #take(time: number, put: Put): void {
+    if (put === "full") [this.isFull.value, this.asked.value] = [true, false];
+    // Somebody else has edited the shot: its edits are read, and then the states of its pictures.
+    if (put !== "strange") return;
+    this.#leaveOut(time);
+    void this.#player.document.catchUp();
   }
 
-  #giveUp(error: unknown): void {
-    this.#hasFailed.value = true;
+  /** Leaves out a frame that could not be made; the person who asked for it is told of the first one. */
+  #note(time: number, error: unknown): void {
+    const isFirst = this.#failed.peek().size === 0;
+    this.#leaveOut(time);
     if (!this.asked.peek()) return;
-    this.asked.value = false;
+    const isTooMany = this.#failed.peek().size >= MOST_FAILURES;
+    if (isTooMany) this.asked.value = false;
+    if (isFirst) this.#complain(error);
+  }
+
+  #leaveOut(time: number): void {
+    this.#failed.value = new Set([...this.#failed.peek(), time]);
+  }
+
+  #complain(error: unknown): void {
     this.#fail(error, () => {
       this.ask(true);
     });

@@ -7,12 +7,12 @@ import { computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 import { frameCount, type FrameRange } from "../model/time";
 import type { LivePicture } from "../net/live_link";
 import { NewestWins } from "../net/newest";
-import type { Service } from "../net/service";
+import type { PictureStates, Service } from "../net/service";
 import type { ShotDocument } from "./document";
 
 /** Memory of all frames, bytes. */
 export const MOST_BYTES = 256 * 2 ** 20;
-/** Shots of up to this many frames are asked about as a whole. */
+/** Frames whose states are read at once. Of longer shots only those about the playhead are cached. */
 const MOST_STATES = 500;
 
 interface CachedFrame {
@@ -28,10 +28,8 @@ interface Part {
   readonly end: number;
 }
 
-/** What the pictures of a part depend on, by time. */
-interface States extends Part {
-  readonly by: ReadonlyMap<number, string | null>;
-}
+/** What becomes of a picture: it is kept, or there is no room for it, or it is not one of the edits that are known here. */
+export type Put = "kept" | "full" | "strange";
 
 export class FrameCache {
   /** Whether frames will be cached, so that their states are read. */
@@ -43,43 +41,45 @@ export class FrameCache {
   readonly #document: ShotDocument;
   readonly #mostBytes: number;
   readonly #frames = signal<ReadonlyMap<number, CachedFrame>>(new Map());
-  readonly #read = signal<States | null>(null);
-  readonly #reading: NewestWins<Part, ReadonlyMap<number, string | null>>;
+  readonly #read = signal<(Part & { readonly states: PictureStates }) | null>(null);
+  readonly #reading: NewestWins<Part, PictureStates>;
   readonly #stop: () => void;
+  /** What was asked for last. */
+  #asked: Part | null = null;
 
-  /** @param range what is played, of long shots the part whose frames are cached. */
-  constructor(
-    service: Service,
-    document: ShotDocument,
-    range: ReadonlySignal<FrameRange>,
-    mostBytes: number = MOST_BYTES,
-  ) {
+  /** @param time of the playhead, about which the frames of long shots are cached. */
+  constructor(service: Service, document: ShotDocument, time: ReadonlySignal<number>, mostBytes: number = MOST_BYTES) {
     this.#document = document;
     this.#mostBytes = mostBytes;
     this.#reading = new NewestWins({
       load: ({ start, end }, abort) => service.pictureStates(document.view, start, end, abort),
-      onResult: (by, part) => {
+      onResult: (states, part) => {
         this.refusal.value = null;
-        this.#read.value = { ...part, by };
-        this.#set([...this.#frames.peek()].filter(([time, { state }]) => !by.has(time) || by.get(time) === state));
+        this.#read.value = { ...part, states };
+        const { by } = states;
+        this.#set([...this.#frames.peek()].filter(([at, { state }]) => !by.has(at) || by.get(at) === state));
       },
-      onError: (error) => (this.refusal.value = error),
+      onError: (error) => {
+        this.#asked = null;
+        this.refusal.value = error;
+      },
       mostInFlight: 1,
     });
-    const whole = document.shot.range;
+    const part = computed(() => partAbout(document.shot.range, time.value));
     this.#stop = effect(() => {
-      const { start, end } = frameCount(whole) <= MOST_STATES ? whole : range.value;
-      const part = { revision: document.revision.value, start, end };
+      const wanted = { revision: document.revision.value, ...part.value };
       const isUsed = this.isFilling.value || this.#frames.value.size > 0;
       const isBusy = document.pending.value > 0 || document.dragging.value;
-      if (isUsed && !isBusy && !isSame(part, this.#read.peek())) this.#reading.load(part);
+      if (!isUsed || isBusy || isSame(wanted, this.#asked)) return;
+      this.#asked = wanted;
+      this.#reading.load(wanted, { disposable: true });
     });
   }
 
   /** What pictures depend on now; null until that is read. */
   readonly states = computed(() => {
     const read = this.#read.value;
-    return read?.revision === this.#document.revision.value ? read.by : null;
+    return read?.revision === this.#document.revision.value ? read.states.by : null;
   });
 
   /** Times whose picture is cached, and is that of the present edits. */
@@ -95,25 +95,25 @@ export class FrameCache {
   }
 
   /**
-   * Keeps a picture of the present edits, in place of frames that are farther from a time. Returns whether there is room for it.
+   * Keeps a picture, in place of frames that are farther from a time.
    *
+   * @param revision of the edits that it is of, as the service says it.
    * @param about time code.
    */
-  put(time: number, picture: LivePicture, about: number): boolean {
+  put(time: number, picture: LivePicture, revision: string, about: number): Put {
     const state = this.states.peek()?.get(time);
-    if (state === undefined || state === null) return false;
-    const byDistance = [...this.#frames.peek()]
+    if (state === undefined || state === null || this.#read.peek()?.states.revision !== revision) return "strange";
+    const others = [...this.#frames.peek()]
       .filter(([other]) => other !== time)
       .sort(([one], [other]) => Math.abs(one - about) - Math.abs(other - about));
-    const kept = [...byDistance, [time, { picture, state }] as const];
-    let bytes = kept.reduce((sum, [, frame]) => sum + frame.picture.blob.size, 0);
+    let bytes = others.reduce((sum, [, frame]) => sum + frame.picture.blob.size, picture.blob.size);
     while (bytes > this.#mostBytes) {
-      const farthest = byDistance.pop();
-      if (!farthest || Math.abs(farthest[0] - about) <= Math.abs(time - about)) return false;
+      const farthest = others.pop();
+      if (!farthest || Math.abs(farthest[0] - about) <= Math.abs(time - about)) return "full";
       bytes -= farthest[1].picture.blob.size;
     }
-    this.#set([...byDistance, [time, { picture, state }]]);
-    return true;
+    this.#set([...others, [time, { picture, state }]]);
+    return "kept";
   }
 
   clear(): void {
@@ -130,6 +130,15 @@ export class FrameCache {
     this.#frames.value = new Map(frames);
     this.bytes.value = frames.reduce((sum, [, { picture }]) => sum + picture.blob.size, 0);
   }
+}
+
+/** The frames whose states are read: all of a shot, or of a long one those about a time, which change only now and then. */
+function partAbout(range: FrameRange, time: number): { start: number; end: number } {
+  const last = range.start + frameCount(range) - 1;
+  if (frameCount(range) <= MOST_STATES) return { start: range.start, end: last };
+  const step = MOST_STATES / 2;
+  const start = range.start + step * Math.max(0, Math.round((time - range.start) / step) - 1);
+  return { start, end: Math.min(start + MOST_STATES - 1, last) };
 }
 
 function isSame(one: Part, other: Part | null): boolean {

@@ -26,9 +26,6 @@ const SETTLE_MS = 400;
 
 const NO_CACHE: Pick<FrameCache, "find"> = { find: () => null };
 
-/** Points of cached frames, where they are not known. */
-const NO_POINTS = Promise.resolve<readonly FocusPoint[]>([]);
-
 /** In place of live pictures that may not be drawn. */
 const NO_LINK: LiveLink = {
   free: true,
@@ -159,7 +156,7 @@ export class Pictures {
     const cached = request.moving && request.unsaved.length === 0 ? this.#cache.find(request.time) : null;
     if (cached) {
       this.#sendNothing();
-      void this.#show(cached, request, this.#document.pointsByTime.known(request.time) ?? NO_POINTS);
+      void this.#show(cached, request, this.#document.pointsByTime.known(request.time) ?? []);
       return;
     }
     const kept = this.#keptFor(request);
@@ -214,7 +211,7 @@ export class Pictures {
   async #show(
     picture: LivePicture,
     request: NumberedRequest,
-    pointsThen: Promise<readonly FocusPoint[]>,
+    pointsThen: readonly FocusPoint[] | Promise<readonly FocusPoint[]>,
   ): Promise<void> {
     if (request.number < this.#answered) return;
     this.#answered = request.number;

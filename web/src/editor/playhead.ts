@@ -85,9 +85,9 @@ export class Playhead {
 
   /** Plays, or goes on at another speed. */
   play(speed = 1): void {
+    this.pause();
     const range = this.played.value;
     if (range.end <= range.start) return;
-    cancelAnimationFrame(this.#request);
     this.speed.value = speed;
     this.playing.value = true;
     this.seen.value = NOTHING_SEEN;
@@ -106,6 +106,7 @@ export class Playhead {
         if (due.time === this.#onScreen) this.#count(due.time);
         this.time.value = due.time;
       }
+      this.seen.value = this.#meter.late(due, now) ?? this.seen.peek();
       if (due.isLast && due.time === this.time.value) this.playing.value = false;
       else this.#request = requestAnimationFrame(tick);
     };

@@ -9,31 +9,40 @@ const MOST_KEPT = 512;
 export class PointsByTime {
   readonly #read: (time: number) => Promise<readonly FocusPoint[]>;
   readonly #kept = new Recent<Promise<readonly FocusPoint[]>>(MOST_KEPT);
+  readonly #there = new Recent<readonly FocusPoint[]>(MOST_KEPT);
 
   constructor(read: (time: number) => Promise<readonly FocusPoint[]>) {
     this.#read = read;
   }
 
   at(time: number): Promise<readonly FocusPoint[]> {
-    const known = this.known(time);
-    if (known) return known;
-    const points = this.#read(time);
     const name = time.toString();
+    const kept = this.#kept.get(name);
+    if (kept) return kept;
+    const points = this.#read(time);
     this.#kept.set(name, points);
-    points.catch(() => {
-      if (this.#kept.get(name) === points) this.#kept.delete(name);
-    });
+    points.then(
+      (read) => {
+        if (this.#kept.get(name) === points) this.#there.set(name, read);
+      },
+      () => {
+        if (this.#kept.get(name) === points) this.#kept.delete(name);
+      },
+    );
     return points;
   }
 
-  /** The points at a time, where they were read, or are about to be. */
-  known(time: number): Promise<readonly FocusPoint[]> | undefined {
-    return this.#kept.get(time.toString());
+  /** The points at a time, where they are there already. */
+  known(time: number): readonly FocusPoint[] | undefined {
+    return this.#there.get(time.toString());
   }
 
   /** Forgets the points, as those of another revision, but for those that came with an edit. */
   forget(after: { time: number; points: readonly FocusPoint[] } | null): void {
     this.#kept.clear();
-    if (after) this.#kept.set(after.time.toString(), Promise.resolve(after.points));
+    this.#there.clear();
+    if (!after) return;
+    this.#kept.set(after.time.toString(), Promise.resolve(after.points));
+    this.#there.set(after.time.toString(), after.points);
   }
 }

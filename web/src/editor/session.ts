@@ -101,7 +101,7 @@ export class Session {
     this.playhead = new Playhead(shot.range, time, (at) => this.pictures.isFreeFor(at));
     this.timeView = new TimeView(this.playhead);
     this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail, noEdits);
-    this.cache = new FrameCache(service, this.document, this.playhead.played);
+    this.cache = new FrameCache(service, this.document, this.playhead.time);
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek(), this.cache);
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
     this.picks = new Picks(service, this, fail);

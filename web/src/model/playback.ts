@@ -12,7 +12,7 @@ export interface Playing {
   readonly repeat: Repeat;
   /** Times the shot's rate; negative backwards. */
   readonly speed: number;
-  /** Only every so many frames are shown, counted from the first. */
+  /** Only every so many frames are shown, counted from the first, each for as long as so many. */
   readonly every: number;
 }
 
@@ -34,17 +34,15 @@ export const MOST_SPEED = 8;
  * It follows the clock and not the pictures, so a slow renderer drops frames and the shot still lasts as long as it should.
  */
 export function frameDue({ range, repeat, speed, every }: Playing, from: number, seconds: number): Due {
-  const [count, forward] = [frameCount(range), speed >= 0];
-  const passed = Math.floor(Math.abs(speed) * range.framesPerSecond * seconds + 1e-6);
-  const first = snapToFrame(range, from) - range.start;
-  const at = forward ? first + passed : first - passed;
+  const [count, forward] = [Math.ceil(frameCount(range) / every), speed >= 0];
+  const index = Math.floor((Math.abs(speed) * range.framesPerSecond * seconds) / every + 1e-6);
+  const first = Math.floor((snapToFrame(range, from) - range.start) / every);
+  const at = forward ? first + index : first - index;
   const isLast = repeat === "once" && (forward ? at >= count - 1 : at <= 0);
-  const frame = placeOf(at, count, repeat);
-  const shown = frame - (frame % every);
-  return { time: range.start + shown, index: Math.floor(passed / every), isLast };
+  return { time: range.start + every * placeOf(at, count, repeat), index, isLast };
 }
 
-/** Where a count of frames that goes on and on is in the range. */
+/** Where a count that goes on and on is among so many frames. */
 function placeOf(at: number, count: number, repeat: Repeat): number {
   if (repeat === "once" || count === 1) return Math.min(Math.max(at, 0), count - 1);
   const period = repeat === "loop" ? count : 2 * (count - 1);
@@ -68,6 +66,8 @@ export const NOTHING_SEEN: Seen = { rate: null, dropped: 0 };
 
 /** Span that the rate is taken over, ms. */
 const RATE_MS = 2000;
+/** Wait for a picture after which the rate is taken anew, ms. */
+const LATE_MS = 500;
 
 /** Counts the frames that are shown and those that were due before them and were not. */
 export class PlayMeter {
@@ -93,5 +93,13 @@ export class PlayMeter {
     const [first = nowMs] = this.#at;
     const rate = nowMs > first ? (1000 * (this.#at.length - 1)) / (nowMs - first) : null;
     return { rate, dropped: asked.index + 1 - this.#shown };
+  }
+
+  /** What was seen where no picture has come for longer than a frame may take, while one is due; null where one has. */
+  late(due: Due, nowMs: number): Seen | null {
+    const last = this.#at.at(-1);
+    if (last === undefined || nowMs - last < LATE_MS) return null;
+    const recent = this.#at.filter((at) => nowMs - at <= RATE_MS);
+    return { rate: (1000 * recent.length) / RATE_MS, dropped: due.index - this.#shown };
   }
 }

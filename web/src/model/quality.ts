@@ -50,7 +50,7 @@ export function fittingEngine(exact: { width: number; height: number; tookMs: nu
   return exact.tookMs * (pixels / (exact.width * exact.height)) <= MOST_CACHE_MS ? "lens" : "flag";
 }
 
-/** The quality of a cached frame: motion stands still. */
+/** The quality of a cached frame, which has no motion blur. */
 export function cacheQuality(engine: CacheEngine, aspect: number): Quality {
   const width = CACHE_WIDTH_PX[engine];
   return { ...restQuality(width, width / aspect), format: "jpeg" };

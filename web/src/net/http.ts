@@ -29,7 +29,16 @@ import { LiveSocket, liveAddress } from "./live";
 import type { LiveListener, LiveLink } from "./live_link";
 import { Patience, type PatienceListener } from "./patience";
 import type { paths } from "./schema";
-import type { CurveFormat, Download, Edit, EditResult, PictureFormat, Service } from "./service";
+import type {
+  CurveFormat,
+  Download,
+  Edit,
+  EditResult,
+  PictureFormat,
+  PictureOfEdits,
+  PictureStates,
+  Service,
+} from "./service";
 import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
 import { sendFile } from "./upload";
 import { cameraOf, type View } from "./view";
@@ -172,23 +181,22 @@ export class HttpService implements Service {
     quality: Quality,
     engine: CacheEngine,
     signal?: AbortSignal,
-  ): Promise<Blob> {
-    return this.#picture(view, { ...pictureOf(time, quality), engine, format: quality.format, live: true }, signal);
+  ): Promise<PictureOfEdits> {
+    const query = { ...pictureOf(time, quality), engine, format: quality.format, live: true };
+    const options = { ...at(view, query), ...abortable(signal), parseAs: "blob" as const };
+    const answer = await this.#client.GET("/v1/shots/{shot}/frame", options);
+    const blob = await result<Blob>(Promise.resolve(answer));
+    return { blob, revision: answer.response.headers.get("Pullfocus-Revision") ?? "" };
   }
 
-  async pictureStates(
-    view: View,
-    start: number,
-    end: number,
-    signal?: AbortSignal,
-  ): Promise<ReadonlyMap<number, string | null>> {
+  async pictureStates(view: View, start: number, end: number, signal?: AbortSignal): Promise<PictureStates> {
     const frames = `${start}:${end}`;
     const answer = this.#client.GET("/v1/shots/{shot}/picture-states", {
       ...at(view, { frames }),
       ...abortable(signal),
     });
-    const { states } = await result(answer);
-    return new Map(states.map(({ time, state }) => [time, state]));
+    const { states, revision } = await result(answer);
+    return { revision, by: new Map(states.map(({ time, state }) => [time, state])) };
   }
 
   async focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]> {

@@ -969,7 +969,7 @@ export interface paths {
          * @description Tell which pictures an edit leaves as they are.
          *
          *     Pictures of one frame without motion blur, asked for in the same way before and after an edit, are the same where their states
-         *     are.
+         *     are. At most 1,000 frames are read at once.
          */
         readonly get: operations["getPictureStates"];
         readonly put?: never;
@@ -6480,6 +6480,7 @@ export interface components {
          * PictureStates
          * @description What the pictures of some frames depend on.
          * @example {
+         *       "revision": "5a302e56c1d04f7b",
          *       "states": [
          *         {
          *           "state": "9c2b670164472ae10e72acb941365fc3",
@@ -6489,6 +6490,12 @@ export interface components {
          *     }
          */
         readonly PictureStates: {
+            /**
+             * Revision
+             * @description Revision of the edits that they are of, which pictures have in the header `Pullfocus-Revision`.
+             * @example 5a302e56c1d04f7b
+             */
+            readonly revision: string;
             /** States */
             readonly states: readonly components["schemas"]["PictureState"][];
         };

@@ -48,6 +48,18 @@ export interface Download {
 export type CurveFormat = "json" | "csv" | "usda" | "otio" | "opentrackio";
 export type PictureFormat = "png" | "jpeg" | "exr";
 
+/** A picture, and the revision of the edits that it is of. */
+export interface PictureOfEdits {
+  readonly blob: Blob;
+  readonly revision: string;
+}
+
+/** What pictures depend on at a revision of the edits, by time; null where none can be made. */
+export interface PictureStates {
+  readonly revision: string;
+  readonly by: ReadonlyMap<number, string | null>;
+}
+
 export interface Service {
   /** Sets who is asked for a key, and told of waits; until then requests that are refused fail. */
   listen(listener: PatienceListener): void;
@@ -83,14 +95,15 @@ export interface Service {
   /** A graded picture. */
   frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob>;
   /** A graded picture for playing, by an engine. */
-  cacheFrame(view: View, time: number, quality: Quality, engine: CacheEngine, signal?: AbortSignal): Promise<Blob>;
-  /** What the pictures of the frames from one time to another depend on, by time; null where none can be made. */
-  pictureStates(
+  cacheFrame(
     view: View,
-    start: number,
-    end: number,
+    time: number,
+    quality: Quality,
+    engine: CacheEngine,
     signal?: AbortSignal,
-  ): Promise<ReadonlyMap<number, string | null>>;
+  ): Promise<PictureOfEdits>;
+  /** What the pictures of the frames from one time to another depend on. */
+  pictureStates(view: View, start: number, end: number, signal?: AbortSignal): Promise<PictureStates>;
   focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]>;
   focusSettings(view: View, time: number, signal?: AbortSignal): Promise<FocusSettings>;
   readout(view: View, time: number, signal?: AbortSignal): Promise<Readout>;

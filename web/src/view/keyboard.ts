@@ -126,13 +126,13 @@ function playKeys(event: KeyboardEvent, { playhead }: Session): boolean {
   const mark = event.shiftKey ? null : playhead.time.value;
   switch (event.key.toLowerCase()) {
     case "j":
-      playhead.shuttle(-1);
+      if (!event.repeat) playhead.shuttle(-1);
       return true;
     case "k":
       playhead.pause();
       return true;
     case "l":
-      playhead.shuttle(1);
+      if (!event.repeat) playhead.shuttle(1);
       return true;
     case "i":
       playhead.markFirst(mark);

@@ -179,6 +179,20 @@ def test_pictures_whose_states_stay_are_the_same_after_an_edit(client, room):
 
 
 def test_states_of_too_many_frames_are_refused(client, room):
-    answer = client.get(f"/v1/shots/{room}/picture-states", params={"frames": "1:90000"})
+    answer = client.get(f"/v1/shots/{room}/picture-states", params={"frames": "1:1001"})
     assert answer.status_code == 422
-    assert "at most" in answer.json()["detail"]
+    assert "at most 1,000" in answer.json()["detail"]
+
+
+def test_states_and_pictures_say_which_edits_they_are_of(client, room):
+    client.patch(f"/v1/shots/{room}/camera", json={"fStop": 2})
+    revision = client.get(f"/v1/shots/{room}/edits/history").json()["revision"]
+    states = client.get(f"/v1/shots/{room}/picture-states", params={"frames": "1"}).json()
+    assert states["revision"] == frame(client, room).headers["Pullfocus-Revision"] == revision
+
+
+@pytest.mark.parametrize("camera", ["/World/nothing", "/World"])
+def test_states_of_no_camera_are_refused(client, room, camera):
+    answer = client.get(f"/v1/shots/{room}/picture-states", params={"frames": "1:3", "camera": camera})
+    assert answer.status_code == 422, answer.text
+    assert "there is no camera at" in answer.json()["detail"]

@@ -154,7 +154,7 @@ function Repeats({ playhead }: { playhead: Playhead }): JSX.Element {
         >
           {EVERY.map((every) => (
             <option key={every} value={every}>
-              {every === 1 ? "All" : `One of ${every}`}
+              {every === 1 ? "All" : `Every ${every}${every === 2 ? "nd" : every === 3 ? "rd" : "th"}`}
             </option>
           ))}
         </select>

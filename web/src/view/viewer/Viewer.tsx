@@ -14,6 +14,7 @@ import { usePixelRatio, useSize } from "../hooks";
 import { Icon } from "../icons";
 import { Markers, Picking } from "./Markers";
 import { UploadButton } from "../dialogs/Shots";
+import { isLate, Wanted } from "./Wanted";
 
 export function Viewer({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
@@ -63,6 +64,7 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
     <div class="surround" ref={surround}>
       <div class="picture" style={style}>
         <Canvas session={session} />
+        <Wanted session={session} />
         {session.pictures.refusal !== null && <p class="no-picture">{session.pictures.refusal}</p>}
         <Guides editor={editor} session={session} />
         <MeterSpot editor={editor} session={session} />
@@ -89,7 +91,7 @@ function Canvas({ session }: { session: Session }): JSX.Element {
     <canvas
       ref={canvas}
       role="img"
-      class={session.document.noEdits.value === null ? undefined : "read-only"}
+      class={`${session.document.noEdits.value === null ? "" : "read-only"} ${isLate(session) ? "late" : ""}`}
       title={session.document.noEdits.value ?? undefined}
       aria-label={shown ? `Frame ${formatFrame(shown.time)} of ${session.shot.name}` : "No frame yet"}
       data-settled={session.settled.value}

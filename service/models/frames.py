@@ -103,7 +103,7 @@ MAX_STATES = 1000
 
 
 class PictureState(Model):
-    """What the picture of a frame depends on."""
+    """State of the picture of a frame: a digest of all that it depends on."""
 
     time: TimeCode = Field(description="USD time code.", examples=[24])
     state: str | None = Field(
@@ -114,7 +114,7 @@ class PictureState(Model):
 
 
 class PictureStates(Model):
-    """What the pictures of some frames depend on."""
+    """States of the pictures of some frames."""
 
     model_config = shown_as(
         {"revision": "5a302e56c1d04f7b", "states": [{"time": 24.0, "state": "9c2b670164472ae10e72acb941365fc3"}]}

@@ -38,7 +38,7 @@ def test_one_renderer_does_not_disturb_another() -> None:
 
 
 def test_a_context_that_cannot_be_made_costs_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is left of it is collected, which must not close the display that all contexts share."""
+    """Its remains are collected, which must not close the display that all contexts share."""
     scene, camera = spheres_over_checkerboard()
     settings = FrameSettings(64, 48, rays=4, supersample=1)
     with FrameRenderer() as other:

@@ -6460,7 +6460,7 @@ export interface components {
         };
         /**
          * PictureState
-         * @description What the picture of a frame depends on.
+         * @description State of the picture of a frame: a digest of all that it depends on.
          */
         readonly PictureState: {
             /**
@@ -6478,7 +6478,7 @@ export interface components {
         };
         /**
          * PictureStates
-         * @description What the pictures of some frames depend on.
+         * @description States of the pictures of some frames.
          * @example {
          *       "revision": "5a302e56c1d04f7b",
          *       "states": [

@@ -66,6 +66,10 @@ describe("playing", () => {
     expect(playhead.speed.value).toBe(-1);
     playhead.setEvery(2);
     expect([playhead.playing.value, playhead.speed.value]).toEqual([true, -1]);
+    const rests: boolean[] = [];
+    playhead.playing.subscribe((is) => void rests.push(is));
+    playhead.shuttle(-1);
+    expect(rests).toEqual([true]);
     playhead.pause();
     playhead.setEvery(1);
     expect(playhead.playing.value).toBe(false);

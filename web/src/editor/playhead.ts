@@ -85,9 +85,12 @@ export class Playhead {
 
   /** Plays, or goes on at another speed. */
   play(speed = 1): void {
-    this.pause();
     const range = this.played.value;
-    if (range.end <= range.start) return;
+    if (range.end <= range.start) {
+      this.pause();
+      return;
+    }
+    cancelAnimationFrame(this.#request); // no pause: at rest, the best picture would be requested
     this.speed.value = speed;
     this.playing.value = true;
     this.seen.value = NOTHING_SEEN;

@@ -38,6 +38,7 @@ from render.layers.shadows import shadow_region
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.deep import DeepSamples
+from render.model.focus_map import FocusMap
 from render.model.frame_settings import FrameSettings
 from render.model.mattes import MATTES, MatteSum, make_matte_sum
 from render.model.moment import Moment, ShutterScenes
@@ -46,6 +47,9 @@ from render.model.surface_points import SurfacePoints
 from render.optics.distortion import undistort_position
 from render.optics.view import PinholeView
 from render.steps import step
+
+_AOV_WAVELENGTHS = 3
+"""Wavelengths that a lens's table has where AOVs are measured; sharpness is that of the middle one."""
 
 __all__ = ["Frame", "FrameRenderer", "FrameSettings", "Pick"]
 
@@ -260,6 +264,40 @@ class FrameRenderer:
         draw = self.engine(request.settings).draw
         measured = measure_aovs(self.device, draw, request, scene.stage_from_world)
         return Frame(color, measured.values, scene.prim_paths, measured.points, scene.time)
+
+    def map_focus(
+        self,
+        scene: Scene,
+        camera: Camera,
+        settings: FrameSettings,
+        *,
+        size: tuple[int, int] | None = None,
+        is_preview: bool = False,
+    ) -> FocusMap:
+        """Measure how sharp each pixel of a picture is, without drawing it.
+
+        Depths are kept: a change of focus or stop needs no new drawing of the surfaces.
+
+        Args:
+            scene: the scene at one time.
+            camera: the camera; its film apertures should have the picture's aspect ratio.
+            settings: of the picture; the map has the values of its AOVs ``coc`` and ``depth``.
+            size: width and height of the map in pixels, in place of the picture's.
+            is_preview: see `Peeler.load`; the sharpness is that of rays of one wavelength then.
+
+        Raises:
+            SettingsError: the engine cannot show the camera's lens.
+            CameraError: the camera's values cannot make a picture.
+            GraphicsError: OpenGL reports an error.
+        """
+        view = PinholeView.from_camera(camera, settings.width, settings.height)
+        if size is not None:
+            view = view.resize(*size)
+        with self.on_device():
+            drawn = self.load(scene, camera, settings, is_preview=is_preview)
+            lit = self._scenes.scene(scene, camera)
+            mapper = self.device.tracer.focus_mapper
+            return mapper.measure(self.device.peeler, lit, drawn, view, 1 if is_preview else _AOV_WAVELENGTHS)
 
     def engine(self, settings: FrameSettings) -> Engine:
         """Return the engine that settings name; it is made on first use.

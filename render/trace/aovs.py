@@ -73,12 +73,10 @@ class Measurer:
         return Measurements(values, self.surfaces.points if any(map(primvar_of, names)) else None)
 
     def depth(self) -> FloatArray:
-        with np.errstate(divide="ignore"):
-            return (1.0 / np.maximum(self.hits.w, 0.0) - self.set_back_m).astype(np.float32)
+        return depths_m(self.hits.w, self.set_back_m)
 
     def coc(self) -> FloatArray:
-        w = np.maximum(self.hits.w, self.view.base_w)  # the background is as blurred as what is farthest
-        return (self.view.fx * self._sharp.pupil_m * (self._sharp.w - w)).astype(np.float32)
+        return _cocs_px(self.hits.w, self._sharp, self.view)
 
     def defocus(self) -> FloatArray:
         if self.set_back_m == 0:
@@ -124,8 +122,36 @@ class Measurer:
 
     @cached_property
     def _sharp(self) -> Sharpness:
-        sharp = measure_sharpness(self.bundle, self.focus, self.view)
-        return replace(sharp, w=sharp.w + self.view.base_w)
+        return _sharpness(self.bundle, self.focus, self.view)
+
+
+def depths_m(w: DoubleArray, set_back_m: float) -> FloatArray:
+    """AOV ``depth`` of inverse depths ``(height, width)``, 1/m, seen by a camera of that ``Camera.set_back_m``."""
+    with np.errstate(divide="ignore"):
+        return (1.0 / np.maximum(w, 0.0) - set_back_m).astype(np.float32)
+
+
+def cocs_px(w: DoubleArray, bundle: RayBundle, focus: PictureFocus, view: PinholeView) -> FloatArray:
+    """AOV ``coc`` of inverse depths ``(height, width)``, 1/m, along the chief rays of a picture.
+
+    Args:
+        w: inverse depths; 0 where nothing is.
+        bundle: the lens.
+        focus: focal surface.
+        view: the picture.
+    """
+    return _cocs_px(w, _sharpness(bundle, focus, view), view)
+
+
+def _cocs_px(w: DoubleArray, sharp: Sharpness, view: PinholeView) -> FloatArray:
+    w = np.maximum(w, view.base_w)  # the background is as blurred as what is farthest
+    return (view.fx * sharp.pupil_m * (sharp.w - w)).astype(np.float32)
+
+
+def _sharpness(bundle: RayBundle, focus: PictureFocus, view: PinholeView) -> Sharpness:
+    """Sharpness of each pixel, from the origin of inverse depths."""
+    sharp = measure_sharpness(bundle, focus, view)
+    return replace(sharp, w=sharp.w + view.base_w)
 
 
 _MEASURES: dict[str, Callable[[Measurer], NDArray[Any]]] = {

@@ -29,6 +29,7 @@ from render.optics.view import PinholeView
 from render.steps import step
 from render.trace.aovs import Measurements, Measurer, chief_hits
 from render.trace.bundles import BundleMaker, merge_wavelengths
+from render.trace.focus_mapper import FocusMapper
 from render.trace.highlights.carrier import HighlightCarrier
 from render.trace.highlights.scattering import SPLAT_REACH_PX
 from render.trace.layer_view import make_layer_view
@@ -119,6 +120,7 @@ class LensTracer:
         self._searched: tuple[Layers, float, NDArray[np.uint32] | None] | None = None
         self._tiles = TileTracer(ctx, self._nbuffers, self._tracer, self._highlights)
         self._bundles = BundleMaker(ctx, programs)
+        self.focus_mapper = FocusMapper(self._bundles)
         self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._highlights, self._bundles)
 
     def picture(
@@ -395,6 +397,7 @@ class LensTracer:
     def release(self) -> None:
         """Release the memory."""
         self._searched = None
+        self.focus_mapper.release()
         self._nbuffers.release()
         self._tiles.release_window()
         self._tracer.release()

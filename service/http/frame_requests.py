@@ -23,6 +23,11 @@ def tag_of_frame(service: Service, record: ShotRecord, edits: str, query: FrameQ
     return frame_tag(parameters | shot | {"run": service.run_id})
 
 
+def focus_tag(picture_tag: str) -> str:
+    """Return the entity tag of the focus map of a picture, by the picture's."""
+    return f'{picture_tag[:-1]}-focus"'
+
+
 def frame_request(record: ShotRecord, edits: str, query: PictureQuery, limits: PictureLimits) -> FrameRequest:
     """Return a query as the picture process takes it.
 

@@ -16,15 +16,14 @@ from starlette.concurrency import run_in_threadpool
 
 from service.http.clients import present_client
 from service.http.errors import ServiceError, answer_to
-from service.http.frame_requests import frame_request, tag_of_frame
+from service.http.frame_requests import focus_tag, frame_request, tag_of_frame
 from service.http.json_bodies import read_json
 from service.http.service import Service
 from service.models.base import Model, Problem
-from service.models.cameras import Readout
 from service.models.frames import FrameQuery, PictureQuery
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop, LiveTiming
 from service.picture.calls import live, state
-from service.picture.requests import LivePicture
+from service.picture.requests import LiveNumbers, LivePicture
 from service.storage.store import ShotRecord
 from service.workers.calls import stream_call
 from service.workers.errors import SupersededError
@@ -188,11 +187,13 @@ class LiveConnection:
             return
         if not request.moving and not request.changes:
             pending.tag = self._tag(record, edits, request)
-            cached = self._service.frame_cache.get(pending.tag)
-            if cached is not None:
+            cache = self._service.frame_cache
+            cached = cache.get(pending.tag)
+            focus = cache.get(focus_tag(pending.tag)) if request.focus_map else b""
+            if cached is not None and focus is not None:
                 self._cancel_stream()
                 self._service.metrics.frames.labels("cache").inc()
-                self._queue_item(pending, _cached_picture(cached, request.rays))
+                self._queue_item(pending, replace(_cached_picture(cached, request.rays), focus=focus))
                 return
         if request.moving:  # one preview is drawn, in the time that is asked for
             limits = self._service.admission.check_preview(request)
@@ -200,7 +201,9 @@ class LiveConnection:
             limits = self._service.admission.check(record.id, request).limits
         frame = frame_request(record, edits, request, limits)
         self._job = self._service.lanes.live.submit_stream(
-            stream_call(live.stream_pictures, frame, request.changes, request.budget_ms, request.moving),
+            stream_call(
+                live.stream_pictures, frame, request.changes, request.budget_ms, request.moving, request.focus_map
+            ),
             self._service.place_of(record),
             self._client,
             on_item=self._from_thread(lambda item: self._queue_item(pending, item)),
@@ -230,7 +233,7 @@ class LiveConnection:
 
         return schedule
 
-    def _queue_item(self, pending: _Request, item: LivePicture | Readout) -> None:
+    def _queue_item(self, pending: _Request, item: LivePicture | LiveNumbers) -> None:
         """Queue a picture or readout for sending, in place of an older one that was not sent yet.
 
         A superseded request still shows one picture, because a moving pointer would never see one otherwise. That picture is
@@ -238,8 +241,8 @@ class LiveConnection:
         """
         if pending.number < self._oldest_valid:
             return
-        if isinstance(item, Readout):
-            self._unsent_readout = _to_json(LiveReadout(id=pending.request.id, readout=item))
+        if isinstance(item, LiveNumbers):
+            self._unsent_readout = _to_json(LiveReadout(id=pending.request.id, **vars(item)))
             self._to_send.set()
             return
         if not pending.is_improved_by(item):  # a stream that was interrupted begins again
@@ -251,7 +254,11 @@ class LiveConnection:
         pending.best, pending.answered_ms = item, pending.age_ms()
         if item.is_final and pending.tag is not None:
             self._service.frame_cache.put(pending.tag, item.data)
+            if item.focus:
+                self._service.frame_cache.put(focus_tag(pending.tag), item.focus)
         self._oldest_valid = pending.number
+        if self._unsent_picture is not None and self._unsent_picture[0] is pending and not item.focus:
+            item = replace(item, focus=self._unsent_picture[1].focus)
         self._unsent_picture = pending, item
         self._to_send.set()
 
@@ -351,7 +358,8 @@ def _json_of(text: object) -> dict[str, Any]:
 
 
 def _to_bytes(pending: _Request, picture: LivePicture, number: int) -> bytes:
-    """Return a picture as it is sent: the length of its head as 4 bytes, big-endian; the head, as JSON; the picture."""
+    """Return a picture as it is sent: the length of its head as 4 bytes, big-endian; the head, as JSON; the picture;
+    its focus map, if any."""
     head = LivePictureHead(
         id=pending.request.id,
         picture=number,
@@ -360,6 +368,7 @@ def _to_bytes(pending: _Request, picture: LivePicture, number: int) -> bytes:
         format=picture.format,
         width=picture.width,
         height=picture.height,
+        focus_map_bytes=len(picture.focus),
         timing=LiveTiming(
             **picture.took_ms,
             answered_ms=pending.answered_ms,
@@ -369,7 +378,7 @@ def _to_bytes(pending: _Request, picture: LivePicture, number: int) -> bytes:
         ),
     )
     encoded = _to_json(head).encode()
-    return struct.pack(">I", len(encoded)) + encoded + picture.data
+    return struct.pack(">I", len(encoded)) + encoded + picture.data + picture.focus
 
 
 def _cached_picture(png: bytes, rays: int) -> LivePicture:

@@ -47,6 +47,8 @@ POINT_EXAMPLE: JsonDict = ANCHOR_EXAMPLE | {
     "state": "used",
     "share": 1.0,
     "cocMm": 0.0,
+    "focusDistanceM": 3.42,
+    "sharp": True,
     "problem": "",
     "keys": {"weight": [KEY_EXAMPLE]},
     "etag": '"0b64bf18a0860070"',
@@ -159,6 +161,25 @@ class KeyEdit(Key):
     )
 
 
+_COC_MM: Distance = Field(description="Diameter of its circle of confusion on the film; null behind the camera.")
+_FOCUS_DISTANCE: Distance = Field(
+    description="Depth of the focal surface where it stands in the picture; null is infinity, or no place there."
+)
+_SHARP: bool = Field(description="Whether its circle of confusion is within the limit.")
+
+
+class PointSharpness(Model):
+    """Sharpness of a focus point."""
+
+    model_config = shown_as({"name": "pip", "depthM": 3.42, "cocMm": 0.0, "focusDistanceM": 3.42, "sharp": True})
+
+    name: str
+    depth_m: Distance = Field(description="Along the view axis, negative behind the camera; null without a place.")
+    coc_mm: Distance = _COC_MM
+    focus_distance_m: Distance = _FOCUS_DISTANCE
+    sharp: bool = _SHARP
+
+
 class _NamedPoint(Model):
     name: str
 
@@ -181,7 +202,9 @@ class FocusPoint(_PointSettings):
     visible_in_frame: bool = Field(description="Whether it lies in the picture (something may still hide it).")
     state: str = Field(description="`used` for the focus, or why it does not count.")
     share: float = Field(description="Of the weight that decides the focus, 0 to 1.")
-    coc_mm: Distance = Field(description="Diameter of its circle of confusion on the film; null behind the camera.")
+    coc_mm: Distance = _COC_MM
+    focus_distance_m: Distance = _FOCUS_DISTANCE
+    sharp: bool = _SHARP
     problem: str = Field(description="Why it has no place, or empty.")
     keys: dict[KeyedAttribute, list[Key]] = Field(description="Keys in order of time, for each attribute that has any.")
     etag: str = Field(description="Its `ETag`, which changes when the point is edited: for `If-Match`.")

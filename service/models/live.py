@@ -10,6 +10,7 @@ from pydantic.config import JsonDict
 from service.models.base import Model, Problem, shown_as
 from service.models.cameras import Readout
 from service.models.changes import MAX_CHANGES, Change
+from service.models.focus import PointSharpness
 from service.models.frames import PictureQuery
 
 TIMING_EXAMPLE: JsonDict = {
@@ -45,6 +46,11 @@ class LiveRequest(PictureQuery):
     )
     budget_ms: float = Field(
         default=100, ge=1, le=60_000, description="Time for the first picture, milliseconds.", examples=[100]
+    )
+    focus_map: bool = Field(
+        default=False,
+        description="Whether focus maps come with the first picture, except while others wait, and with the final one.",
+        examples=[True],
     )
     changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES), FailFast()] = Field(
         default=(), description="Changes that are tried in these pictures and not kept: those that an edit takes."
@@ -100,6 +106,7 @@ class LivePictureHead(Model):
             "format": "jpeg",
             "width": 480,
             "height": 270,
+            "focusMapBytes": 0,
             "timing": TIMING_EXAMPLE,
         }
     )
@@ -115,14 +122,19 @@ class LivePictureHead(Model):
     format: Literal["jpeg", "png"] = Field(description="Format of the picture; a final one is lossless.")
     width: int = Field(description="px; a preview may be smaller than requested.")
     height: int = Field(description="px")
+    focus_map_bytes: int = Field(
+        description="Bytes of the focus map that follows the picture in the message: that of `getFocusMap`, which may have fewer "
+        "pixels than the picture. 0 where there is none."
+    )
     timing: LiveTiming
 
 
 class LiveReadout(Model):
-    """Lens readout of a request with changes."""
+    """Lens readout of a request with changes, and the sharpness of its focus points."""
 
     id: int = Field(description="Number of the request.")
     readout: Readout
+    points: list[PointSharpness] = Field(description="Sharpness of the focus points.")
 
 
 class LiveProblem(Model):

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from service.workers.calls import RemoteModule
 
 if TYPE_CHECKING:
-    from service.picture import frames, live, long_exposure, metering, state, warming
+    from service.picture import focus_maps, frames, live, long_exposure, metering, state, warming
 else:
+    focus_maps = RemoteModule("service.picture.focus_maps")
     frames = RemoteModule("service.picture.frames")
     live = RemoteModule("service.picture.live")
     long_exposure = RemoteModule("service.picture.long_exposure")
@@ -16,4 +17,4 @@ else:
     state = RemoteModule("service.picture.state")
     warming = RemoteModule("service.picture.warming")
 
-__all__ = ["frames", "live", "long_exposure", "metering", "state", "warming"]
+__all__ = ["focus_maps", "frames", "live", "long_exposure", "metering", "state", "warming"]

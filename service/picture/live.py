@@ -10,14 +10,15 @@ from render.frame import FrameSettings
 from render.output.encode import encode_jpeg, encode_png
 from render.pictures.progressive import PreviewRequest, ProgressivePicture
 from render.shot import Shot
-from service.models.cameras import Readout
 from service.models.changes import Change, PictureSpot, anchor_spots, picture_spots
 from service.models.focus import Anchor
+from service.picture.focus_maps import encode_focus_map
 from service.picture.frames import anchor_of, frame_settings, grade_choice, pick_at
-from service.picture.requests import FrameRequest, LivePicture
+from service.picture.requests import FrameRequest, LiveNumbers, LivePicture
 from service.picture.state import PictureWorkerState, picture_function
 from service.stage.changes import EditedCamera, apply_changes
 from service.stage.read_cameras import readout_model
+from service.stage.read_points import point_sharpness
 from service.workers.streaming import StaleCheck
 
 
@@ -29,7 +30,8 @@ def stream_pictures(
     unsaved: Sequence[Change],
     budget_ms: float,
     is_moving: bool,
-) -> Iterator[LivePicture | Readout]:
+    maps_focus: bool,
+) -> Iterator[LivePicture | LiveNumbers]:
     """Render one frame progressively. The last picture is the one that `service.picture.frames.render_frame` makes.
 
     Args:
@@ -39,6 +41,7 @@ def stream_pictures(
         unsaved: changes that are applied for these pictures only. The lens readout follows the first picture then.
         budget_ms: time for the first picture.
         is_moving: whether the first picture is enough, because the next request follows soon.
+        maps_focus: whether the first and the last picture come with a focus map.
 
     Raises:
         PullfocusError: as `service.picture.frames.render_frame`.
@@ -56,12 +59,13 @@ def stream_pictures(
             budget_ms=budget_ms,
             is_moving=is_moving,
             is_hurried=is_stale.is_crowded,
+            maps_focus=maps_focus,
         )
         is_first = True
         for shown in state.progressive(shot).pictures(preview, is_stale=is_stale):
             yield _encode(shown, settings.width)
             if is_first and unsaved:
-                yield readout_model(shot.focus.read(request.camera, request.time), request.time)
+                yield _read_numbers(shot, request, settings.width / settings.height)
             is_first = False
 
 
@@ -86,6 +90,12 @@ def _apply_unsaved(
         apply_changes(EditedCamera(shot, request.camera), anchor_spots(changes, anchors))
 
 
+def _read_numbers(shot: Shot, request: FrameRequest, aspect: float) -> LiveNumbers:
+    camera, time_code = request.camera, request.time
+    points = shot.focus.points(camera, time_code, aspect=aspect)
+    return LiveNumbers(readout_model(shot.focus.read(camera, time_code), time_code), [*map(point_sharpness, points)])
+
+
 def _encode(shown: ProgressivePicture, requested_width: int) -> LivePicture:
     """Encode a picture: lossless where it is the exact one."""
     began_s = time.perf_counter()
@@ -103,4 +113,5 @@ def _encode(shown: ProgressivePicture, requested_width: int) -> LivePicture:
         width / requested_width,
         shown.share,
         data,
+        b"" if shown.focus is None else encode_focus_map(shown.focus),
     )

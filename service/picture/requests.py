@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from service.models.cameras import Readout
+from service.models.focus import PointSharpness
 from service.models.live import Stage
 from service.models.picture_limits import PictureLimits
 from service.storage.store import ShotRecord
@@ -50,6 +52,7 @@ class LivePicture:
         scale: pixels per requested pixel, along one side.
         share: fraction of the final picture's work that is done.
         data: the encoded picture.
+        focus: its focus map, encoded as `service.picture.focus_maps.encode_focus_map` does; empty where it has none.
     """
 
     stage: Stage
@@ -61,11 +64,25 @@ class LivePicture:
     scale: float
     share: float
     data: bytes
+    focus: bytes = b""
 
     @property
     def is_final(self) -> bool:
         """True for the exact picture, which no better one follows."""
         return self.stage == "final"
+
+
+@dataclass(frozen=True)
+class LiveNumbers:
+    """Numbers of a live request with changes.
+
+    Attributes:
+        readout: readout of the lens.
+        points: sharpness of the focus points.
+    """
+
+    readout: Readout
+    points: list[PointSharpness]
 
 
 @dataclass(frozen=True)

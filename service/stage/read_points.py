@@ -17,6 +17,7 @@ from service.models.focus import (
     FocusPointList,
     Key,
     KeyedAttribute,
+    PointSharpness,
     Tangents,
 )
 from service.stage.read_cameras import camera_tag
@@ -64,11 +65,20 @@ def _point(shot: Shot, camera: str | None, placed: PlacedPoint) -> FocusPoint:
         visible_in_frame=placed.visible_in_frame,
         state=placed.state,
         share=placed.share,
-        coc_mm=placed.coc_mm,
+        **_sharpness_fields(placed),
         problem=placed.problem,
         keys=_keys(shot, camera, point.name),
         etag=point_tag(shot, camera, point.name),
     )
+
+
+def point_sharpness(placed: PlacedPoint) -> PointSharpness:
+    """Return how sharp a focus point is."""
+    return PointSharpness(name=placed.point.name, depth_m=placed.depth_m, **_sharpness_fields(placed))
+
+
+def _sharpness_fields(placed: PlacedPoint) -> dict[str, Any]:
+    return {"coc_mm": placed.coc_mm, "focus_distance_m": placed.focus_distance_m, "sharp": placed.is_sharp}
 
 
 def point_names(shot: Shot, camera: str | None) -> list[str]:

@@ -11,6 +11,7 @@ from render.frame import Frame, FrameRenderer, add_mattes
 from render.layers.peel import Layers
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
+from render.model.focus_map import FocusMap
 from render.model.frame_settings import FrameSettings
 from render.model.mattes import make_matte_sum
 from render.model.scene import Scene
@@ -127,6 +128,11 @@ class LiveFrames:
         device = self._renderer.device
         pattern = make_ray_pattern(plan.rays, camera.iris, seed=settings.seed, tiled=settings.tiled)
         return device.previewer.trace(device.peeler, peeled, camera, view, pattern, wavelengths, on_stage)
+
+    def map_focus(self, scene: Scene, camera: Camera, settings: FrameSettings, *, is_preview: bool = False) -> FocusMap:
+        """Measure how sharp each pixel of a picture is: as `FrameRenderer.map_focus`, for a preview in the size of its layers."""
+        size = self._planner.largest_size(settings.width, settings.height) if is_preview else None
+        return self._renderer.map_focus(scene, camera, settings, size=size, is_preview=is_preview)
 
     def draw_in_steps(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Generator[float, None, Frame]:
         """Draw a frame piece by piece, by an engine that draws in steps: equal to `FrameRenderer.render`'s to the bit.

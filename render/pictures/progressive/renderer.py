@@ -14,7 +14,7 @@ anew where the focus has gone far, and with them the layers.
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
 
@@ -165,17 +165,18 @@ class ProgressiveRenderer:
                 budget_ms=budget_ms,
                 is_hurried=job.request.is_hurried,
             )
-            yield self._show(job, "preview", light, rays)
+            yield self._with_focus(job, self._show(job, "preview", light, rays))
             if job.request.is_moving:
                 return
             frame = yield from self._expose(job, light, rays)
             revision = self._shot.edits.revision
             self._exposed = _ExposedFrame(job.scene, job.camera, job.settings, revision, frame)
         else:
-            yield self._grade(job, "preview", frame.color, job.settings.rays, 1.0)
+            shown = self._grade(job, "preview", frame.color, job.settings.rays, 1.0)
+            yield self._with_focus(job, shown)
             if job.request.is_moving:
                 return
-        yield self._finish(job, frame)
+        yield self._with_focus(job, self._finish(job, frame))
 
     def _expose(self, job: _Job, light: FloatArray, rays: int) -> Generator[ProgressivePicture, None, Frame]:
         """Render the light on the film, after a preview of so many rays; yields pictures before it is done."""
@@ -244,6 +245,15 @@ class ProgressiveRenderer:
         job.clock.note("finish")
         timing = job.clock.timing()
         return ProgressivePicture("final", graded, picture.metadata, timing, job.settings.rays, 1.0, picture)
+
+    def _with_focus(self, job: _Job, shown: ProgressivePicture) -> ProgressivePicture:
+        """Add a focus map to a picture where one is requested."""
+        request = job.request
+        if not request.maps_focus or (request.is_hurried and not shown.is_final):
+            return shown
+        is_preview = not shown.is_final
+        focus = self._frames.map_focus(job.scene, job.camera, job.settings, is_preview=is_preview)
+        return replace(shown, focus=focus)
 
     def _reusable_frame(self, job: _Job) -> Frame | None:
         """Give the kept light on the film, where nothing that it depends on has changed."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from render.film import GradeChoice
 from render.model.arrays import FloatArray
+from render.model.focus_map import FocusMap
 from render.model.frame_settings import FrameSettings
 from render.output import FrameMetadata
 
@@ -29,6 +30,7 @@ class PreviewRequest:
         budget_ms: time for the first picture, which is as good as fits.
         is_moving: True while a control is dragged, so that the next request follows at once: the preview is the only picture.
         is_hurried: True where others wait: a preview of a new view shows nothing behind what the centre of the lens sees.
+        maps_focus: whether the first picture, unless it is hurried, and the final one come with a focus map.
     """
 
     camera_path: str | None
@@ -39,6 +41,7 @@ class PreviewRequest:
     budget_ms: float = 100.0
     is_moving: bool = False
     is_hurried: bool = False
+    maps_focus: bool = False
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ class ProgressivePicture:
         rays: rays per pixel; 0 where it was not traced.
         share: of the final picture's work that is done.
         picture: the final picture with its frame; None before.
+        focus: how sharp each pixel is; None where no map was made. That of a preview may be of another size.
     """
 
     stage: Stage
@@ -81,6 +85,7 @@ class ProgressivePicture:
     rays: int = 0
     share: float = 0.0
     picture: Picture | None = None
+    focus: FocusMap | None = None
 
     @property
     def is_final(self) -> bool:

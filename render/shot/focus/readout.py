@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from render.focus.solve import PointState
@@ -9,7 +10,7 @@ from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.shot.focus.curve import lens_angles
 from render.shot.focus.focused_camera import FocusedCamera
-from render.shot.focus.inputs import project_points
+from render.shot.focus.inputs import ProjectedPoints, project_points
 from usd_schemas import FocusPoint
 
 
@@ -27,6 +28,9 @@ class PlacedPoint:
             the picture lies outside these; None where it is not in front of the camera.
         visible_in_frame: whether it lies inside the picture and the clipping range (something may still hide it).
         coc_mm: diameter on the film of its circle of confusion; NaN where it is not in front of the camera.
+        focus_distance_m: depth of the focal surface where it stands in the picture; may be infinite, NaN where it is not in front
+            of the camera.
+        is_sharp: whether its circle of confusion is within the limit.
         problem: why it has no position, or empty.
     """
 
@@ -38,6 +42,8 @@ class PlacedPoint:
     screen: tuple[float, float] | None
     visible_in_frame: bool
     coc_mm: float
+    focus_distance_m: float
+    is_sharp: bool
     problem: str = ""
 
 
@@ -92,24 +98,27 @@ def place_points(focused: FocusedCamera, picture: Camera) -> list[PlacedPoint]:
         picture: the same camera, its gate conformed to the picture's shape.
     """
     projected = project_points(picture, focused.positions_m)
-    return [
-        PlacedPoint(
-            point=point,
-            state=focused.solution.states[i],
-            share=focused.solution.shares[i],
-            position_m=None if point.name in focused.problems else _triple(focused.positions_m[i]),
-            depth_m=float(projected.depths_m[i]) - picture.set_back_m,
-            screen=(float(projected.screens[i, 0]), float(projected.screens[i, 1]))
-            if projected.depths_m[i] > 0
-            else None,
-            visible_in_frame=bool(projected.inside[i]),
-            coc_mm=focused.coc_mm(
-                float(projected.depths_m[i]), (float(projected.slopes[i, 0]), float(projected.slopes[i, 1]))
-            ),
-            problem=focused.problems.get(point.name, ""),
-        )
-        for i, point in enumerate(focused.points)
-    ]
+    return [_place_point(focused, picture, projected, i) for i in range(len(focused.points))]
+
+
+def _place_point(focused: FocusedCamera, picture: Camera, projected: ProjectedPoints, i: int) -> PlacedPoint:
+    point, depth_m = focused.points[i], float(projected.depths_m[i])
+    is_ahead = depth_m > 0
+    slope = float(projected.slopes[i, 0]), float(projected.slopes[i, 1])
+    coc_mm = focused.coc_mm(depth_m, slope)
+    return PlacedPoint(
+        point=point,
+        state=focused.solution.states[i],
+        share=focused.solution.shares[i],
+        position_m=None if point.name in focused.problems else _triple(focused.positions_m[i]),
+        depth_m=depth_m - picture.set_back_m,
+        screen=(float(projected.screens[i, 0]), float(projected.screens[i, 1])) if is_ahead else None,
+        visible_in_frame=bool(projected.inside[i]),
+        coc_mm=coc_mm,
+        focus_distance_m=focused.focused_m_at(slope) - picture.set_back_m if is_ahead else math.nan,
+        is_sharp=coc_mm <= focused.coc_limit_mm,
+        problem=focused.problems.get(point.name, ""),
+    )
 
 
 def make_readout(focused: FocusedCamera) -> Readout:

@@ -11,12 +11,14 @@ from service.http.access import RENDERS
 from service.http.bodies import BodyRoute
 from service.http.clients import present_client
 from service.http.frame_cache import matches
-from service.http.frame_requests import frame_request, tag_of_frame
+from service.http.frame_requests import focus_tag, frame_request, tag_of_frame
 from service.http.routes.parameters import CameraQuery, ShotId, problems
 from service.http.service import Service, ServiceDep
 from service.models.focus import Pick
-from service.models.frames import FrameQuery, PictureStates
+from service.models.focus_maps import FocusMapQuery
+from service.models.frames import FrameQuery, PictureQuery, PictureStates
 from service.models.shots import PickRequest
+from service.picture.calls import focus_maps as focus_map_calls
 from service.picture.calls import frames as frame_calls
 from service.stage.calls import picture_states
 from service.storage.store import ShotRecord
@@ -25,6 +27,7 @@ from service.workers.calls import call
 router = APIRouter(tags=["frames"], route_class=BodyRoute, dependencies=RENDERS)
 
 MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg", "exr": "image/x-exr"}
+FOCUS_MAP_TYPE = "application/octet-stream"
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 
 
@@ -76,6 +79,49 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
     service.frame_cache.put(tag, picture)
     service.metrics.frames.labels("rendered").inc()
     return picture
+
+
+@router.get(
+    "/shots/{shot}/focus-map",
+    operation_id="getFocusMap",
+    response_class=Response,
+    responses=problems(404, 423, 503)
+    | {
+        200: {"content": {FOCUS_MAP_TYPE: BINARY}, "description": "The focus map."},
+        304: {"description": "The map is the one that `If-None-Match` names."},
+    },
+)
+async def get_focus_map(
+    service: ServiceDep,
+    shot: ShotId,
+    query: Annotated[FocusMapQuery, Query()],
+    if_none_match: Annotated[str | None, Header(examples=['"e3b0c44298fc1c14-focus"'])] = None,
+) -> Response:
+    """Measure how sharp each pixel of a frame is: its circle of confusion and its depth, as the AOVs `coc` and `depth`.
+
+    The circle of confusion is a radius in pixels of the map, negative in front of the focus. The depth is in metres along the
+    view axis, infinite where nothing is.
+
+    The answer is binary: the length of the head as four bytes, big-endian; the head, a `FocusMapHead` as JSON; then, compressed
+    by zlib, the circles of confusion and the depths. Of each of these two, the first bytes of all pixels come first, row by row
+    from the top, then the second ones, up to the fourth. The four bytes of a pixel, the lowest first, are the difference of the
+    bits of its float32 from those of the pixel on its left, modulo 2^32.
+    """
+    record = service.store.get(shot)
+    edits = record.edit_text()
+    picture = PictureQuery.model_validate(query.model_dump() | {"rays": 1, "layers": 1})
+    limits = service.admission.check_preview(picture)
+    tag = focus_tag(tag_of_frame(service, record, edits, FrameQuery.model_validate(picture.model_dump())))
+    headers = {"ETag": tag, "Cache-Control": "private, no-cache", "Pullfocus-Revision": revision_of(edits)}
+    if matches(if_none_match, tag):
+        return Response(status_code=304, headers=headers)
+    focus = service.frame_cache.get(tag)
+    if focus is None:
+        request = frame_request(record, edits, picture, limits)
+        measuring = call(focus_map_calls.measure_focus_map, request)
+        focus = await service.lanes.live.result(measuring, service.place_of(record), present_client())
+        service.frame_cache.put(tag, focus)
+    return Response(focus, media_type=FOCUS_MAP_TYPE, headers=headers)
 
 
 @router.get("/shots/{shot}/picture-states", operation_id="getPictureStates", responses=problems(404, 423, 503))

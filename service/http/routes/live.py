@@ -18,6 +18,7 @@ from service.http.live_connection import LiveConnection
 from service.http.live_places import LivePlace
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
+from service.models.focus_maps import FocusMapHead
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop
 
 ENDED_CODE, ENDED_REASON = 1008, "The key or the session has ended: sign in again."
@@ -39,7 +40,8 @@ released. A `LiveAck` acknowledges a picture. At most two pictures are unacknowl
 kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives.
 
 **The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
-`LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final. It sends text for a `LiveReadout`, the lens readout
+`LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final; its focus map, where the request's `focusMap` is true
+and the picture is the first or the final one. It sends text for a `LiveReadout`, the lens readout
 of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
 
 When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
@@ -50,7 +52,7 @@ Browsers may connect only from the service's own page: the `Origin` has to match
 
 
 _FROM_CLIENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck, LiveStop)
-_TO_CLIENT: tuple[type[BaseModel], ...] = (LivePictureHead, LiveReadout, LiveProblem)
+_TO_CLIENT: tuple[type[BaseModel], ...] = (LivePictureHead, LiveReadout, LiveProblem, FocusMapHead)
 
 
 def describe_messages(app: FastAPI) -> None:

@@ -115,6 +115,21 @@ def test_the_last_picture_is_that_of_record(
     assert have_equal_content(final.picture.metadata.settings, plain.metadata.settings)
 
 
+def test_focus_maps_come_with_the_first_and_last(progressive: ProgressiveRenderer) -> None:
+    request = PreviewRequest("/cam", 2.0, replace(SETTINGS, aovs=("color", "coc", "depth")), maps_focus=True)
+    pictures = list(progressive.pictures(request))
+    first, final = pictures[0].focus, pictures[-1].focus
+    assert first is not None
+    assert final is not None
+    assert not any(shown.focus for shown in pictures[1:-1])
+    frame = pictures[-1].picture.frame  # type: ignore[union-attr]
+    np.testing.assert_array_equal(final.coc_px, frame.aovs["coc"])
+    np.testing.assert_array_equal(final.depth_m, frame.aovs["depth"])
+    assert np.median(np.abs(first.depth_m - final.depth_m)) < 0.01
+    hurried = progressive.pictures(replace(request, time=1.0, is_moving=True, is_hurried=True))
+    assert [shown.focus for shown in hurried] == [None]
+
+
 def test_the_first_picture_is_like_the_last(progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("render.pictures.progressive.frames._LEAST_RAY_SHARE", 0.0)
     pictures = list(progressive.pictures(PreviewRequest("/cam", 2.0, SETTINGS, budget_ms=1.0)))

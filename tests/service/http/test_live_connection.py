@@ -7,6 +7,7 @@ import json
 import struct
 import time
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -18,7 +19,7 @@ from service.http.live_connection import FREE_S, MAX_PROBLEMS, PAUSE_RATIO, Live
 from service.http.metrics import Metrics
 from service.http.stopping import Stopping
 from service.models.cameras import READOUT_EXAMPLE, Readout
-from service.picture.requests import LivePicture
+from service.picture.requests import LiveNumbers, LivePicture
 from service.workers.places import NOWHERE
 
 SPENT = dict.fromkeys(("read_ms", "peel_ms", "blur_ms", "finish_ms", "total_ms", "encode_ms"), 1.0)
@@ -29,7 +30,7 @@ FINAL = LivePicture(
     "final", "png", 96, 54, SPENT, 8, 1.0, 1.0, b"\x89PNG\r\n\x1a\n" + struct.pack(">I4sII", 13, b"IHDR", 96, 54)
 )
 
-READOUT = Readout.model_validate(READOUT_EXAMPLE)
+NUMBERS = LiveNumbers(Readout.model_validate(READOUT_EXAMPLE), [])
 
 
 class Socket:
@@ -38,6 +39,7 @@ class Socket:
     def __init__(self) -> None:
         self.to_service: asyncio.Queue[str] = asyncio.Queue()
         self.pictures: list[tuple[int, str]] = []
+        self.ends: list[bytes] = []
         self.order: list[str] = []
         self.texts: list[dict] = []
         self.received_count = 0
@@ -51,7 +53,9 @@ class Socket:
 
     async def send_bytes(self, data: bytes) -> None:
         await self.reads.wait()
-        head = json.loads(data[4 : 4 + struct.unpack_from(">I", data)[0]])
+        end = 4 + struct.unpack_from(">I", data)[0]
+        head = json.loads(data[4:end])
+        self.ends.append(data[end:])
         self.pictures.append((head["id"], head["stage"]))
         self.order.append("picture")
 
@@ -292,11 +296,23 @@ def test_a_client_of_large_messages_has_pauses():
     serve(play)
 
 
+def test_a_focus_map_outlives_the_picture_that_it_came_with():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        await socket.request(1, focusMap=True)
+        pictures.streams[0].on_item(replace(PREVIEW, focus=b"map"))
+        pictures.streams[0].on_item(REFINING)  # takes the preview's place before it is sent
+        await settled()
+        assert socket.pictures == [(1, "refining")]
+        assert socket.ends == [b"refiningmap"]
+
+    serve(play)
+
+
 def test_a_readout_follows_the_picture_that_it_belongs_to():
     async def play(socket: Socket, pictures: Pictures) -> None:
         await socket.request(1, moving=True)
         pictures.streams[0].on_item(PREVIEW)
-        pictures.streams[0].on_item(READOUT)  # both wait before either is sent
+        pictures.streams[0].on_item(NUMBERS)  # both wait before either is sent
         await settled()
         assert socket.order == ["picture", "readout"]
 
@@ -309,7 +325,7 @@ def test_only_the_newest_unsent_readout_is_sent():
         for number in range(1, 6):
             await socket.request(number, moving=True)
             pictures.streams[-1].on_item(PREVIEW)
-            pictures.streams[-1].on_item(READOUT)
+            pictures.streams[-1].on_item(NUMBERS)
             await settled()
         socket.reads.set()
         await settled()

@@ -21,7 +21,7 @@ PROMISED = """
 GET /v1/shots, POST /v1/shots, GET /v1/shots/{shot}, DELETE /v1/shots/{shot}, GET /v1/shots/{shot}/inspect,
 DELETE /v1/shots/{shot}/quarantine, GET /v1/trash, POST /v1/trash/{trashed}/restore, DELETE /v1/trash/{trashed},
 GET /v1/shots/{shot}/cameras, PATCH /v1/shots/{shot}/camera, GET /v1/shots/{shot}/frame, POST /v1/shots/{shot}/pick,
-GET /v1/shots/{shot}/picture-states,
+GET /v1/shots/{shot}/picture-states, GET /v1/shots/{shot}/focus-map,
 GET /v1/shots/{shot}/focus-points, POST /v1/shots/{shot}/focus-points, GET /v1/shots/{shot}/focus-points/{name},
 PATCH /v1/shots/{shot}/focus-points/{name}, DELETE /v1/shots/{shot}/focus-points/{name},
 PUT /v1/shots/{shot}/focus-points/{name}/keys/{attribute}, DELETE /v1/shots/{shot}/focus-points/{name}/keys/{attribute},

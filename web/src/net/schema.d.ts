@@ -710,6 +710,34 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/focus-map": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Focus Map
+         * @description Measure how sharp each pixel of a frame is: its circle of confusion and its depth, as the AOVs `coc` and `depth`.
+         *
+         *     The circle of confusion is a radius in pixels of the map, negative in front of the focus. The depth is in metres along the
+         *     view axis, infinite where nothing is.
+         *
+         *     The answer is binary: the length of the head as four bytes, big-endian; the head, a `FocusMapHead` as JSON; then, compressed
+         *     by zlib, the circles of confusion and the depths. Of each of these two, the first bytes of all pixels come first, row by row
+         *     from the top, then the second ones, up to the fourth. The four bytes of a pixel, the lowest first, are the difference of the
+         *     bits of its float32 from those of the pixel on its left, modulo 2^32.
+         */
+        readonly get: operations["getFocusMap"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/focus-points": {
         readonly parameters: {
             readonly query?: never;
@@ -845,7 +873,8 @@ export interface paths {
          *     kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives.
          *
          *     **The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
-         *     `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final. It sends text for a `LiveReadout`, the lens readout
+         *     `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final; its focus map, where the request's `focusMap` is true
+         *     and the picture is the first or the final one. It sends text for a `LiveReadout`, the lens readout
          *     of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
          *
          *     When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
@@ -2213,6 +2242,7 @@ export interface components {
          *               "face": 696,
          *               "falloff": 0,
          *               "fanTriangle": 0,
+         *               "focusDistanceM": 3.42,
          *               "instance": -1,
          *               "keys": {
          *                 "weight": [
@@ -2241,6 +2271,7 @@ export interface components {
          *                 0.55
          *               ],
          *               "share": 1,
+         *               "sharp": true,
          *               "state": "used",
          *               "surfaceOffset": 0,
          *               "target": [
@@ -3827,6 +3858,32 @@ export interface components {
             readonly version: number;
         };
         /**
+         * FocusMapHead
+         * @description Head of a focus map.
+         * @example {
+         *       "filmMmPerPx": 0.075,
+         *       "height": 270,
+         *       "width": 480
+         *     }
+         */
+        readonly FocusMapHead: {
+            /**
+             * Filmmmperpx
+             * @description Width of a pixel on the film: twice this times a radius in px is the diameter in mm.
+             */
+            readonly filmMmPerPx: number;
+            /**
+             * Height
+             * @description px; there may be fewer pixels than the picture has.
+             */
+            readonly height: number;
+            /**
+             * Width
+             * @description px
+             */
+            readonly width: number;
+        };
+        /**
          * FocusPoint
          * @description A focus point at one time, and where it is in the picture.
          * @example {
@@ -3844,6 +3901,7 @@ export interface components {
          *       "face": 696,
          *       "falloff": 0,
          *       "fanTriangle": 0,
+         *       "focusDistanceM": 3.42,
          *       "instance": -1,
          *       "keys": {
          *         "weight": [
@@ -3872,6 +3930,7 @@ export interface components {
          *         0.55
          *       ],
          *       "share": 1,
+         *       "sharp": true,
          *       "state": "used",
          *       "surfaceOffset": 0,
          *       "target": [
@@ -3937,6 +3996,11 @@ export interface components {
              */
             readonly fanTriangle: number;
             /**
+             * Focusdistancem
+             * @description Depth of the focal surface where it stands in the picture; null is infinity, or no place there.
+             */
+            readonly focusDistanceM: number | null;
+            /**
              * Instance
              * @description Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for invisibleIds); -1 where the target is none. Instancers in instancers are numbered by index, each as the digits of one number: outer index times the count of inner instances, plus the inner index.
              */
@@ -3992,6 +4056,11 @@ export interface components {
              * @description Of the weight that decides the focus, 0 to 1.
              */
             readonly share: number;
+            /**
+             * Sharp
+             * @description Whether its circle of confusion is within the limit.
+             */
+            readonly sharp: boolean;
             /**
              * State
              * @description `used` for the focus, or why it does not count.
@@ -4242,6 +4311,7 @@ export interface components {
          *           "face": 696,
          *           "falloff": 0,
          *           "fanTriangle": 0,
+         *           "focusDistanceM": 3.42,
          *           "instance": -1,
          *           "keys": {
          *             "weight": [
@@ -4270,6 +4340,7 @@ export interface components {
          *             0.55
          *           ],
          *           "share": 1,
+         *           "sharp": true,
          *           "state": "used",
          *           "surfaceOffset": 0,
          *           "target": [
@@ -5553,6 +5624,7 @@ export interface components {
          * @description Head of a picture message.
          * @example {
          *       "final": false,
+         *       "focusMapBytes": 0,
          *       "format": "jpeg",
          *       "height": 270,
          *       "id": 3,
@@ -5579,6 +5651,11 @@ export interface components {
              * @description True for the last picture of its request, which is the one of `getFrame` and `record`.
              */
             readonly final: boolean;
+            /**
+             * Focusmapbytes
+             * @description Bytes of the focus map that follows the picture in the message: that of `getFocusMap`, which may have fewer pixels than the picture. 0 where there is none.
+             */
+            readonly focusMapBytes: number;
             /**
              * Format
              * @description Format of the picture; a final one is lossless.
@@ -5632,7 +5709,7 @@ export interface components {
         };
         /**
          * LiveReadout
-         * @description Lens readout of a request with changes.
+         * @description Lens readout of a request with changes, and the sharpness of its focus points.
          */
         readonly LiveReadout: {
             /**
@@ -5640,6 +5717,11 @@ export interface components {
              * @description Number of the request.
              */
             readonly id: number;
+            /**
+             * Points
+             * @description Sharpness of the focus points.
+             */
+            readonly points: readonly components["schemas"]["PointSharpness"][];
             readonly readout: components["schemas"]["Readout"];
         };
         /**
@@ -5703,6 +5785,13 @@ export interface components {
              * @example velvia_50
              */
             readonly film?: string | null;
+            /**
+             * Focusmap
+             * @description Whether focus maps come with the first picture, except while others wait, and with the final one.
+             * @default false
+             * @example true
+             */
+            readonly focusMap?: boolean;
             /**
              * Height
              * @description px; from the camera's film gate when left out.
@@ -6581,6 +6670,41 @@ export interface components {
              * @description USD time code.
              */
             readonly time: number;
+        };
+        /**
+         * PointSharpness
+         * @description Sharpness of a focus point.
+         * @example {
+         *       "cocMm": 0,
+         *       "depthM": 3.42,
+         *       "focusDistanceM": 3.42,
+         *       "name": "pip",
+         *       "sharp": true
+         *     }
+         */
+        readonly PointSharpness: {
+            /**
+             * Cocmm
+             * @description Diameter of its circle of confusion on the film; null behind the camera.
+             */
+            readonly cocMm: number | null;
+            /**
+             * Depthm
+             * @description Along the view axis, negative behind the camera; null without a place.
+             */
+            readonly depthM: number | null;
+            /**
+             * Focusdistancem
+             * @description Depth of the focal surface where it stands in the picture; null is infinity, or no place there.
+             */
+            readonly focusDistanceM: number | null;
+            /** Name */
+            readonly name: string;
+            /**
+             * Sharp
+             * @description Whether its circle of confusion is within the limit.
+             */
+            readonly sharp: boolean;
         };
         /**
          * Problem
@@ -11572,6 +11696,110 @@ export interface operations {
             };
             /** @description The upload, or what it unpacks to, is too large. */
             readonly 413: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getFocusMap: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description px; from the camera's film gate when left out. */
+                readonly height?: number | null;
+                /** @description USD time code. */
+                readonly time: number;
+                /** @description px */
+                readonly width?: number;
+            };
+            readonly header?: {
+                readonly "if-none-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The focus map. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/octet-stream": string;
+                };
+            };
+            /** @description The map is the one that `If-None-Match` names. */
+            readonly 304: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

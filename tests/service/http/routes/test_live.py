@@ -19,6 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from service.http.settings import Settings
 from tests.service.conftest import Running, running, until
+from tests.service.kits.focus_maps import decode_focus_map
 
 WAIT_S = 60
 SMALL = {"time": 1, "width": 96, "height": 54, "rays": 8}
@@ -36,8 +37,16 @@ class Picture:
     data: bytes
 
     @property
+    def picture(self) -> bytes:
+        return self.data[: len(self.data) - self.head["focusMapBytes"]]
+
+    @property
+    def focus_map(self) -> bytes:
+        return self.data[len(self.picture) :]
+
+    @property
     def pixels(self) -> np.ndarray:
-        return np.asarray(Image.open(BytesIO(self.data)).convert("RGB"), np.int16)
+        return np.asarray(Image.open(BytesIO(self.picture)).convert("RGB"), np.int16)
 
 
 class LiveClient:
@@ -129,6 +138,51 @@ def test_a_final_picture_is_kept_and_comes_at_once(service, client, room, live):
     rendered = service.internal.metrics.frames.labels("rendered")._value.get()
     frame(client, room, time=6)
     assert service.internal.metrics.frames.labels("rendered")._value.get() == rendered
+
+
+def test_focus_maps_come_with_the_pictures_of_a_request(service, client, room, live):
+    live.request(id=1, time=7, focusMap=True)
+    pictures = live.until_final(1)
+    maps = [decode_focus_map(picture.focus_map) for picture in pictures if picture.focus_map]
+    assert len(maps) >= 1
+    assert pictures[-1].focus_map
+    assert pictures[-1].picture == frame(client, room, time=7)
+    head, coc_px, _ = maps[-1]
+    assert (head["width"], head["height"], coc_px.shape) == (96, 54, (54, 96))
+    at_7 = {"time": 7, "width": 96, "height": 54}
+    assert pictures[-1].focus_map == client.get(f"/v1/shots/{room}/focus-map", params=at_7).content
+    live.request(id=2, time=7, focusMap=True)
+    (kept,) = live.until_final(2)
+    assert kept.data == pictures[-1].data
+
+
+def test_a_picture_that_is_kept_gets_its_focus_map_later(client, room, live):
+    live.request(id=1, time=8)
+    assert not any(picture.focus_map for picture in live.until_final(1))
+    live.request(id=2, time=8, focusMap=True)
+    assert live.until_final(2)[-1].focus_map
+
+
+def test_a_tried_focus_is_seen_in_map_and_points(client, room, live):
+    anchor = client.post(f"/v1/shots/{room}/pick", json={"time": 1, "width": 96, "height": 54, "x": 10, "y": 27})
+    made = client.post(
+        f"/v1/shots/{room}/focus-points", params={"time": 1}, json={"name": "wall"} | anchor.json()["anchor"]
+    )
+    assert made.status_code == 201, made.text
+    (saved,) = client.get(f"/v1/shots/{room}/focus-points", params={"time": 1}).json()["focusPoints"]
+    nearer = {"type": "setCamera", "values": {"fStop": 1, "focusDistanceM": saved["depthM"] / 2, "focusMode": "manual"}}
+    live.request(id=1, moving=True, focusMap=True, changes=[nearer])
+    received = [live.receive(), live.receive()]
+    (picture,) = (one for one in received if isinstance(one, Picture))
+    (numbers,) = (one for one in received if isinstance(one, dict))
+    (point,) = numbers["points"]
+    assert (point["name"], point["sharp"], point["depthM"]) == ("wall", False, saved["depthM"])
+    assert point["focusDistanceM"] == pytest.approx(saved["depthM"] / 2)
+    head, coc_px, depth_m = decode_focus_map(picture.focus_map)
+    x, y = saved["screen"]
+    here = int(y * head["height"]), int(x * head["width"])
+    assert depth_m[here] == pytest.approx(saved["depthM"], rel=0.02)
+    assert 2 * coc_px[here] * head["filmMmPerPx"] == pytest.approx(point["cocMm"], rel=0.05)
 
 
 def test_a_drag_gets_one_picture_for_each_request_begun(live):

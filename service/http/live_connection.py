@@ -189,7 +189,7 @@ class LiveConnection:
             pending.tag = self._tag(record, edits, request)
             cache = self._service.frame_cache
             cached = cache.get(pending.tag)
-            focus = cache.get(focus_tag(pending.tag)) if request.focus_map else b""
+            focus = cache.get(focus_tag(pending.tag)) if request.focus_maps != "none" else b""
             if cached is not None and focus is not None:
                 self._cancel_stream()
                 self._service.metrics.frames.labels("cache").inc()
@@ -202,7 +202,7 @@ class LiveConnection:
         frame = frame_request(record, edits, request, limits)
         self._job = self._service.lanes.live.submit_stream(
             stream_call(
-                live.stream_pictures, frame, request.changes, request.budget_ms, request.moving, request.focus_map
+                live.stream_pictures, frame, request.changes, request.budget_ms, request.moving, request.focus_maps
             ),
             self._service.place_of(record),
             self._client,

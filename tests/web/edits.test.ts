@@ -20,6 +20,8 @@ const readout: Readout = {
   swingDeg: 0,
   lensName: "",
   lensModel: "thin",
+  cocLimitMm: 0.03,
+  pointSharpness: null,
 };
 
 function curve(...samples: Partial<CurveSample>[]): Curve {

@@ -11,7 +11,7 @@ import type { CacheEngine, Quality } from "@/model/quality";
 import type { FocusPoint, FocusSettings, Pick, Readout, Shot, ShotSummary } from "@/model/shot";
 import { errorOf } from "@/net/errors";
 import type { LiveListener, LiveLink, LivePicture, PictureRequest } from "@/net/live_link";
-import type { Edit, EditResult, PictureOfEdits, PictureStates, Service } from "@/net/service";
+import type { Edit, EditResult, MapOfEdits, PictureOfEdits, PictureStates, Service } from "@/net/service";
 import type { View } from "@/net/view";
 import { point } from "./points";
 
@@ -41,7 +41,18 @@ const READOUT: Readout = {
   swingDeg: 0,
   lensName: "",
   lensModel: "thin",
+  cocLimitMm: 0.03,
+  pointSharpness: null,
 };
+
+/**
+ * A focus map of 2 by 2 pixels that a service has encoded: circles -1.5, 0.25, 0.5 and 8 px of 0.1 mm; depths 1, 2 and 2.5 m, and
+ * nothing.
+ */
+export const FOCUS_MAP: ArrayBuffer = Uint8Array.from(
+  atob("AAAALXsid2lkdGgiOiAyLCAiaGVpZ2h0IjogMiwgImZpbG1NbVBlclB4IjogMC4xfXjaY2CAgAMHGBj219kzQbkMDQ0KCfYMDvYATBEFPQ=="),
+  (letter) => letter.charCodeAt(0),
+).buffer;
 
 /** A state of the edits: all changes that led to it, and the label of the last edit. */
 interface State {
@@ -54,6 +65,8 @@ export class FakeService implements Partial<Service> {
   readonly made: Changes[] = [];
   #states: State[] = [{ done: [], label: "" }];
   #now = 0;
+  /** Times of the focus maps that were asked for. */
+  readonly mapRequests: number[] = [];
   readonly frames: { time: number; quality: Quality }[] = [];
   /** Requests for live pictures, and the listener that waits for them. */
   readonly requests: PictureRequest[] = [];
@@ -185,13 +198,13 @@ export class FakeService implements Partial<Service> {
   }
 
   /** A picture for the newest request comes, or for the one at an index. */
-  async show(stage: LivePicture["stage"], index = -1): Promise<void> {
+  async show(stage: LivePicture["stage"], index = -1, focusMap: ArrayBuffer | null = null): Promise<void> {
     const request = this.requests.at(index);
     if (!request || !this.listener) throw new Error("Nobody waits for a picture.");
     const scale = stage === "preview" ? 0.25 : 1;
     const { width, height, rays } = request.quality;
     const facts = { width: width * scale, height: height * scale, rays, share: Number(stage === "final"), tookMs: 80 };
-    await this.listener.onPicture({ blob: new Blob([stage]), stage, ...facts }, request);
+    await this.listener.onPicture({ blob: new Blob([stage]), stage, ...facts, focusMap }, request);
   }
 
   async frame(_: View, time: number, quality: Quality): Promise<Blob> {
@@ -216,6 +229,11 @@ export class FakeService implements Partial<Service> {
     await this.cacheGate(time);
     if (abort?.aborted) throw new DOMException("aborted", "AbortError");
     return { blob: new Blob([`cached ${time}`]), revision: this.pictureRevision() };
+  }
+
+  focusMap(_: View, time: number): Promise<MapOfEdits> {
+    this.mapRequests.push(time);
+    return Promise.resolve({ data: FOCUS_MAP, revision: this.pictureRevision() });
   }
 
   focusSettings(): Promise<FocusSettings> {

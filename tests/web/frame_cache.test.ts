@@ -5,8 +5,8 @@ import { FrameCache } from "@/editor/frame_cache";
 import type { Displayed } from "@/editor/pictures";
 import { Playhead } from "@/editor/playhead";
 import { errorOf } from "@/net/errors";
-import type { LivePicture } from "@/net/live_link";
-import { FakeService, SHOT } from "./fake_service";
+import type { FocusMaps, LivePicture } from "@/net/live_link";
+import { FakeService, FOCUS_MAP, SHOT } from "./fake_service";
 
 const RANGE = { first: 10, last: 14 };
 
@@ -25,6 +25,7 @@ interface Stand {
   readonly filler: CacheFiller;
   readonly playhead: Playhead;
   readonly settled: Signal<boolean>;
+  readonly focusMaps: Signal<FocusMaps>;
   readonly failures: unknown[];
   /** Lets all that is under way happen. */
   run: (ms?: number) => Promise<void>;
@@ -41,6 +42,7 @@ function stand(tookMs = 60_000, mostBytes?: number): Stand {
   const document = new ShotDocument(fake.service, SHOT, "/cam", playhead.time, fail);
   const cache = new FrameCache(fake.service, document, playhead.time, mostBytes);
   const settled = signal(true);
+  const focusMaps = signal<FocusMaps>("none");
   const displayed = signal({ width: 960, height: 480, tookMs } as Displayed);
   const player = {
     document,
@@ -48,6 +50,7 @@ function stand(tookMs = 60_000, mostBytes?: number): Stand {
     playhead,
     pictures: { displayed },
     settled: computed(() => settled.value),
+    focusMaps,
     aspect: 2,
   };
   const filler = new CacheFiller(fake.service, player, fail);
@@ -61,6 +64,7 @@ function stand(tookMs = 60_000, mostBytes?: number): Stand {
     filler,
     playhead,
     settled,
+    focusMaps,
     failures,
     run,
     made: () => fake.cacheRequests.map(({ time }) => time),
@@ -68,12 +72,28 @@ function stand(tookMs = 60_000, mostBytes?: number): Stand {
 }
 
 function pictureOf(bytes: number): LivePicture {
-  return { blob: new Blob(["x".repeat(bytes)]), stage: "preview", width: 4, height: 2, rays: 0, share: 0, tookMs: 1 };
+  const facts = { width: 4, height: 2, rays: 0, share: 0, tookMs: 1, focusMap: null };
+  return { blob: new Blob(["x".repeat(bytes)]), stage: "preview", ...facts };
 }
 
 const STEP = { type: "removePoint", name: "hero" } as const;
 
 describe("frames for playing", () => {
+  it("get focus maps where pictures come with them, and are not made again", async () => {
+    const { cache, fake, focusMaps, made, run } = stand();
+    await run(2500);
+    expect(made()).toHaveLength(5);
+    expect(cache.mappedTimes.value).toEqual([]);
+    const before = cache.bytes.value;
+    focusMaps.value = "all";
+    await run(2500);
+    expect(cache.mappedTimes.value.toSorted()).toEqual([10, 11, 12, 13, 14]);
+    expect(cache.find(12)?.focusMap).toBe(FOCUS_MAP);
+    expect(cache.bytes.value).toBe(before + 5 * FOCUS_MAP.byteLength);
+    expect(made()).toHaveLength(5);
+    expect(fake.mapRequests).toHaveLength(5);
+  });
+
   it("are made while nothing else is wanted, those near the playhead first", async () => {
     const { cache, made, run } = stand();
     await run(2000);

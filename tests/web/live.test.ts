@@ -35,9 +35,10 @@ class FakeSocket implements Socket {
     this.onmessage?.call(this as unknown as WebSocket, { data } as MessageEvent);
   }
 
-  picture(id: number, picture: number, data = "pixels"): void {
+  picture(id: number, picture: number, data = "pixels", focusMapBytes = 0): void {
     const timing = { rays: 6, share: 0.5, answeredMs: 80 };
-    const head = { id, picture, stage: "preview", final: false, format: "jpeg", width: 200, height: 100, timing };
+    const facts = { stage: "preview", final: false, format: "jpeg", width: 200, height: 100, focusMapBytes, timing };
+    const head = { id, picture, ...facts };
     const said = new TextEncoder().encode(JSON.stringify(head));
     const message = new Uint8Array([
       0,
@@ -80,7 +81,7 @@ function connected(admitted: () => Promise<unknown> = () => Promise.resolve()): 
 }
 
 function request(time: number, unsaved: Changes = [], moving = true): PictureRequest {
-  return { time, quality: QUALITY, unsaved, moving };
+  return { time, quality: QUALITY, unsaved, moving, focusMaps: "none" };
 }
 
 beforeEach(() => {
@@ -147,6 +148,19 @@ describe("a live picture", () => {
     shown?.looked();
     await vi.advanceTimersByTimeAsync(0);
     expect(socket.sent.at(-1)).toEqual({ ack: 1 });
+  });
+
+  it("ends where its focus map begins", async () => {
+    const { live, socket, pictures } = connected();
+    socket.open();
+    live.request(request(1));
+    socket.picture(1, 1, "pixelsmap", 3);
+    live.request(request(2));
+    socket.picture(2, 2);
+    await vi.advanceTimersByTimeAsync(0);
+    expect(await pictures[0]?.picture.blob.text()).toBe("pixels");
+    expect(new TextDecoder().decode(pictures[0]?.picture.focusMap ?? undefined)).toBe("map");
+    expect(pictures[1]?.picture.focusMap).toBeNull();
   });
 
   it("of a request whose newer one was answered is acknowledged and not shown", async () => {

@@ -3,8 +3,9 @@ import { ShotDocument } from "@/editor/document";
 import { Pictures } from "@/editor/pictures";
 import type { Changes } from "@/model/changes";
 import { restQuality } from "@/model/quality";
+import type { FocusMaps } from "@/net/live_link";
 import { errorOf } from "@/net/errors";
-import { FakeService, SHOT } from "./fake_service";
+import { FakeService, FOCUS_MAP, SHOT } from "./fake_service";
 
 const REST = restQuality(800, 400);
 const UNSAVED: Changes = [{ type: "movePoint", name: "hero", place: [0.5, 0.5], time: 1 }];
@@ -23,13 +24,13 @@ function opened(): {
   fake: FakeService;
   pictures: Pictures;
   document: ShotDocument;
-  want: (time: number, moving: boolean, unsaved?: Changes) => void;
+  want: (time: number, moving: boolean, unsaved?: Changes, focusMaps?: FocusMaps) => void;
 } {
   const fake = new FakeService();
   const document = new ShotDocument(fake.service, SHOT, "/cam", signal(1), fail);
   const pictures = new Pictures(fake.service, document, fail);
-  const want = (time: number, moving: boolean, unsaved: Changes = []): void => {
-    pictures.request({ time, revision: document.revision.value, quality: REST, moving, unsaved });
+  const want = (time: number, moving: boolean, unsaved: Changes = [], focusMaps: FocusMaps = "none"): void => {
+    pictures.request({ time, revision: document.revision.value, quality: REST, moving, unsaved, focusMaps });
   };
   return { fake, pictures, document, want };
 }
@@ -37,6 +38,65 @@ function opened(): {
 function fail(error: unknown): void {
   throw error;
 }
+
+describe("focus maps", () => {
+  it("come with the first picture and go on with those that follow", async () => {
+    const { fake, pictures, want } = opened();
+    want(5, false, [], "all");
+    expect(fake.requests.at(-1)?.focusMaps).toBe("all");
+    await fake.show("preview", -1, FOCUS_MAP);
+    const first = pictures.displayed.value?.focusMap;
+    expect(first).toMatchObject({ width: 2, height: 2, filmMmPerPx: 0.1 });
+    await fake.show("refining");
+    expect(pictures.displayed.value).toMatchObject({ stage: "refining", focusMap: first });
+    await fake.show("final", -1, FOCUS_MAP);
+    expect(pictures.displayed.value?.focusMap).not.toBe(first);
+  });
+
+  it("are not those of another frame", async () => {
+    const { fake, pictures, want } = opened();
+    want(5, true, [], "all");
+    await fake.show("preview", -1, FOCUS_MAP);
+    want(6, true, [], "all");
+    await fake.show("preview");
+    expect(pictures.displayed.value).toMatchObject({ time: 6, focusMap: null });
+  });
+
+  it("are asked for where a kept picture has none, and else kept with it", async () => {
+    const { fake, pictures, want } = opened();
+    want(5, false);
+    await fake.show("final");
+    want(5, false, [], "final");
+    expect(fake.requests).toHaveLength(2);
+    await fake.show("final", -1, FOCUS_MAP);
+    want(6, false, [], "final");
+    await fake.show("final", -1, FOCUS_MAP);
+    want(5, true, [], "all");
+    await vi.waitFor(() => {
+      expect(pictures.displayed.value).toMatchObject({ time: 5, focusMap: { width: 2 } });
+    });
+    expect(fake.requests).toHaveLength(3);
+  });
+});
+
+describe("a wanted focus map", () => {
+  it("that is there is not asked for again where fewer are wanted", () => {
+    const { fake, want } = opened();
+    want(5, false, [], "all");
+    want(5, false, [], "final");
+    expect(fake.requests).toHaveLength(1);
+  });
+
+  it("comes with pictures that are not live, too", async () => {
+    const { fake, pictures, want } = opened();
+    fake.listener?.onOpen(false);
+    want(5, false, [], "final");
+    await vi.waitFor(() => {
+      expect(pictures.displayed.value).toMatchObject({ stage: "final", focusMap: { height: 2 } });
+    });
+    expect(fake.mapRequests).toEqual([5]);
+  });
+});
 
 describe("live pictures", () => {
   it("are shown as they come, until the exact one", async () => {

@@ -40,9 +40,9 @@ released. A `LiveAck` acknowledges a picture. At most two pictures are unacknowl
 kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives.
 
 **The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
-`LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final; its focus map, where the request's `focusMap` is true
-and the picture is the first or the final one. It sends text for a `LiveReadout`, the lens readout
-of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
+`LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final; its focus map, where the request's `focusMaps` asks
+for that. It sends text for a `LiveReadout`, the lens readout of pictures with changes and the sharpness of their focus points,
+and a `LiveProblem`, the reason why there is no picture.
 
 When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
 open at a time are shared by keys or, where there are none, by addresses (/64 networks of IPv6): once all are open, a client with

@@ -1,8 +1,9 @@
 /** Makes the frames of a cache one by one: all that are played where a person asks for them, else while nothing else is wanted. */
 
 import { computed, effect, signal, type ReadonlySignal } from "@preact/signals";
-import { cacheQuality, fittingEngine, type CacheEngine } from "../model/quality";
+import { cacheQuality, fittingEngine, restQuality, type CacheEngine } from "../model/quality";
 import { isAbort } from "../net/errors";
+import type { FocusMaps, LivePicture } from "../net/live_link";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
@@ -12,6 +13,9 @@ import type { Playhead } from "./playhead";
 
 /** Rest before frames are made unasked, ms. */
 const REST_MS = 2500;
+
+/** Width of the focus maps of cached frames. */
+const MAP_WIDTH_PX = 480;
 
 /** Failures after which no more frames are made unasked before the next edit. */
 const MOST_FAILURES = 3;
@@ -25,6 +29,8 @@ export interface Player {
   readonly pictures: Pick<Pictures, "displayed">;
   /** Whether nothing else is wanted: the best picture is on screen, and nothing moves. */
   readonly settled: ReadonlySignal<boolean>;
+  /** Which pictures come with focus maps: where all do, those of cached frames are cached, too. */
+  readonly focusMaps: ReadonlySignal<FocusMaps>;
   /** Width over height of the picture. */
   readonly aspect: number;
 }
@@ -99,16 +105,22 @@ export class CacheFiller {
     return times.sort((one, other) => Math.abs(one - about) - Math.abs(other - about));
   });
 
+  /** Times of frames that are cached with all that is wanted. */
+  readonly #cached = computed<readonly number[]>(() => {
+    const { cache, focusMaps } = this.#player;
+    return focusMaps.value === "all" ? cache.mappedTimes.value : cache.times.value;
+  });
+
   /** The next frame to make; null where all are there, or where it is not known yet which are. */
   readonly #next = computed(() => {
     const states = this.#player.cache.states.value;
-    const left = new Set([...this.#player.cache.times.value, ...this.#failed.value]);
+    const left = new Set([...this.#cached.value, ...this.#failed.value]);
     return this.#wanted.value.find((time) => !left.has(time) && isPossible(states, time) === true) ?? null;
   });
 
   /** How many frames of what is played are cached, of how many, and how many are missing that can be made. */
   readonly progress = computed(() => {
-    const cached = new Set(this.#player.cache.times.value);
+    const cached = new Set(this.#cached.value);
     const wanted = this.#wanted.value;
     const states = this.#player.cache.states.value;
     const failed = this.#failed.value;
@@ -141,28 +153,38 @@ export class CacheFiller {
   }
 
   async #make(time: number): Promise<void> {
-    const { view, revision } = this.#player.document;
+    const { revision } = this.#player.document;
     const [flight, before] = [new AbortController(), revision.peek()];
-    // With no frame left, none needs to be like those before.
-    if (this.#player.cache.bytes.peek() === 0) this.engine.value = null;
-    const engine = (this.engine.value ??= fittingEngine(this.#player.pictures.displayed.peek()));
-    const quality = cacheQuality(engine, this.#player.aspect);
     [this.#flight, this.making.value] = [flight, time];
-    const began = performance.now();
     try {
-      const made = await this.#service.cacheFrame(view, time, quality, engine, flight.signal);
+      const { picture, revision: madeOf } = await this.#frameAt(time, flight.signal);
       void this.#player.document.pointsAt(time).catch(() => undefined);
-      const tookMs = performance.now() - began;
-      const { width, height } = quality;
-      const rays = engine === "lens" ? quality.rays : 0;
       if (flight.signal.aborted || revision.peek() !== before) return;
-      const picture = { blob: made.blob, stage: "preview" as const, width, height, rays, share: 0, tookMs };
-      this.#take(time, this.#player.cache.put(time, picture, made.revision, this.#player.playhead.time.peek()));
+      this.#take(time, this.#player.cache.put(time, picture, madeOf, this.#player.playhead.time.peek()));
     } catch (error) {
       if (!isAbort(error)) this.#note(time, error);
     } finally {
       [this.#flight, this.making.value] = [null, null];
     }
+  }
+
+  /** Makes a frame, or the focus map that a cached one lacks. */
+  async #frameAt(time: number, abort: AbortSignal): Promise<{ picture: LivePicture; revision: string }> {
+    const { document, cache, pictures, focusMaps, aspect } = this.#player;
+    const began = performance.now();
+    const size = restQuality(MAP_WIDTH_PX, MAP_WIDTH_PX / aspect);
+    const map = focusMaps.peek() === "all" ? await this.#service.focusMap(document.view, time, size, abort) : null;
+    const there = map && cache.find(time);
+    if (there) return { picture: { ...there, focusMap: map.data }, revision: map.revision };
+    // With no frame left, none needs to be like those before.
+    if (cache.bytes.peek() === 0) this.engine.value = null;
+    const engine = (this.engine.value ??= fittingEngine(pictures.displayed.peek()));
+    const quality = cacheQuality(engine, aspect);
+    const { blob, revision } = await this.#service.cacheFrame(document.view, time, quality, engine, abort);
+    const { width, height } = quality;
+    const [rays, tookMs] = [engine === "lens" ? quality.rays : 0, performance.now() - began];
+    const focusMap = map?.revision === revision ? map.data : null;
+    return { picture: { blob, stage: "preview", width, height, rays, share: 0, tookMs, focusMap }, revision };
   }
 
   #take(time: number, put: Put): void {

@@ -88,6 +88,11 @@ export class FrameCache {
     return [...this.#frames.value].filter(([time, { state }]) => states?.get(time) === state).map(([time]) => time);
   });
 
+  /** Those of them whose focus map is cached, too. */
+  readonly mappedTimes = computed<readonly number[]>(() =>
+    this.times.value.filter((time) => this.#frames.value.get(time)?.picture.focusMap !== null),
+  );
+
   /** The cached picture of a time, where it is that of the present edits. */
   find(time: number): LivePicture | null {
     const frame = this.#frames.peek().get(time);
@@ -106,11 +111,11 @@ export class FrameCache {
     const others = [...this.#frames.peek()]
       .filter(([other]) => other !== time)
       .sort(([one], [other]) => Math.abs(one - about) - Math.abs(other - about));
-    let bytes = others.reduce((sum, [, frame]) => sum + frame.picture.blob.size, picture.blob.size);
+    let bytes = others.reduce((sum, [, frame]) => sum + sizeOf(frame.picture), sizeOf(picture));
     while (bytes > this.#mostBytes) {
       const farthest = others.pop();
       if (!farthest || Math.abs(farthest[0] - about) <= Math.abs(time - about)) return "full";
-      bytes -= farthest[1].picture.blob.size;
+      bytes -= sizeOf(farthest[1].picture);
     }
     this.#set([...others, [time, { picture, state }]]);
     return "kept";
@@ -128,8 +133,12 @@ export class FrameCache {
 
   #set(frames: readonly (readonly [number, CachedFrame])[]): void {
     this.#frames.value = new Map(frames);
-    this.bytes.value = frames.reduce((sum, [, { picture }]) => sum + picture.blob.size, 0);
+    this.bytes.value = frames.reduce((sum, [, { picture }]) => sum + sizeOf(picture), 0);
   }
+}
+
+function sizeOf({ blob, focusMap }: LivePicture): number {
+  return blob.size + (focusMap?.byteLength ?? 0);
 }
 
 /** The frames whose states are read: all of a shot, or of a long one those about a time, which change only now and then. */

@@ -5,11 +5,13 @@
 
 import { computed, signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
+import type { FocusMap } from "../model/focus_map";
 import { draftQuality, type Quality } from "../model/quality";
 import type { FocusPoint } from "../model/shot";
 import { sameTime } from "../model/time";
 import { ServiceError } from "../net/errors";
-import type { LiveLink, LiveListener, LivePicture, PictureRequest } from "../net/live_link";
+import { decodeFocusMap } from "../net/focus_map";
+import type { FocusMaps, LiveLink, LiveListener, LivePicture, PictureRequest } from "../net/live_link";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { Service } from "../net/service";
@@ -19,6 +21,8 @@ import type { FrameCache } from "./frame_cache";
 
 /** Pictures kept for playing again. */
 const MOST_KEPT = 400;
+/** Focus maps kept with them, which are many times larger. */
+const MOST_KEPT_MAPS = 40;
 /** Share of the width at rest from which a kept picture is good enough while things move. */
 const GOOD_WIDTH = 0.45;
 /** Rest before a whole picture is requested where pictures are not live, ms. */
@@ -35,7 +39,7 @@ const NO_LINK: LiveLink = {
 };
 
 /** A picture on screen, with the points where they were at its time. */
-export interface Displayed extends Omit<LivePicture, "blob"> {
+export interface Displayed extends Omit<LivePicture, "blob" | "focusMap"> {
   readonly bitmap: ImageBitmap;
   readonly time: number;
   readonly revision: number;
@@ -43,6 +47,8 @@ export interface Displayed extends Omit<LivePicture, "blob"> {
   readonly quality: Quality;
   readonly unsaved: Changes;
   readonly points: readonly FocusPoint[];
+  /** How sharp each pixel is; null where that was not asked for. */
+  readonly focusMap: FocusMap | null;
 }
 
 /** A request for a picture of a revision of the document. */
@@ -78,6 +84,9 @@ export class Pictures {
   readonly #link: LiveLink;
   readonly #fetcher: NewestWins<NumberedRequest, LivePicture>;
   readonly #kept = new Recent<Kept>(MOST_KEPT);
+  readonly #keptMaps = new Recent<ArrayBuffer>(MOST_KEPT_MAPS);
+  /** The focus map that came last, and the number of its request. */
+  #map: { readonly number: number; readonly read: Promise<FocusMap> } | null = null;
   #isLive = true;
   #keptRevision = -1;
   readonly #keptTimes = signal<{ readonly revision: number; readonly times: readonly number[] }>({
@@ -131,10 +140,15 @@ export class Pictures {
       load: async (request, signal) => {
         const quality = request.moving ? draftQuality(request.quality) : request.quality;
         const began = performance.now();
-        const blob = await service.frame(document.view, request.time, quality, signal);
+        const hasMap = request.focusMaps === "all" || (request.focusMaps === "final" && !request.moving);
+        const [blob, map] = await Promise.all([
+          service.frame(document.view, request.time, quality, signal),
+          hasMap ? service.focusMap(document.view, request.time, quality, signal) : null,
+        ]);
         const { width, height, rays } = quality;
-        const stage = request.moving ? "preview" : "final";
-        return { blob, stage, width, height, rays, share: request.moving ? 0 : 1, tookMs: performance.now() - began };
+        const [stage, share] = request.moving ? (["preview", 0] as const) : (["final", 1] as const);
+        const tookMs = performance.now() - began;
+        return { blob, stage, width, height, rays, share, tookMs, focusMap: map?.data ?? null };
       },
       onResult: (picture, request) => void this.#take(picture, request),
       onError,
@@ -161,7 +175,8 @@ export class Pictures {
     }
     const kept = this.#keptFor(request);
     if (kept) void this.#take(kept.picture, { ...request, quality: kept.quality });
-    if (kept && (request.moving || kept.picture.stage === "final")) {
+    const isWhole = kept !== null && (request.moving || (kept.picture.stage === "final" && hasMap(kept, request)));
+    if (isWhole) {
       this.#sendNothing();
       return;
     }
@@ -216,16 +231,19 @@ export class Pictures {
     if (request.number < this.#answered) return;
     this.#answered = request.number;
     const serial = (this.#serial += 1);
-    const { blob, ...facts } = picture;
-    const { time, revision, quality, unsaved } = request;
-    const [bitmap, points] = await Promise.all([createImageBitmap(blob), pointsThen]);
+    const { blob, focusMap: encoded, ...facts } = picture;
+    const { number, time, revision, quality, unsaved } = request;
+    if (encoded) this.#map = { number, read: decodeFocusMap(encoded) };
+    // The map is that of the request: it goes on while its pictures get better.
+    const map = this.#map?.number === number ? this.#map.read : null;
+    const [bitmap, points, focusMap] = await Promise.all([createImageBitmap(blob), pointsThen, map]);
     if (serial < this.#shownSerial || this.#current === null) {
       bitmap.close();
       return;
     }
     this.#shownSerial = serial;
     this.displayed.peek()?.bitmap.close();
-    this.displayed.value = { ...facts, bitmap, time, revision, quality, unsaved, points };
+    this.displayed.value = { ...facts, bitmap, time, revision, quality, unsaved, points, focusMap };
     if (facts.stage === "final" && isSame(this.#current, request)) this.busy.value = false;
   }
 
@@ -233,27 +251,41 @@ export class Pictures {
     if (unsaved.length > 0 || revision !== this.#document.revision.value) return;
     if (revision !== this.#keptRevision) {
       this.#kept.clear();
+      this.#keptMaps.clear();
       this.#keptRevision = revision;
     }
+    const { focusMap, ...rest } = picture;
+    if (focusMap) this.#keptMaps.set(time.toString(), focusMap);
     const before = this.#kept.get(time.toString());
     if (before && picture.stage !== "final" && before.picture.width > picture.width) return;
-    this.#kept.set(time.toString(), { picture, quality });
+    this.#kept.set(time.toString(), { picture: { ...rest, focusMap: null }, quality });
     this.#keptTimes.value = { revision, times: this.#kept.names().map(Number) };
   }
 
   /** A kept picture that is good enough for a request. */
-  #keptFor({ time, revision, quality, unsaved, moving }: RevisionRequest): Kept | null {
-    const kept = revision === this.#keptRevision && unsaved.length === 0 ? this.#kept.get(time.toString()) : undefined;
-    if (!kept) return null;
+  #keptFor({ time, revision, quality, unsaved, moving, focusMaps }: RevisionRequest): Kept | null {
+    const found = revision === this.#keptRevision && unsaved.length === 0 ? this.#kept.get(time.toString()) : undefined;
+    if (!found) return null;
+    const focusMap = this.#keptMaps.get(time.toString()) ?? null;
+    if (moving && focusMaps === "all" && focusMap === null) return null;
+    const kept = { ...found, picture: { ...found.picture, focusMap } };
     const isWhole =
       kept.picture.stage === "final" && kept.quality.width === quality.width && kept.quality.motion === quality.motion;
     return isWhole || (moving && kept.picture.width >= GOOD_WIDTH * quality.width) ? kept : null;
   }
 }
 
-/** Whether two requests are for the same picture, at any quality of its rays. */
+/** Whether a kept picture has the focus map that a request asks for. */
+function hasMap({ picture }: Kept, { focusMaps }: RevisionRequest): boolean {
+  return focusMaps === "none" || picture.focusMap !== null;
+}
+
+const RANKS: Readonly<Record<FocusMaps, number>> = { none: 0, final: 1, all: 2 };
+
+/** Whether a request gives the picture that another one is for, at any quality of its rays. */
 function isSame(one: RevisionRequest, other: RevisionRequest): boolean {
   return (
+    RANKS[one.focusMaps] >= RANKS[other.focusMaps] &&
     one.revision === other.revision &&
     sameTime(one.time, other.time) &&
     (one.unsaved === other.unsaved || (one.unsaved.length === 0 && other.unsaved.length === 0)) &&

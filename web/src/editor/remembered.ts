@@ -2,6 +2,7 @@
 
 import { effect, signal, type Signal } from "@preact/signals";
 import type { LengthUnit } from "../model/distance";
+import { DELIVERIES, LIMITS, LOOKS, type Delivery, type Limit, type Look } from "../model/sharpness";
 
 export const SURROUNDS = ["grey", "dark", "black"] as const;
 export type Surround = (typeof SURROUNDS)[number];
@@ -19,6 +20,16 @@ export class Remembered {
   readonly panel = remembered<Panel>("panel", "focus", PANELS);
   /** Whether pictures at rest have motion blur. */
   readonly motion = remembered<"on" | "off">("motion", "off", ["on", "off"]);
+  /** What is drawn over the picture of how sharp things are. */
+  readonly look = remembered<Look>("look", "none", LOOKS);
+  /** Whether the plane of focus and the limits of sharpness are drawn as lines. */
+  readonly focusLines = remembered<"on" | "off">("focusLines", "off", ["on", "off"]);
+  /** Whether the pointer is told how sharp the thing there is. */
+  readonly probe = remembered<"on" | "off">("probe", "on", ["on", "off"]);
+  /** What counts as sharp. */
+  readonly limit = remembered<Limit>("limit", "film", LIMITS);
+  /** Width of delivered pictures, px. */
+  readonly delivery = remembered<Delivery>("delivery", "1920", DELIVERIES);
   /** Shape of the framing guide; empty for none. */
   readonly guide = remembered<string>("guide", "", null);
 }

@@ -31,22 +31,25 @@ import {
   type Lens,
   type Note,
   type PointSettings,
+  type PointSharpness,
   type Readout,
   type Shot,
 } from "../model/shot";
 import { sameTime } from "../model/time";
 import { HintError } from "../net/errors";
 import { base64Of } from "../net/files";
-import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
+import type { FocusMaps } from "../net/live_link";
+import type { Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { CacheFiller } from "./cache_filler";
+import { Downloads } from "./downloads";
 import { Corrections } from "./corrections";
 import { KeyEditing } from "./key_editing";
 import { CameraPhotography } from "./photography";
 import type { Fail } from "./fail";
 import { FrameCache } from "./frame_cache";
 import type { Identity } from "./identity";
-import { Picks } from "./picks";
+import { Picks, type Place } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 import { readSetting } from "./setting_state";
@@ -58,9 +61,6 @@ const MODE_NAMES: Readonly<Record<FocusMode, string>> = {
   tiltPlane: "by a tilted plane",
   surface: "by a surface",
 };
-
-/** Width of a downloaded frame. */
-const DELIVERY_WIDTH_PX = 1920;
 
 export class Session {
   readonly shot: Shot;
@@ -74,11 +74,16 @@ export class Session {
   readonly picks: Picks;
   readonly keys: KeyEditing;
   readonly corrections: Corrections;
+  readonly downloads: Downloads;
   readonly notes = signal<readonly Note[]>([]);
   /** Name of the selected focus point, which may be gone. */
   readonly selected = signal<string | null>(null);
   /** Moments of the shutter interval in pictures at rest. */
   readonly motion = signal(1);
+  /** Where the pointer is on the picture, 0 to 1 from its top left corner; null where it is elsewhere. */
+  readonly pointer = signal<Place | null>(null);
+  /** Pictures that come with a focus map. */
+  readonly focusMaps = signal<FocusMaps>("none");
   /** Device pixels that the picture has on screen. */
   readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
 
@@ -112,6 +117,7 @@ export class Session {
     });
     this.playhead.watch(this.pictures.displayed);
     this.filler = new CacheFiller(service, this, fail);
+    this.downloads = new Downloads(service, this);
     this.#stop = this.#follow();
   }
 
@@ -148,6 +154,11 @@ export class Session {
     const shown = this.pictures.displayed.value;
     return shown && !sameTime(shown.time, this.playhead.time.value) ? shown.points : this.document.points.value;
   });
+
+  /** How sharp a point is: with the unsaved changes of the lens where these are in the picture. */
+  sharpnessOf(point: FocusPoint): PointSharpness {
+    return this.document.readout.value?.pointSharpness?.get(point.name) ?? point.sharpness;
+  }
 
   readonly selectedPoint = computed(
     () => this.document.points.value.find((point) => point.name === this.selected.value) ?? null,
@@ -276,22 +287,6 @@ export class Session {
     ]);
   }
 
-  downloadCurve(format: CurveFormat): Promise<Download> {
-    return this.#service.downloadCurve(this.document.view, format);
-  }
-
-  downloadEdits(): Promise<Download> {
-    return this.#service.downloadEdits(this.shot.id);
-  }
-
-  /** Downloads the frame at this time in delivery size. */
-  downloadFrame(format: PictureFormat): Promise<Download> {
-    const quality = restQuality(DELIVERY_WIDTH_PX, DELIVERY_WIDTH_PX / this.aspect, this.motion.value);
-    // A file may take its time: the scene is drawn at each moment.
-    const exact = { ...quality, motionBy: "moments" as const };
-    return this.#service.downloadFrame(this.document.view, this.playhead.time.value, exact, format);
-  }
-
   /** Resolves when all edits that were begun are made. */
   async idle(): Promise<void> {
     await this.picks.idle();
@@ -317,11 +312,12 @@ export class Session {
       }),
       effect(() => {
         const [box, time, revision] = [this.box.value, this.playhead.time.value, this.document.revision.value];
-        const [unsaved, motion] = [this.document.unsaved.value, this.motion.value];
+        const [unsaved, motion, focusMaps] = [this.document.unsaved.value, this.motion.value, this.focusMaps.value];
         // While an edit is under way the next request follows soon.
         const moving = this.moving.value || this.document.pending.value > 0;
         if (!box) return;
-        this.pictures.request({ time, revision, unsaved, moving, quality: restQuality(box.width, box.height, motion) });
+        const quality = restQuality(box.width, box.height, motion);
+        this.pictures.request({ time, revision, unsaved, moving, focusMaps, quality });
       }),
       this.selected.subscribe(() => {
         this.keys.clear(); // what is removed or moved next is what was selected last

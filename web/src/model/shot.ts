@@ -103,6 +103,10 @@ export interface Readout extends LensSample {
   readonly lensName: string;
   /** Model of how light passes the lens. */
   readonly lensModel: string;
+  /** Largest diameter on the film of a circle of confusion that is sharp. */
+  readonly cocLimitMm: number;
+  /** Sharpness of the focus points, by name, where it came with the readout: that of a lens that is being dragged. */
+  readonly pointSharpness: ReadonlyMap<string, PointSharpness> | null;
 }
 
 /** The attributes of a focus point that take keys. `enabled` is 0 or 1. */
@@ -138,6 +142,15 @@ export interface PointSettings {
   readonly extent: number;
 }
 
+/** How sharp a point is; numbers are null where it is not in front of the camera. */
+export interface PointSharpness {
+  readonly depthM: number | null;
+  /** Diameter of its circle of confusion on the film. */
+  readonly cocMm: number | null;
+  /** Depth of the focal surface where it stands in the picture; may be infinite. */
+  readonly focusDistanceM: number | null;
+}
+
 /** A focus point at one time. */
 export interface FocusPoint {
   readonly name: string;
@@ -149,6 +162,7 @@ export interface FocusPoint {
   readonly share: number;
   /** Along the view axis, negative behind the camera; null where the point has no place at this time. */
   readonly depthM: number | null;
+  readonly sharpness: PointSharpness;
   /** In the picture, 0 to 1 from its top left corner; null where it is not in front of the camera. */
   readonly screen: readonly [number, number] | null;
 }

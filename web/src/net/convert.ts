@@ -13,6 +13,7 @@ import {
   type FocusSettings,
   type LensSample,
   type Pick,
+  type PointSharpness,
   type Readout,
   type Shot,
   type ShotSummary,
@@ -46,9 +47,15 @@ function toCamera(json: Json["CameraState"]): CameraSummary[] {
   return json.path === null || !(aspect > 0) ? [] : [{ path: json.path, aspect }];
 }
 
-export function toReadout(json: Json["Readout"]): Readout {
-  const { focusMode, note, tiltDeg, swingDeg, lensName, lensModel } = json;
-  return { ...toLensSample(json), focusMode, note, tiltDeg, swingDeg, lensName, lensModel };
+export function toReadout(json: Json["Readout"], points: readonly Json["PointSharpness"][] | null = null): Readout {
+  const { focusMode, note, tiltDeg, swingDeg, lensName, lensModel, cocLimitMm } = json;
+  const lens = { ...toLensSample(json), focusMode, note, tiltDeg, swingDeg, lensName, lensModel, cocLimitMm };
+  return { ...lens, pointSharpness: points && new Map(points.map((point) => [point.name, toSharpness(point)])) };
+}
+
+function toSharpness({ depthM, cocMm, focusDistanceM }: Json["PointSharpness"] | Json["FocusPoint"]): PointSharpness {
+  const isAhead = depthM !== null && cocMm !== null;
+  return { depthM, cocMm, focusDistanceM: isAhead ? distance(focusDistanceM) : null };
 }
 
 export function toFocusSettings(json: Json["FocusSettings"]): FocusSettings {
@@ -124,6 +131,7 @@ export function toPoint(json: Json["FocusPoint"]): FocusPoint {
     keys: Object.fromEntries(KEYED_ATTRIBUTES.map((attribute) => [attribute, toKeys(json.keys[attribute])])),
     share: json.share,
     depthM: json.depthM,
+    sharpness: toSharpness(json),
     screen: json.screen,
   };
 }

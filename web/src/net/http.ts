@@ -34,6 +34,7 @@ import type {
   Download,
   Edit,
   EditResult,
+  MapOfEdits,
   PictureFormat,
   PictureOfEdits,
   PictureStates,
@@ -187,6 +188,13 @@ export class HttpService implements Service {
     const answer = await this.#client.GET("/v1/shots/{shot}/frame", options);
     const blob = await result<Blob>(Promise.resolve(answer));
     return { blob, revision: answer.response.headers.get("Pullfocus-Revision") ?? "" };
+  }
+
+  async focusMap(view: View, time: number, { width, height }: Quality, signal?: AbortSignal): Promise<MapOfEdits> {
+    const options = { ...at(view, { time, width, height }), ...abortable(signal), parseAs: "arrayBuffer" as const };
+    const answer = await this.#client.GET("/v1/shots/{shot}/focus-map", options);
+    const data = await result<ArrayBuffer>(Promise.resolve(answer));
+    return { data, revision: answer.response.headers.get("Pullfocus-Revision") ?? "" };
   }
 
   async pictureStates(view: View, start: number, end: number, signal?: AbortSignal): Promise<PictureStates> {

@@ -111,12 +111,12 @@ export class LiveSocket implements LiveLink {
     if (!this.#isClosed) this.#open();
   }
 
-  #send(id: number, { time, quality, unsaved, moving }: PictureRequest): void {
+  #send(id: number, { time, quality, unsaved, moving, focusMaps }: PictureRequest): void {
     const { width, height, rays, layers, supersample, motion, motionBy } = quality;
     const message: Json["LiveRequest"] = {
       id,
       ...cameraOf(this.#view),
-      ...{ time, width, height, rays, layers, supersample, motion, motionBy, moving },
+      ...{ time, width, height, rays, layers, supersample, motion, motionBy, moving, focusMaps },
       ...(unsaved.length > 0 && { changes: unsaved }),
     };
     this.#socket?.send(JSON.stringify(message));
@@ -130,7 +130,7 @@ export class LiveSocket implements LiveLink {
     const message = JSON.parse(String(data)) as Json["LiveReadout"] | Json["LiveProblem"];
     const request = this.#answer(message.id);
     if (!("problem" in message)) {
-      if (request) this.#listener.onReadout(toReadout(message.readout), request);
+      if (request) this.#listener.onReadout(toReadout(message.readout, message.points), request);
     } else if (message.id === null || (request && message.id === this.#newest)) {
       // A problem of a request before the newest matters to nobody.
       this.#listener.onError(errorOf(message.status, message.problem));
@@ -141,9 +141,11 @@ export class LiveSocket implements LiveLink {
     const [head, data] = splitMessage(message);
     const request = this.#answer(head.id);
     const { stage, width, height, timing } = head;
-    const blob = new Blob([data], { type: `image/${head.format}` });
+    const end = data.byteLength - head.focusMapBytes;
+    const blob = new Blob([data.slice(0, end)], { type: `image/${head.format}` });
+    const focusMap = head.focusMapBytes > 0 ? data.slice(end) : null;
     const { rays, share, answeredMs: tookMs } = timing;
-    const picture: LivePicture = { blob, stage, width, height, rays, share, tookMs };
+    const picture: LivePicture = { blob, stage, width, height, rays, share, tookMs, focusMap };
     const shown = request ? this.#listener.onPicture(picture, request) : Promise.resolve();
     const acknowledge = (): void => {
       if (this.#isOpen) this.#socket?.send(JSON.stringify({ ack: head.picture } satisfies Json["LiveAck"]));
@@ -165,7 +167,7 @@ function placeTaken(): ServiceError {
   return new ServiceError({ code: "busy", detail }, 503);
 }
 
-/** Splits a message into head and picture: the length of the head, the head, the picture. */
+/** Splits a message into head and picture: the length of the head, the head, the picture with its focus map. */
 function splitMessage(message: ArrayBuffer): [Json["LivePictureHead"], ArrayBuffer] {
   const end = 4 + new DataView(message).getUint32(0);
   const head = new TextDecoder().decode(message.slice(4, end));

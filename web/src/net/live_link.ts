@@ -11,7 +11,11 @@ export interface PictureRequest {
   readonly unsaved: Changes;
   /** While something moves one picture is enough, as the next request follows soon; else pictures improve up to the final one. */
   readonly moving: boolean;
+  /** Pictures that come with a focus map: none, the final one, or that and the first. */
+  readonly focusMaps: FocusMaps;
 }
+
+export type FocusMaps = "none" | "final" | "all";
 
 export interface LivePicture {
   readonly blob: Blob;
@@ -24,6 +28,8 @@ export interface LivePicture {
   readonly share: number;
   /** From the arrival of the request at the service to the picture, ms. */
   readonly tookMs: number;
+  /** Its focus map, encoded; null where none came with it. */
+  readonly focusMap: ArrayBuffer | null;
 }
 
 export interface LiveListener {

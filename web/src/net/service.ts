@@ -54,6 +54,12 @@ export interface PictureOfEdits {
   readonly revision: string;
 }
 
+/** A focus map, encoded, and the revision of the edits that it is of. */
+export interface MapOfEdits {
+  readonly data: ArrayBuffer;
+  readonly revision: string;
+}
+
 /** What pictures depend on at a revision of the edits, by time; null where none can be made. */
 export interface PictureStates {
   readonly revision: string;
@@ -102,6 +108,8 @@ export interface Service {
     engine: CacheEngine,
     signal?: AbortSignal,
   ): Promise<PictureOfEdits>;
+  /** The focus map of a picture. */
+  focusMap(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<MapOfEdits>;
   /** What the pictures of the frames from one time to another depend on. */
   pictureStates(view: View, start: number, end: number, signal?: AbortSignal): Promise<PictureStates>;
   focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]>;

@@ -9,6 +9,7 @@ import { Account } from "./Account";
 import { Menu } from "./controls/Menu";
 import { save } from "./hooks";
 import { Icon } from "./icons";
+import { SharpnessMenu } from "./viewer/SharpnessMenu";
 
 export function TopBar({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
@@ -116,6 +117,7 @@ function Appearance({ editor }: { editor: Editor }): JSX.Element {
       >
         <Icon name="points" />
       </button>
+      <SharpnessMenu editor={editor} />
       <div class="group" role="radiogroup" aria-label="Surround of the picture">
         {SURROUNDS.map((name) => (
           <button
@@ -165,7 +167,7 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
       }
     >
       {(close) =>
-        items(session).map(({ group, what, make }, at, all) => (
+        items(editor, session).map(({ group, what, make }, at, all) => (
           <Fragment key={what}>
             {group !== all[at - 1]?.group && <h3>{group}</h3>}
             <button
@@ -191,18 +193,19 @@ const FRAME = "This frame";
 interface Item {
   readonly group: string;
   readonly what: string;
-  readonly make: () => ReturnType<Session["downloadEdits"]>;
+  readonly make: () => ReturnType<Session["downloads"]["edits"]>;
 }
 
-function items(session: Session): Item[] {
+function items(editor: Editor, { downloads }: Session): Item[] {
+  const widthPx = Number(editor.remembered.delivery.value);
   return [
-    { group: "Focus curve", what: "USD layer, spline (.usda)", make: () => session.downloadCurve("usda") },
-    { group: "Focus curve", what: "JSON", make: () => session.downloadCurve("json") },
-    { group: "Focus curve", what: "Spreadsheet (.csv)", make: () => session.downloadCurve("csv") },
-    { group: "Focus curve", what: "Editorial, OpenTimelineIO (.otio)", make: () => session.downloadCurve("otio") },
-    { group: "Focus curve", what: "Set, OpenTrackIO (.json)", make: () => session.downloadCurve("opentrackio") },
-    { group: "Edits", what: "Edit layer (.usda)", make: () => session.downloadEdits() },
-    { group: FRAME, what: "Graded (.png)", make: () => session.downloadFrame("png") },
-    { group: FRAME, what: "Scene-linear (.exr)", make: () => session.downloadFrame("exr") },
+    { group: "Focus curve", what: "USD layer, spline (.usda)", make: () => downloads.curve("usda") },
+    { group: "Focus curve", what: "JSON", make: () => downloads.curve("json") },
+    { group: "Focus curve", what: "Spreadsheet (.csv)", make: () => downloads.curve("csv") },
+    { group: "Focus curve", what: "Editorial, OpenTimelineIO (.otio)", make: () => downloads.curve("otio") },
+    { group: "Focus curve", what: "Set, OpenTrackIO (.json)", make: () => downloads.curve("opentrackio") },
+    { group: "Edits", what: "Edit layer (.usda)", make: () => downloads.edits() },
+    { group: FRAME, what: "Graded (.png)", make: () => downloads.frame("png", widthPx) },
+    { group: FRAME, what: "Scene-linear (.exr)", make: () => downloads.frame("exr", widthPx) },
   ];
 }

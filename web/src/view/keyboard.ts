@@ -3,6 +3,7 @@
 import type { Editor } from "../editor/editor";
 import { COPY, PASTE, REMOVE, SELECT_LANES, type KeyAction } from "../editor/key_actions";
 import type { Session } from "../editor/session";
+import { LOOKS } from "../model/sharpness";
 import { chooseRadio, controlOf, usesKey } from "./own_keys";
 
 export interface Shortcut {
@@ -62,6 +63,7 @@ export const SHORTCUTS: readonly Shortcut[] = [
   { keys: "Ctrl Z", does: "Undo" },
   { keys: "Ctrl Shift Z", does: "Redo" },
   { keys: "M", does: "Show or hide the points" },
+  { keys: "P", does: "Show what is sharp as peaking, as false colour, or not at all; with Shift as lines" },
   { keys: "C", does: "Switch between lens & focus and camera & film" },
   { keys: "G", does: "Go to the next framing guide" },
   { keys: "?", does: "Show this list" },
@@ -104,6 +106,12 @@ function plainKeys(event: KeyboardEvent, editor: Editor, session: Session | null
   }
   if (event.key.toLowerCase() === "m") {
     editor.remembered.markers.value = editor.remembered.markers.value === "on" ? "off" : "on";
+    return true;
+  }
+  if (event.key.toLowerCase() === "p") {
+    const { look, focusLines } = editor.remembered;
+    if (event.shiftKey) focusLines.value = focusLines.value === "on" ? "off" : "on";
+    else look.value = LOOKS[(LOOKS.indexOf(look.value) + 1) % LOOKS.length] ?? "none";
     return true;
   }
   if (event.key.toLowerCase() === "c") {

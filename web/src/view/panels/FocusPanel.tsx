@@ -2,9 +2,11 @@
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
+import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { FOCUS_MODES, type FocusMode } from "../../model/shot";
 import { ModeSettings } from "./FocusSettings";
+import { Misses } from "./PointVerdict";
 
 const MODES: Readonly<Record<FocusMode, readonly [name: string, does: string]>> = {
   manual: ["By hand", "The focus distance is yours to set and to key"],
@@ -13,7 +15,7 @@ const MODES: Readonly<Record<FocusMode, readonly [name: string, does: string]>> 
   surface: ["Surface", "Each point has its own focus, and the picture runs smoothly between them: no lens does this"],
 };
 
-export function FocusPanel({ session }: { session: Session }): JSX.Element | null {
+export function FocusPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
   const readout = session.document.readout.value;
   const settings = session.document.focusSettings.value;
   if (!readout || !settings) return null;
@@ -33,6 +35,7 @@ export function FocusPanel({ session }: { session: Session }): JSX.Element | nul
             {readout.note}
           </p>
         )}
+        <Misses editor={editor} session={session} readout={readout} />
         <ModeSettings session={session} readout={readout} settings={settings} />
       </div>
     </section>

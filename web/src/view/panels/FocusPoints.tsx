@@ -1,6 +1,7 @@
 /** The list of focus points: what each asks for at this time, its keys, and where it is. */
 
 import type { JSX } from "preact";
+import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { WEIGHTS } from "../../model/scale";
@@ -10,8 +11,9 @@ import { Field } from "../controls/Field";
 import { Icon } from "../icons";
 import { parseQuantity } from "../numbers";
 import { KeyButton, PointSettings } from "./PointSettings";
+import { PointVerdict } from "./PointVerdict";
 
-export function FocusPoints({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+export function FocusPoints({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   const points = session.document.points.value;
   return (
     <section class="points" aria-labelledby="points-title">
@@ -22,14 +24,20 @@ export function FocusPoints({ session, unit }: { session: Session; unit: LengthU
       {points.length === 0 && <p class="muted pad">None yet. Click on what must be sharp.</p>}
       <ul>
         {points.map((point) => (
-          <PointRow key={point.name} session={session} point={point} unit={unit} />
+          <PointRow key={point.name} editor={editor} session={session} point={point} />
         ))}
       </ul>
     </section>
   );
 }
 
-function PointRow({ session, point, unit }: { session: Session; point: FocusPoint; unit: LengthUnit }): JSX.Element {
+interface RowProps {
+  readonly editor: Editor;
+  readonly session: Session;
+  readonly point: FocusPoint;
+}
+
+function PointRow({ editor, session, point }: RowProps): JSX.Element {
   const { name, settings } = point;
   const selected = session.selected.value === name;
   return (
@@ -52,7 +60,7 @@ function PointRow({ session, point, unit }: { session: Session; point: FocusPoin
           <KeyButton session={session} point={point} attribute="enabled" />
         </Edits>
         <button type="button" class="point-name" aria-pressed={selected} title={point.anchor.target.join(" ")}>
-          {name} <span class="muted">{where(point, unit)}</span>
+          {name} <span class="muted">{where(point, editor.remembered.unit.value)}</span>
         </button>
         <Edits session={session}>
           <button
@@ -80,6 +88,7 @@ function PointRow({ session, point, unit }: { session: Session; point: FocusPoin
           </button>
         </Edits>
       </div>
+      <PointVerdict editor={editor} session={session} point={point} />
       <Edits session={session}>
         <Weight session={session} point={point} />
         {selected && <PointSettings session={session} point={point} />}

@@ -32,9 +32,9 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
             <div role="tabpanel" id="panel-focus" aria-labelledby="tab-focus">
               <LensPanel editor={editor} session={session} unit={unit} />
               <Edits session={session}>
-                <FocusPanel session={session} />
+                <FocusPanel editor={editor} session={session} />
               </Edits>
-              <FocusPoints session={session} unit={unit} />
+              <FocusPoints editor={editor} session={session} />
             </div>
           )}
         </>

@@ -2,21 +2,24 @@
 
 import type { JSX, TargetedPointerEvent } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
+import type { Editor } from "../../editor/editor";
 import { MarkerDrag } from "../../editor/marker";
 import type { Place } from "../../editor/picks";
 import type { Session } from "../../editor/session";
-import { formatDistance, type LengthUnit } from "../../model/distance";
+import { formatDistance } from "../../model/distance";
+import { formatOffset, judge } from "../../model/sharpness";
 import { inFrame, type FocusPoint } from "../../model/shot";
 import { followPointer } from "../hooks";
+import { limitOf } from "../sharp_limit";
 
 /** Distance of a pointer from which it drags, CSS px. */
 const SLACK_PX = 4;
 
-export function Markers({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+export function Markers({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   return (
     <div class="markers" role="group" aria-label="Focus points on the picture">
       {session.shownPoints.value.filter(inFrame).map((point) => (
-        <Marker key={point.name} session={session} point={point} unit={unit} />
+        <Marker key={point.name} editor={editor} session={session} point={point} />
       ))}
     </div>
   );
@@ -63,18 +66,28 @@ function useMarkerDrag(
   return { dragged, onPointerDown };
 }
 
-function Marker({ session, point, unit }: { session: Session; point: FocusPoint; unit: LengthUnit }): JSX.Element {
+interface MarkerProps {
+  readonly editor: Editor;
+  readonly session: Session;
+  readonly point: FocusPoint;
+}
+
+function Marker({ editor, session, point }: MarkerProps): JSX.Element {
   const { dragged, onPointerDown } = useMarkerDrag(session, point);
   const selected = session.selected.value === point.name;
   const active = point.settings.enabled && point.settings.weight > 0;
-  const depth = point.depthM === null ? "" : formatDistance(point.depthM, unit);
+  const { unit } = editor.remembered;
+  const depth = point.depthM === null ? "" : formatDistance(point.depthM, unit.value);
+  const limitMm = limitOf(editor, session);
+  const verdict = limitMm === null ? null : judge(session.sharpnessOf(point), limitMm);
+  const said = verdict && (verdict.isSharp ? "sharp" : `soft, ${formatOffset(verdict.offsetM, unit.value)}`);
   return (
     <button
       type="button"
       class={`marker${selected ? " selected" : ""}${active ? "" : " idle"}`}
       style={place(dragged ?? point.screen ?? [0, 0])}
       aria-pressed={selected}
-      aria-label={`Focus point ${point.name}, ${depth}`}
+      aria-label={`Focus point ${point.name}, ${depth}${said ? `, ${said}` : ""}`}
       onClick={() => (session.selected.value = point.name)}
       onPointerDown={onPointerDown}
     >
@@ -89,6 +102,7 @@ function Marker({ session, point, unit }: { session: Session; point: FocusPoint;
       <span class="tag">
         {point.name}
         <small>{depth}</small>
+        {verdict && <small class={verdict.isSharp ? "sharp" : "soft"}>{said}</small>}
       </span>
     </button>
   );

@@ -12,7 +12,9 @@ import { formatFrame } from "../../model/time";
 import { Guides, MeterSpot } from "./Guides";
 import { usePixelRatio, useSize } from "../hooks";
 import { Icon } from "../icons";
+import { FocusOverlay, hasOverlay, useFocusMaps } from "./FocusOverlay";
 import { Markers, Picking } from "./Markers";
+import { Probe } from "./Probe";
 import { UploadButton } from "../dialogs/Shots";
 import { isLate, Wanted } from "./Wanted";
 
@@ -59,16 +61,24 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
   useLayoutEffect(() => {
     session.motion.value = motion;
   }, [session, motion]);
+  useFocusMaps(editor, session);
   const style = { left: `${box.left}px`, top: `${box.top}px`, width: `${width}px`, height: `${height}px` };
   return (
     <div class="surround" ref={surround}>
-      <div class="picture" style={style}>
+      <div
+        class="picture"
+        style={style}
+        onPointerMove={(event) => (session.pointer.value = placeOf(event))}
+        onPointerLeave={() => (session.pointer.value = null)}
+      >
         <Canvas session={session} />
+        {hasOverlay(editor) && <FocusOverlay editor={editor} session={session} />}
         <Wanted session={session} />
         {session.pictures.refusal !== null && <p class="no-picture">{session.pictures.refusal}</p>}
         <Guides editor={editor} session={session} />
         <MeterSpot editor={editor} session={session} />
-        {editor.remembered.markers.value === "on" && <Markers session={session} unit={editor.remembered.unit.value} />}
+        {editor.remembered.markers.value === "on" && <Markers editor={editor} session={session} />}
+        <Probe editor={editor} session={session} />
         <Picking session={session} />
       </div>
       <Busy editor={editor} session={session} />

@@ -1,0 +1,48 @@
+/** Files that are made of an open shot. */
+
+import type { ReadonlySignal } from "@preact/signals";
+import { restQuality } from "../model/quality";
+import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
+import type { ShotDocument } from "./document";
+import type { Playhead } from "./playhead";
+
+/** What files are made of. */
+interface Source {
+  readonly document: Pick<ShotDocument, "view">;
+  readonly playhead: Pick<Playhead, "time">;
+  /** Moments of the shutter interval in pictures at rest. */
+  readonly motion: ReadonlySignal<number>;
+  /** Width over height of the picture. */
+  readonly aspect: number;
+}
+
+export class Downloads {
+  readonly #service: Service;
+  readonly #source: Source;
+
+  constructor(service: Service, source: Source) {
+    [this.#service, this.#source] = [service, source];
+  }
+
+  curve(format: CurveFormat): Promise<Download> {
+    return this.#service.downloadCurve(this.#source.document.view, format);
+  }
+
+  edits(): Promise<Download> {
+    return this.#service.downloadEdits(this.#source.document.view.shot);
+  }
+
+  /** The frame at this time, in the width of a delivery. */
+  frame(format: PictureFormat, widthPx: number): Promise<Download> {
+    const { document, playhead, motion, aspect } = this.#source;
+    const height = 2 * Math.round(widthPx / aspect / 2);
+    // A file may take its time: the scene is drawn at each moment.
+    const quality = {
+      ...restQuality(widthPx, height, motion.value),
+      width: widthPx,
+      height,
+      motionBy: "moments" as const,
+    };
+    return this.#service.downloadFrame(document.view, playhead.time.value, quality, format);
+  }
+}

@@ -1,0 +1,86 @@
+/** What counts as sharp, by how much things miss it, and how that is said. Diameters are on the film. */
+
+import { formatDistance, type LengthUnit } from "./distance";
+import type { FocusPoint, PointSharpness } from "./shot";
+
+/** What is drawn over the picture. */
+export const LOOKS = ["none", "peaking", "falseColour"] as const;
+export type Look = (typeof LOOKS)[number];
+
+/** Who says what is sharp: the film, as the depth of field has it, or a circle of so many pixels in the delivered picture. */
+export const LIMITS = ["film", "1", "2", "4"] as const;
+export type Limit = (typeof LIMITS)[number];
+
+/** Widths of delivered pictures, px. */
+export const DELIVERIES = ["1280", "1920", "2048", "3840", "4096"] as const;
+export type Delivery = (typeof DELIVERIES)[number];
+
+/** Largest circle of confusion that is sharp. */
+export function sharpLimitMm(limit: Limit, filmLimitMm: number, gateMm: number, deliveryPx: number): number {
+  return limit === "film" ? filmLimitMm : (Number(limit) * gateMm) / deliveryPx;
+}
+
+/** Stops by which the lens must be closed for a circle to be sharp; negative where it may be opened. A circle is as wide as the pupil. */
+export function stopsToHold(cocMm: number, limitMm: number): number {
+  return 2 * Math.log2(Math.abs(cocMm) / limitMm);
+}
+
+/** The f-number at which circles are sharp that are so large now, in thirds of a stop and no wider; 0 (a pinhole) holds all. */
+export function holdingStop(fStop: number, cocMm: number, limitMm: number): number {
+  const thirds = Math.ceil(3 * (2 * Math.log2(fStop) + stopsToHold(cocMm, limitMm)) - 1e-6);
+  return 2 ** (thirds / 6);
+}
+
+const ENGRAVED = [
+  1, 1.1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.5, 2.8, 3.2, 3.5, 4, 4.5, 5, 5.6, 6.3, 7.1, 8, 9, 10, 11, 13, 14, 16,
+];
+
+/** An f-number as engraved: f/5.6. */
+export function formatStop(fStop: number): string {
+  const engraved = ENGRAVED.find((stop) => Math.abs(Math.log2(fStop / stop)) < 1 / 24);
+  return `f/${(engraved ?? Number(fStop.toPrecision(2))).toString()}`;
+}
+
+/** A distance from the focus: +12 cm lies behind it. */
+export function formatOffset(offsetM: number, unit: LengthUnit): string {
+  if (!Number.isFinite(offsetM)) return offsetM > 0 ? "+∞" : "−∞";
+  const sign = offsetM < 0 ? "−" : "+";
+  const size = Math.abs(offsetM);
+  if (unit === "ft") return `${sign}${formatDistance(size, "ft")}`;
+  if (size < 0.9995) return `${sign}${(100 * size).toFixed(size < 0.0995 ? 1 : 0)} cm`;
+  return `${sign}${formatDistance(size, "m")}`;
+}
+
+/** A diameter on the film in mm, and in pixels of the delivered picture. */
+export function formatCircle(cocMm: number, gateMm: number, deliveryPx: number): string {
+  const [mm, px] = [Math.abs(cocMm), (Math.abs(cocMm) / gateMm) * deliveryPx];
+  return `${mm.toFixed(mm < 0.1 ? 3 : 2)} mm, ${px.toFixed(px < 10 ? 1 : 0)} px`;
+}
+
+/** How a point stands to the focus. */
+export interface Verdict {
+  readonly isSharp: boolean;
+  /** Of the point behind the focal surface, m. */
+  readonly offsetM: number;
+  readonly cocMm: number;
+}
+
+/** Judges a point; null where it has no place in front of the camera. */
+export function judge({ depthM, cocMm, focusDistanceM }: PointSharpness, limitMm: number): Verdict | null {
+  if (depthM === null || depthM <= 0 || cocMm === null || focusDistanceM === null) return null;
+  return { isSharp: cocMm <= limitMm, offsetM: depthM - focusDistanceM, cocMm };
+}
+
+/** Points that have a say in the focus and are to be sharp, and are not. */
+export interface Missed {
+  readonly point: FocusPoint;
+  readonly verdict: Verdict;
+}
+
+export function missed(points: readonly FocusPoint[], limitMm: number): Missed[] {
+  return points.flatMap((point) => {
+    const verdict = judge(point.sharpness, limitMm);
+    const counts = point.share > 0 && point.settings.enabled && point.settings.kind === "sharp";
+    return counts && verdict && !verdict.isSharp ? [{ point, verdict }] : [];
+  });
+}

@@ -75,10 +75,10 @@ function Legend({ editor, session }: { editor: Editor; session: Session }): JSX.
   const shown = session.pictures.displayed.value;
   const { look, focusLines, delivery } = editor.remembered;
   if (limitMm === null || !shown) return null;
-  if (shown.focusMap === null) return <p class="legend">Sharpness comes with the picture…</p>;
+  if (shown.focusMap === null) return <p class="focus-legend">Sharpness comes with the picture…</p>;
   const px = (limitMm / gateWidthMm(shown.focusMap)) * Number(delivery.value);
   return (
-    <div class="legend" role="note">
+    <div class="focus-legend" role="note">
       {look.value === "peaking" && <span class="swatch-peak">sharp</span>}
       {look.value === "falseColour" && (
         <span class="bar" title="Stops that the lens would have to be closed by">

@@ -2,7 +2,6 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import {
-  pullFocus,
   setAttribute,
   setFocus,
   setFocusMode,
@@ -52,6 +51,7 @@ import type { Identity } from "./identity";
 import { Picks, type Place } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
+import { Pulls, usualPull, type PullChoice } from "./pulls";
 import { readSetting } from "./setting_state";
 import { TimeView } from "./time_view";
 
@@ -71,6 +71,7 @@ export class Session {
   readonly cache: FrameCache;
   readonly filler: CacheFiller;
   readonly photography: CameraPhotography;
+  readonly pulls: Pulls;
   readonly picks: Picks;
   readonly keys: KeyEditing;
   readonly corrections: Corrections;
@@ -99,6 +100,7 @@ export class Session {
     time: number,
     fail: Fail,
     { noEdits, noPictures }: Pick<Identity, "noEdits" | "noPictures">,
+    pullChoice: PullChoice = usualPull(),
   ) {
     this.#service = service;
     this.#fail = fail;
@@ -109,6 +111,7 @@ export class Session {
     this.cache = new FrameCache(service, this.document, this.playhead.time);
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek(), this.cache);
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
+    this.pulls = new Pulls(this.document, this.playhead.time, pullChoice);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, fail);
     this.corrections = new Corrections(this.document, async (setting) => {
@@ -169,11 +172,8 @@ export class Session {
 
   /** Gives a point that is there already the focus at this time. */
   pullTo(point: FocusPoint): void {
-    const time = this.playhead.time.value;
-    const on = point.settings.enabled ? [] : setAttribute(point, "enabled", 1, time);
-    const pull = pullFocus(point.name, time, this.document.points.value);
     this.selected.value = point.name;
-    void this.document.edit(`Focus on ${point.name}`, [...this.document.byPoints(), ...on, ...pull]);
+    void this.pulls.pullTo(point, this.playhead.time.value);
   }
 
   setFocusMode(mode: FocusMode): void {

@@ -1,4 +1,4 @@
-"""How sharp things are, on the picture: peaking, false colour, lines, the probe, and what is said of the points."""
+"""How sharp things are, on the picture: peaking, false colour, lines, the probe, and the words on the points."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_peaking_and_probe_have_the_numbers_of_the_aov(page: Page, shot: Shot) -
         expect(probe).to_have_attribute("data-coc-mm", re.compile(r"\d"))
         assert float(probe.get_attribute("data-coc-mm") or "nan") == pytest.approx(coc_mm[row, column], rel=1e-5)
         assert float(probe.get_attribute("data-depth-m") or "nan") == pytest.approx(depth_m[row, column], rel=1e-6)
-        expect(probe).to_contain_text("in focus" if abs(coc_mm[row, column]) <= LIMIT_MM else "holds it")
+        expect(probe).to_contain_text("in focus" if abs(coc_mm[row, column]) <= LIMIT_MM else "sharp at f/")
 
 
 def test_false_colour_and_lines_are_chosen_by_mouse(page: Page) -> None:

@@ -26,7 +26,7 @@ export class Remembered {
   readonly look = remembered<Look>("look", "none", LOOKS);
   /** Whether the plane of focus and the limits of sharpness are drawn as lines. */
   readonly focusLines = remembered<"on" | "off">("focusLines", "off", ["on", "off"]);
-  /** Whether the pointer is told how sharp the thing there is. */
+  /** Whether the sharpness of what is under the pointer is shown beside it. */
   readonly probe = remembered<"on" | "off">("probe", "on", ["on", "off"]);
   /** What counts as sharp. */
   readonly limit = remembered<Limit>("limit", "film", LIMITS);

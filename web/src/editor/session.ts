@@ -37,7 +37,6 @@ import {
 import { sameTime } from "../model/time";
 import { HintError } from "../net/errors";
 import { base64Of } from "../net/files";
-import type { FocusMaps } from "../net/live_link";
 import type { Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { CacheFiller } from "./cache_filler";
@@ -83,8 +82,8 @@ export class Session {
   readonly motion = signal(1);
   /** Where the pointer is on the picture, 0 to 1 from its top left corner; null where it is elsewhere. */
   readonly pointer = signal<Place | null>(null);
-  /** Pictures that come with a focus map. */
-  readonly focusMaps = signal<FocusMaps>("none");
+  /** Whether pictures come with focus maps. */
+  readonly focusMaps = signal(false);
   /** Device pixels that the picture has on screen. */
   readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
 

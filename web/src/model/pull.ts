@@ -126,7 +126,7 @@ function weightAt({ keys, value }: Weight, time: number): number {
 function hasSay(weight: Weight, { start, held }: PullSpan): boolean {
   const [first, last] = [start - 1e-4, (held ?? Infinity) + 1e-4];
   const within = weight.keys.filter((key) => key.time >= first && key.time <= last).map((key) => key.value);
-  return [weightAt(weight, start), weightAt(weight, held ?? start), ...within].some((value) => value > 0);
+  return [weightAt(weight, start), weightAt(weight, held ?? start), ...within].some((value) => value > 1e-9);
 }
 
 /** A weight that goes to a level, stays there, and then goes over to what it is at the next handover. */

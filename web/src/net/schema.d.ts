@@ -874,8 +874,8 @@ export interface paths {
          *
          *     **The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
          *     `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final; its focus map, where the request's `focusMaps` asks
-         *     for that. It sends text for a `LiveReadout`, the lens readout of pictures with changes and the sharpness of their focus points, and
-         *     a `LiveProblem`, the reason why there is no picture.
+         *     for that. It sends text for a `LiveReadout`, the lens readout of pictures with changes and the sharpness of their focus points,
+         *     and a `LiveProblem`, the reason why there is no picture.
          *
          *     When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
          *     open at a time are shared by keys or, where there are none, by addresses (/64 networks of IPv6): once all are open, a client with
@@ -3997,7 +3997,7 @@ export interface components {
             readonly fanTriangle: number;
             /**
              * Focusdistancem
-             * @description Depth of the focal surface where it stands in the picture; null is infinity, or no place there.
+             * @description Depth of the focal surface where it stands in the picture; null is infinity or, where `cocMm` is null too, no place there.
              */
             readonly focusDistanceM: number | null;
             /**
@@ -4058,7 +4058,7 @@ export interface components {
             readonly share: number;
             /**
              * Sharp
-             * @description Whether its circle of confusion is within the limit.
+             * @description Whether its circle of confusion is within the film's limit, the readout's `cocLimitMm`.
              */
             readonly sharp: boolean;
             /**
@@ -5787,12 +5787,11 @@ export interface components {
             readonly film?: string | null;
             /**
              * Focusmaps
-             * @description Pictures that come with a focus map: with `final` the last one, with `all` also the first one, except while others wait.
-             * @default none
-             * @example all
-             * @enum {string}
+             * @description Whether the first picture, except while others wait, and the final one come with a focus map. That takes about as long as a layer.
+             * @default false
+             * @example true
              */
-            readonly focusMaps?: "none" | "final" | "all";
+            readonly focusMaps?: boolean;
             /**
              * Height
              * @description px; from the camera's film gate when left out.
@@ -6696,14 +6695,14 @@ export interface components {
             readonly depthM: number | null;
             /**
              * Focusdistancem
-             * @description Depth of the focal surface where it stands in the picture; null is infinity, or no place there.
+             * @description Depth of the focal surface where it stands in the picture; null is infinity or, where `cocMm` is null too, no place there.
              */
             readonly focusDistanceM: number | null;
             /** Name */
             readonly name: string;
             /**
              * Sharp
-             * @description Whether its circle of confusion is within the limit.
+             * @description Whether its circle of confusion is within the film's limit, the readout's `cocLimitMm`.
              */
             readonly sharp: boolean;
         };

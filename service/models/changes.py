@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import FailFast, Field, model_validator
 
-from service.models.base import MAX_POINT_NAME, FileContent, FileName, Model, Ratio, TimeCode, shown_as
+from service.models.base import MAX_POINT_NAME, FileContent, FileName, Model, PointName, Ratio, TimeCode, shown_as
 from service.models.cameras import CameraEdit
 from service.models.curve import MAX_CURVE_FRAMES
 from service.models.exposure import ExposureKeyed, ExposureSettingsEdit
@@ -81,6 +81,16 @@ class AlterPoint(Model):
     name: PointNameInShot = Field(description=_POINT)
     values: FocusPointEdit
     time: TimeCode = Field(description="USD time code: a value that has keys gets one there, others hold for all time.")
+
+
+class RenamePoint(Model):
+    """Rename a focus point, which keeps its values and keys."""
+
+    model_config = shown_as({"type": "renamePoint", "name": "pip", "newName": "robot"})
+
+    type: Literal["renamePoint"] = "renamePoint"
+    name: PointNameInShot = Field(description=_POINT)
+    new_name: PointName = Field(description="A name that no other focus point of the camera has.")
 
 
 class RemovePoint(Model):
@@ -291,6 +301,7 @@ Change = Annotated[
     AddPoint
     | MovePoint
     | AlterPoint
+    | RenamePoint
     | RemovePoint
     | KeyPoint
     | UnkeyPoint

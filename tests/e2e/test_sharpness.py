@@ -24,6 +24,7 @@ FRAME = 40
 LIMIT_MM = 0.0275363
 """Largest circle of confusion of the demo's gate that is sharp: its diagonal over 1500."""
 
+
 @pytest.fixture(scope="module")
 def shot(tmp_path_factory: pytest.TempPathFactory) -> Shot:
     folder = tmp_path_factory.mktemp("demo")

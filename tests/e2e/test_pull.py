@@ -48,7 +48,7 @@ def test_a_click_holds_before_and_after(page: Page, service: str) -> None:
 
     expect(page.locator(".pull-choice")).to_contain_text(f"Focus on {table}")
     revision = revision_of(page)
-    page.get_by_label("Frames in which the focus goes over").fill("24")
+    page.get_by_label("Length of the pull").fill("24")
     page.keyboard.press("Enter")
     wait_edited(page, revision)
     expect(times).to_have_attribute("data-start", "6")

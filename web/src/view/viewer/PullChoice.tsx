@@ -50,7 +50,7 @@ export function PullChoice({ session }: { session: Session }): JSX.Element {
         <>
           <TypedNumber
             kind="frame"
-            label="Frames in which the focus goes over"
+            label="Length of the pull"
             value={frames.value}
             format={formatFrame}
             parse={(text) => {

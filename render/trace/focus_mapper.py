@@ -22,7 +22,7 @@ from render.trace.rays import make_ray_pattern
 
 _KEPT = 2
 """Depths that are kept: those of a preview and of the picture at rest."""
-_Kept = tuple["ReferenceType[Scene]", PinholeView, DoubleArray]
+_Kept = tuple[ReferenceType[Scene], PinholeView, DoubleArray]
 
 
 class FocusMapper:

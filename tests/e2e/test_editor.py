@@ -214,7 +214,10 @@ def test_a_rack_by_a_click_is_a_pick_and_an_edit(page: Page, service: str) -> No
     wait_edited(page, revision_of(page))
     page.wait_for_load_state("networkidle")
     # Pictures come over the WebSocket that is open already. The focus map is for the probe: the pointer is on the picture.
-    assert [request for request in sent if "/focus-map?" not in request] == ["POST /v1/shots/demo/pick", "POST /v1/shots/demo/edits"]
+    assert [request for request in sent if "/focus-map?" not in request] == [
+        "POST /v1/shots/demo/pick",
+        "POST /v1/shots/demo/edits",
+    ]
 
     # The page shows what the service has, though it has read nothing.
     after = focus_points(service, 60)

@@ -1,4 +1,4 @@
-"""How sharp things are, on the picture: peaking, false colour, lines, the probe, and the words on the points."""
+"""Sharpness on the picture: peaking, false colour, lines, the probe, and the words on the points."""
 
 from __future__ import annotations
 

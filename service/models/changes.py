@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import FailFast, Field, model_validator
 
-from service.models.base import MAX_POINT_NAME, FileContent, FileName, Model, Ratio, TimeCode, shown_as
+from service.models.base import MAX_POINT_NAME, FileContent, FileName, Model, PointName, Ratio, TimeCode, shown_as
 from service.models.cameras import CameraEdit
 from service.models.curve import MAX_CURVE_FRAMES
 from service.models.exposure import ExposureKeyed, ExposureSettingsEdit
@@ -132,6 +132,24 @@ class SetPointTangents(Model):
     attribute: KeyedAttribute
     time: TimeCode = Field(description=_KEY_TIME)
     tangents: TangentsEdit
+
+
+class CreateCamera(Model):
+    """Create a camera from the view that a shot without one is shown through; the changes after it are made to that camera.
+
+    It has the position, direction and focus distance of that view, a Super 35 body, and a thin lens that has all of the view in
+    its picture. It is refused where the shot is shown through a camera of its own.
+    """
+
+    model_config = shown_as({"type": "createCamera", "time": 24})
+
+    type: Literal["createCamera"] = "createCamera"
+    name: PointName | None = Field(
+        default=None, description="Of its prim, at the root of the stage. Left out: `main_cam`, or a free name like it."
+    )
+    time: TimeCode | None = Field(
+        default=None, description="USD time code of the view, which holds for all time. Left out: the shot's first."
+    )
 
 
 class SetCamera(Model):
@@ -295,6 +313,7 @@ Change = Annotated[
     | KeyPoint
     | UnkeyPoint
     | SetPointTangents
+    | CreateCamera
     | SetCamera
     | SetFocus
     | SetExposure

@@ -29,6 +29,8 @@ export interface Edit {
 /** The shot after an edit, at the edit's time; a part that the service could not read is null. */
 export interface EditResult {
   readonly history: EditHistory;
+  /** Prim paths of the cameras that it created. */
+  readonly cameras: readonly string[];
   readonly points: readonly FocusPoint[] | null;
   readonly readout: Readout | null;
   readonly focusSettings: FocusSettings | null;

@@ -51,7 +51,7 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
         /
       </span>
       {cameras.length === 0 ? (
-        <span class="muted">{session.camera === null ? "framing camera: the shot has none" : "no usable camera"}</span>
+        <span class="muted">{session.camera === null ? "no camera" : "no usable camera"}</span>
       ) : (
         <select
           aria-label="Camera"
@@ -71,7 +71,9 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
           ))}
         </select>
       )}
-      {(session.camera === null || cameras.length === 0) && <CreateCamera editor={editor} session={session} />}
+      {(session.camera === null || cameras.length === 0) && (
+        <CreateCamera editor={editor} session={session} label="Create a camera" />
+      )}
     </div>
   );
 }

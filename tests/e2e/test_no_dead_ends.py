@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import re
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -101,3 +103,31 @@ def test_a_camera_is_created_by_mouse_and_focused(page: Page, service: str, tmp_
     expect(page.get_by_label("Camera", exact=True)).to_have_value("/main_cam")
     wait_settled(page)
     expect(page.get_by_role("alert")).to_have_count(0)
+
+
+def zipped(**stages: str) -> bytes:
+    """Pack stages into a zip, by their names without a suffix."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, text in stages.items():
+            archive.writestr(f"{name}.usda", text)
+    return file.getvalue()
+
+
+def test_the_stage_of_a_zip_is_chosen_by_keyboard(page: Page, service: str) -> None:
+    wait_settled(page)
+    send(page, "two.zip", zipped(cards=CARDS, other="#usda 1.0\n"))
+    stages = page.get_by_role("group", name="Stages of two.zip")
+    expect(stages.get_by_role("button")).to_have_text(["cards.usda", "other.usda"])
+    assert len(httpx.get(f"{service}/v1/shots", timeout=120).json()["shots"]) == 1
+
+    page.get_by_role("button", name="Dismiss two.zip").focus()
+    page.keyboard.press("Tab")
+    expect(stages.get_by_role("button", name="cards.usda")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(stages).to_have_count(0)
+    expect(page.locator(".crumbs .shot-name")).to_have_text(re.compile("two"))
+    wait_settled(page)
+    shot = sent_shot(service)
+    assert (shot["root"], shot["fileCount"]) == ("cards.usda", 2)
+    expect(page.get_by_role("button", name="Create a camera from this view")).to_have_count(2)

@@ -10,7 +10,7 @@ import type { Download, Service } from "../net/service";
 import type { View } from "../net/view";
 import type { Fail } from "./fail";
 import { Identity } from "./identity";
-import { Library } from "./library";
+import { Library, type Upload } from "./library";
 import { Remembered } from "./remembered";
 import { Session } from "./session";
 
@@ -186,6 +186,12 @@ export class Editor {
     const shots = await Promise.all([...files].map((file) => this.library.upload(file)));
     const last = shots.findLast((shot) => shot !== null);
     if (last) await this.open(last.id);
+  }
+
+  /** Sends a zip again, with one of the stages that it holds as its root, and opens it. */
+  async chooseRoot(upload: Upload, root: string): Promise<void> {
+    const shot = await this.library.chooseRoot(upload, root);
+    if (shot) await this.open(shot.id);
   }
 
   async remove(shot: string): Promise<void> {

@@ -1423,7 +1423,7 @@ export interface components {
             readonly project?: string | null;
             /**
              * Root
-             * @description Root layer within a zip. Left out: the only stage in its topmost folder that has any.
+             * @description Root layer within a zip: the path of one of its USD files. Left out: the only stage in its topmost folder that has any; where there are several, the refusal (`ambiguous_root`) lists them in `errors`.
              * @example shots/night.usda
              */
             readonly root?: string | null;

@@ -73,9 +73,12 @@ def test_a_camera_is_created_by_mouse_and_focused(page: Page, service: str, tmp_
     expect(page.locator(".crumbs .shot-name")).to_have_text(re.compile("cards"))
     wait_settled(page)
     framed = shown_picture(page)
+    click_on(page, (0.6, 0.5))
+    expect(page.get_by_role("alert")).to_contain_text("There is no camera to focus.")
 
     page.get_by_role("button", name="Create a camera from this view").first.click()
     expect(page.get_by_label("Camera", exact=True)).to_have_value("/main_cam")
+    expect(page.get_by_role("alert")).to_have_count(0)
     expect(page.get_by_role("textbox", name="f-number")).to_have_value("f/2.8")
     wait_settled(page)
     assert shown_picture(page).std() > 0.5 * framed.std()  # the cards are still there

@@ -6,15 +6,15 @@ import { sampleAt, type Curve } from "../model/curve";
 import { NO_HISTORY, redoLabel, undoLabel, type EditHistory } from "../model/history";
 import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
 import { frameCount, sameTime } from "../model/time";
-import { HintError, isAbort } from "../net/errors";
+import { isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
 import type { EditResult, Service, Simplified } from "../net/service";
 import type { View } from "../net/view";
 import type { Fail } from "./fail";
+import { noEditsHint } from "./hints";
 import { PointsByTime } from "./points_by_time";
 
 const NO_CHANGES: Changes = [];
-const NO_EDITS_ADVICE = "Whoever gave you the key can give you one that may.";
 /** Shots of up to this many frames get their focus curve with the result of each edit; longer ones read it afterwards. */
 const MOST_CURVE_FRAMES = 500;
 
@@ -336,9 +336,9 @@ export class ShotDocument {
 
   /** Tells the person why they may not edit, and returns whether they may not. */
   #isRefused(): boolean {
-    const reason = this.noEdits.peek();
-    if (reason !== null) this.#fail(new HintError(reason, NO_EDITS_ADVICE), () => undefined);
-    return reason !== null;
+    const hint = noEditsHint(this.noEdits.peek());
+    if (hint) this.#fail(hint, () => undefined);
+    return hint !== null;
   }
 
   /** Takes a history that was read; where the shot has other cameras by now, the view is to be opened again. */

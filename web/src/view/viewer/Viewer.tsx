@@ -232,7 +232,7 @@ function PictureFoot({ session }: { session: Session }): JSX.Element {
   const selected = session.selected.value;
   return (
     <footer class="picture-foot">
-      <span hidden={session.document.noEdits.value !== null}>
+      <span hidden={session.document.noEdits.value !== null || !session.document.hasLens}>
         <b>Click</b> {session.gathers.value ? ADDS : PULLS} · <b>Shift</b> {session.gathers.value ? PULLS : ADDS}
         {selected !== null && (
           <>

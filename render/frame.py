@@ -276,7 +276,8 @@ class FrameRenderer:
     ) -> FocusMap:
         """Measure how sharp each pixel of a picture is, without drawing it.
 
-        Depths are kept: a change of focus or stop needs no new drawing of the surfaces.
+        Depths are kept: a change of focus or stop needs no new drawing of the surfaces. They are those at the scene's time,
+        also where the picture is spread over an open shutter.
 
         Args:
             scene: the scene at one time.

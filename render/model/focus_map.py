@@ -14,7 +14,7 @@ class FocusMap:
     Attributes:
         coc_px: ``(height, width)`` float32, the AOV ``coc``: radius in pixels of this map, negative in front of the focus.
         depth_m: ``(height, width)`` float32, the AOV ``depth``: along the view axis; infinite where nothing is.
-        film_mm_per_px: width of a pixel on the film, by which radii become millimetres.
+        film_mm_per_px: width of a pixel on the film, as the camera's aperture has it, by which radii become millimetres.
     """
 
     coc_px: FloatArray

@@ -86,8 +86,7 @@ class Measurer:
             return (1 / thing_m - 1 / sharp_m).astype(np.float32)
 
     def focus_depth(self) -> FloatArray:
-        with np.errstate(divide="ignore"):
-            return (1.0 / np.maximum(self._sharp.w, 0.0) - self.set_back_m).astype(np.float32)
+        return depths_m(self._sharp.w, self.set_back_m)
 
     def prim_id(self) -> NDArray[np.uint32]:
         return (self.surfaces.prim_ids + 1).astype(np.uint32)

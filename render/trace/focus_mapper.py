@@ -59,7 +59,10 @@ class FocusMapper:
         )
 
     def _depths(self, peeler: Peeler, scene: Scene, camera: Camera, view: PinholeView) -> DoubleArray:
-        """Inverse depths of the surfaces that chief rays meet, drawn unless they are kept."""
+        """Inverse depths of the surfaces that chief rays meet, drawn unless they are kept; 0 where a holdout is met.
+
+        They depend on the scene, which never changes, on the view and on the lens's distortion.
+        """
         chief = chief_rays(camera)
         key = view.size, digest_of(chief)
         kept = self._kept.pop(key, None)

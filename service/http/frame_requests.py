@@ -19,13 +19,19 @@ def tag_of_frame(service: Service, record: ShotRecord, edits: str, query: FrameQ
     The files of a shot never change, but a shot of the same id may be uploaded again.
     """
     parameters = query.model_dump(mode="json", exclude={"client"})
-    shot = {"shot": record.id, "created": record.created_at.isoformat(), "edits": revision_of(edits)}
-    return frame_tag(parameters | shot | {"run": service.run_id})
+    return frame_tag(parameters | _inputs(service, record, edits))
 
 
-def focus_tag(picture_tag: str) -> str:
-    """Return the entity tag of the focus map of a picture, by the picture's."""
-    return f'{picture_tag[:-1]}-focus"'
+def focus_tag(service: Service, record: ShotRecord, edits: str, query: PictureQuery) -> str:
+    """Return the entity tag of the focus map of a picture; see `tag_of_frame`. Rays, film and grade do not matter to it."""
+    parameters = query.model_dump(mode="json", include={"camera", "time", "width", "height", "engine"})
+    return frame_tag(parameters | _inputs(service, record, edits) | {"map": "focus"})
+
+
+def _inputs(service: Service, record: ShotRecord, edits: str) -> dict[str, str]:
+    """Return what all answers about a shot depend on."""
+    created = record.created_at.isoformat()
+    return {"shot": record.id, "created": created, "edits": revision_of(edits), "run": service.run_id}
 
 
 def frame_request(record: ShotRecord, edits: str, query: PictureQuery, limits: PictureLimits) -> FrameRequest:

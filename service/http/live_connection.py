@@ -189,7 +189,8 @@ class LiveConnection:
             pending.tag = self._tag(record, edits, request)
             cache = self._service.frame_cache
             cached = cache.get(pending.tag)
-            focus = cache.get(focus_tag(pending.tag)) if request.focus_maps != "none" else b""
+            pending.focus_tag = focus_tag(self._service, record, edits, request)
+            focus = cache.get(pending.focus_tag) if request.focus_maps else b""
             if cached is not None and focus is not None:
                 self._cancel_stream()
                 self._service.metrics.frames.labels("cache").inc()
@@ -254,8 +255,8 @@ class LiveConnection:
         pending.best, pending.answered_ms = item, pending.age_ms()
         if item.is_final and pending.tag is not None:
             self._service.frame_cache.put(pending.tag, item.data)
-            if item.focus:
-                self._service.frame_cache.put(focus_tag(pending.tag), item.focus)
+            if item.focus and pending.focus_tag is not None:
+                self._service.frame_cache.put(pending.focus_tag, item.focus)
         self._oldest_valid = pending.number
         if self._unsent_picture is not None and self._unsent_picture[0] is pending and not item.focus:
             item = replace(item, focus=self._unsent_picture[1].focus)
@@ -327,6 +328,7 @@ class _Request:
         self.request = request
         self.number = number
         self.tag: str | None = None
+        self.focus_tag: str | None = None
         self.best: LivePicture | None = None
         self.answered_ms = 0.0
         self._received_s = received_s

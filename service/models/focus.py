@@ -163,9 +163,12 @@ class KeyEdit(Key):
 
 _COC_MM: Distance = Field(description="Diameter of its circle of confusion on the film; null behind the camera.")
 _FOCUS_DISTANCE: Distance = Field(
-    description="Depth of the focal surface where it stands in the picture; null is infinity, or no place there."
+    description="Depth of the focal surface where it stands in the picture; null is infinity or, where `cocMm` is null too, no "
+    "place there."
 )
-_SHARP: bool = Field(description="Whether its circle of confusion is within the limit.")
+_SHARP: bool = Field(
+    description="Whether its circle of confusion is within the film's limit, the readout's `cocLimitMm`."
+)
 
 
 class PointSharpness(Model):

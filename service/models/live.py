@@ -47,11 +47,11 @@ class LiveRequest(PictureQuery):
     budget_ms: float = Field(
         default=100, ge=1, le=60_000, description="Time for the first picture, milliseconds.", examples=[100]
     )
-    focus_maps: Literal["none", "final", "all"] = Field(
-        default="none",
-        description="Pictures that come with a focus map: with `final` the last one, with `all` also the first one, except "
-        "while others wait.",
-        examples=["all"],
+    focus_maps: bool = Field(
+        default=False,
+        description="Whether the first picture, except while others wait, and the final one come with a focus map. "
+        "That takes about as long as a layer.",
+        examples=[True],
     )
     changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES), FailFast()] = Field(
         default=(), description="Changes that are tried in these pictures and not kept: those that an edit takes."

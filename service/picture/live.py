@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 from render.frame import FrameSettings
 from render.output.encode import encode_jpeg, encode_png
-from render.pictures.progressive import FocusMaps, PreviewRequest, ProgressivePicture
+from render.pictures.progressive import PreviewRequest, ProgressivePicture
 from render.shot import Shot
 from service.models.changes import Change, PictureSpot, anchor_spots, picture_spots
 from service.models.focus import Anchor
@@ -30,7 +30,7 @@ def stream_pictures(
     unsaved: Sequence[Change],
     budget_ms: float,
     is_moving: bool,
-    focus_maps: FocusMaps,
+    maps_focus: bool,
 ) -> Iterator[LivePicture | LiveNumbers]:
     """Render one frame progressively. The last picture is the one that `service.picture.frames.render_frame` makes.
 
@@ -41,7 +41,7 @@ def stream_pictures(
         unsaved: changes that are applied for these pictures only. The lens readout follows the first picture then.
         budget_ms: time for the first picture.
         is_moving: whether the first picture is enough, because the next request follows soon.
-        focus_maps: as in `render.pictures.progressive.PreviewRequest`.
+        maps_focus: as in `render.pictures.progressive.PreviewRequest`.
 
     Raises:
         PullfocusError: as `service.picture.frames.render_frame`.
@@ -59,7 +59,7 @@ def stream_pictures(
             budget_ms=budget_ms,
             is_moving=is_moving,
             is_hurried=is_stale.is_crowded,
-            focus_maps=focus_maps,
+            maps_focus=maps_focus,
         )
         is_first = True
         for shown in state.progressive(shot).pictures(preview, is_stale=is_stale):

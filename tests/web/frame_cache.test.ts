@@ -5,7 +5,7 @@ import { FrameCache } from "@/editor/frame_cache";
 import type { Displayed } from "@/editor/pictures";
 import { Playhead } from "@/editor/playhead";
 import { errorOf } from "@/net/errors";
-import type { FocusMaps, LivePicture } from "@/net/live_link";
+import type { LivePicture } from "@/net/live_link";
 import { FakeService, FOCUS_MAP, SHOT } from "./fake_service";
 
 const RANGE = { first: 10, last: 14 };
@@ -25,7 +25,7 @@ interface Stand {
   readonly filler: CacheFiller;
   readonly playhead: Playhead;
   readonly settled: Signal<boolean>;
-  readonly focusMaps: Signal<FocusMaps>;
+  readonly focusMaps: Signal<boolean>;
   readonly failures: unknown[];
   /** Lets all that is under way happen. */
   run: (ms?: number) => Promise<void>;
@@ -42,7 +42,7 @@ function stand(tookMs = 60_000, mostBytes?: number): Stand {
   const document = new ShotDocument(fake.service, SHOT, "/cam", playhead.time, fail);
   const cache = new FrameCache(fake.service, document, playhead.time, mostBytes);
   const settled = signal(true);
-  const focusMaps = signal<FocusMaps>("none");
+  const focusMaps = signal(false);
   const displayed = signal({ width: 960, height: 480, tookMs } as Displayed);
   const player = {
     document,
@@ -85,7 +85,7 @@ describe("frames for playing", () => {
     expect(made()).toHaveLength(5);
     expect(cache.mappedTimes.value).toEqual([]);
     const before = cache.bytes.value;
-    focusMaps.value = "all";
+    focusMaps.value = true;
     await run(2500);
     expect(cache.mappedTimes.value.toSorted()).toEqual([10, 11, 12, 13, 14]);
     expect(cache.find(12)?.focusMap).toBe(FOCUS_MAP);

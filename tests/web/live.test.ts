@@ -81,7 +81,7 @@ function connected(admitted: () => Promise<unknown> = () => Promise.resolve()): 
 }
 
 function request(time: number, unsaved: Changes = [], moving = true): PictureRequest {
-  return { time, quality: QUALITY, unsaved, moving, focusMaps: "none" };
+  return { time, quality: QUALITY, unsaved, moving, focusMaps: false };
 }
 
 beforeEach(() => {

@@ -3,7 +3,6 @@ import { ShotDocument } from "@/editor/document";
 import { Pictures } from "@/editor/pictures";
 import type { Changes } from "@/model/changes";
 import { restQuality } from "@/model/quality";
-import type { FocusMaps } from "@/net/live_link";
 import { errorOf } from "@/net/errors";
 import { FakeService, FOCUS_MAP, SHOT } from "./fake_service";
 
@@ -20,16 +19,16 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-function opened(): {
+function opened(onFail: (error: unknown) => void = fail): {
   fake: FakeService;
   pictures: Pictures;
   document: ShotDocument;
-  want: (time: number, moving: boolean, unsaved?: Changes, focusMaps?: FocusMaps) => void;
+  want: (time: number, moving: boolean, unsaved?: Changes, focusMaps?: boolean) => void;
 } {
   const fake = new FakeService();
   const document = new ShotDocument(fake.service, SHOT, "/cam", signal(1), fail);
-  const pictures = new Pictures(fake.service, document, fail);
-  const want = (time: number, moving: boolean, unsaved: Changes = [], focusMaps: FocusMaps = "none"): void => {
+  const pictures = new Pictures(fake.service, document, onFail);
+  const want = (time: number, moving: boolean, unsaved: Changes = [], focusMaps = false): void => {
     pictures.request({ time, revision: document.revision.value, quality: REST, moving, unsaved, focusMaps });
   };
   return { fake, pictures, document, want };
@@ -42,8 +41,8 @@ function fail(error: unknown): void {
 describe("focus maps", () => {
   it("come with the first picture and go on with those that follow", async () => {
     const { fake, pictures, want } = opened();
-    want(5, false, [], "all");
-    expect(fake.requests.at(-1)?.focusMaps).toBe("all");
+    want(5, false, [], true);
+    expect(fake.requests.at(-1)?.focusMaps).toBe(true);
     await fake.show("preview", -1, FOCUS_MAP);
     const first = pictures.displayed.value?.focusMap;
     expect(first).toMatchObject({ width: 2, height: 2, filmMmPerPx: 0.1 });
@@ -55,46 +54,86 @@ describe("focus maps", () => {
 
   it("are not those of another frame", async () => {
     const { fake, pictures, want } = opened();
-    want(5, true, [], "all");
+    want(5, true, [], true);
     await fake.show("preview", -1, FOCUS_MAP);
-    want(6, true, [], "all");
+    want(6, true, [], true);
     await fake.show("preview");
     expect(pictures.displayed.value).toMatchObject({ time: 6, focusMap: null });
   });
 
-  it("are asked for where a kept picture has none, and else kept with it", async () => {
+  it("are kept with pictures, the exact one rather than a coarse one", async () => {
     const { fake, pictures, want } = opened();
-    want(5, false);
-    await fake.show("final");
-    want(5, false, [], "final");
-    expect(fake.requests).toHaveLength(2);
+    want(5, false, [], true);
     await fake.show("final", -1, FOCUS_MAP);
-    want(6, false, [], "final");
+    want(6, false, [], true);
     await fake.show("final", -1, FOCUS_MAP);
-    want(5, true, [], "all");
+    want(5, true, [], true);
     await vi.waitFor(() => {
       expect(pictures.displayed.value).toMatchObject({ time: 5, focusMap: { width: 2 } });
     });
-    expect(fake.requests).toHaveLength(3);
+    expect(fake.requests).toHaveLength(2);
+    expect(fake.mapRequests).toEqual([]);
+  });
+
+  it("are not wanted any more where the picture has one", () => {
+    const { fake, want } = opened();
+    want(5, false, [], true);
+    want(5, false, [], false);
+    expect(fake.requests).toHaveLength(1);
   });
 });
 
-describe("a wanted focus map", () => {
-  it("that is there is not asked for again where fewer are wanted", () => {
-    const { fake, want } = opened();
-    want(5, false, [], "all");
-    want(5, false, [], "final");
+describe("a focus map that did not come with the picture", () => {
+  it("is read by itself, while the exact picture stays", async () => {
+    const { fake, pictures, want } = opened();
+    want(5, false);
+    await fake.show("final");
+    want(5, false, [], true);
+    await vi.waitFor(() => {
+      expect(pictures.displayed.value).toMatchObject({ stage: "final", focusMap: { width: 2 } });
+    });
+    expect(pictures.busy.value).toBe(false);
     expect(fake.requests).toHaveLength(1);
+    expect(fake.mapRequests).toEqual([5]);
   });
 
-  it("comes with pictures that are not live, too", async () => {
+  it("is read though there is that of a preview", async () => {
+    const { fake, pictures, want } = opened();
+    want(5, false);
+    await fake.show("final");
+    want(8, false);
+    await fake.show("final");
+    want(5, true, [], true);
+    await fake.show("preview", -1, FOCUS_MAP);
+    want(5, false, [], true);
+    await vi.waitFor(() => {
+      expect(fake.mapRequests).toEqual([5]);
+    });
+    expect(pictures.displayed.value).toMatchObject({ time: 5, stage: "final" });
+  });
+
+  it("is read for the probe, and for pictures that are not live", async () => {
     const { fake, pictures, want } = opened();
     fake.listener?.onOpen(false);
-    want(5, false, [], "final");
+    want(5, false);
     await vi.waitFor(() => {
-      expect(pictures.displayed.value).toMatchObject({ stage: "final", focusMap: { height: 2 } });
+      expect(pictures.displayed.value).toMatchObject({ stage: "final", focusMap: null });
     });
+    pictures.readMap();
+    await vi.waitFor(() => {
+      expect(pictures.displayed.value).toMatchObject({ focusMap: { height: 2 } });
+    });
+    pictures.readMap();
     expect(fake.mapRequests).toEqual([5]);
+  });
+
+  it("cannot be read, and the picture is shown", async () => {
+    const failures: unknown[] = [];
+    const { fake, pictures, want } = opened((error) => void failures.push(error));
+    want(5, true, [], true);
+    await fake.show("preview", -1, FOCUS_MAP.slice(0, 60));
+    expect(pictures.displayed.value).toMatchObject({ time: 5, focusMap: null });
+    expect(failures).toHaveLength(1);
   });
 });
 

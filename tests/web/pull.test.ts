@@ -1,77 +1,191 @@
-import { freshName, pullTo, type WeightKey } from "@/model/pull";
-import type { Key } from "@/model/keys";
-import { keysOf, thingName, type FocusPoint } from "@/model/shot";
-import { point, valueAt } from "./points";
+import { freshName, pulledWeights, pullSpan, weightOf, type Pull, type Weight } from "@/model/pull";
+import { EASES, keysOf, thingName, type FocusPoint } from "@/model/shot";
+import { valueAt } from "@/model/spline";
+import { point } from "./points";
 
-/** The points after the keys were set; a new one is there with weight 1. */
-function after(points: readonly FocusPoint[], keys: readonly WeightKey[]): Map<string, readonly Key[]> {
-  const weights = new Map(points.map((p) => [p.name, [...keysOf(p, "weight")]]));
-  for (const { point: name, time, value } of keys) {
-    const others = (weights.get(name) ?? []).filter((key) => key.time !== time);
-    weights.set(name, [...others, { time, value, interpolation: "linear" }]);
-  }
+const RANGE = { start: 1, end: 96, framesPerSecond: 24 };
+const FROM: Pull = { reach: "from", frames: 12, ease: "smooth" };
+const FRAME: Pull = { ...FROM, reach: "frame" };
+const SHOT_LONG: Pull = { ...FROM, reach: "shot" };
+
+/** The points as they are at a time. */
+function at(points: readonly FocusPoint[], time: number): FocusPoint[] {
+  return points.map((one) => ({
+    ...one,
+    settings: { ...one.settings, weight: valueAt(keysOf(one, "weight"), time) ?? one.settings.weight },
+  }));
+}
+
+/** All weights after a pull. */
+function pulled(points: readonly FocusPoint[], name: string, time: number, pull: Pull = FROM): Map<string, Weight> {
+  const weights = new Map(points.map((one) => [one.name, weightOf(one)]));
+  for (const [changed, weight] of pulledWeights(name, time, at(points, time), pull, RANGE))
+    weights.set(changed, weight);
   return weights;
 }
 
-/** Who has which share of the focus at a time. */
-function shares(weights: Map<string, readonly Key[]>, time: number): Record<string, number> {
-  const at = [...weights].map(([name, keys]): [string, number] => [name, valueAt(keys, time, 1)]);
-  const sum = at.reduce((total, [, weight]) => total + weight, 0);
-  return Object.fromEntries(at.map(([name, weight]) => [name, weight / sum]));
+/** The points with other weights, for the next pull. */
+function withWeights(points: readonly FocusPoint[], weights: ReadonlyMap<string, Weight>): FocusPoint[] {
+  return [...weights].map(([name, { keys, value }]) => {
+    const old = points.find((one) => one.name === name) ?? point(name);
+    return { ...old, keys: { ...old.keys, weight: keys }, settings: { ...old.settings, weight: value } };
+  });
 }
 
+/** Who has which share of the focus at a time. */
+function shares(weights: ReadonlyMap<string, Weight>, time: number): Record<string, number> {
+  const each = [...weights].map(([name, { keys, value }]): [string, number] => [name, valueAt(keys, time) ?? value]);
+  const sum = each.reduce((total, [, weight]) => total + weight, 0);
+  return Object.fromEntries(each.map(([name, weight]) => [name, weight / sum]));
+}
+
+const all = Array.from({ length: 96 }, (_, frame) => frame + 1);
 const rack = [point("near", { weight: { 30: 1, 60: 0 } }), point("far", { weight: { 30: 0, 60: 1 } })];
 
-describe("a click pulls the focus", () => {
-  it("the first point of a shot has it at all times", () => {
-    const weights = after([], pullTo("a", 10, []));
-    expect([1, 10, 96].map((time) => shares(weights, time).a)).toEqual([1, 1, 1]);
+describe("a click from here", () => {
+  it("gives the first point of a shot the focus at all times, without keys", () => {
+    expect([...pulled([], "a", 10)]).toEqual([["a", { keys: [], value: 1 }]]);
   });
 
+  it("holds before, goes over in so many frames, and holds after", () => {
+    const weights = pulled([point("a")], "b", 40);
+    for (const time of all.filter((frame) => frame <= 28)) expect(shares(weights, time)).toEqual({ a: 1, b: 0 });
+    expect(shares(weights, 34).b).toBeCloseTo(0.5);
+    for (const time of all.filter((frame) => frame >= 40)) expect(shares(weights, time)).toEqual({ a: 0, b: 1 });
+  });
+
+  it.each(EASES)("goes over by the ease %s", (ease) => {
+    const weights = pulled([point("a")], "b", 40, { ...FROM, ease });
+    const early = shares(weights, 31).b ?? NaN;
+    // A quarter of the way: u² (3 - 2u) where it is soft at both ends.
+    expect(early).toBeCloseTo({ linear: 0.25, smooth: 0.15625, in: 0.0625, out: 0.4375 }[ease], 4);
+  });
+
+  it("takes the place of what was in focus until that hands over", () => {
+    const weights = pulled(rack, "new", 20);
+    expect(shares(weights, 8)).toEqual({ near: 1, far: 0, new: 0 });
+    for (const time of [20, 25, 30]) expect(shares(weights, time)).toEqual({ near: 0, far: 0, new: 1 });
+    expect(shares(weights, 60)).toEqual({ near: 0, far: 1, new: 0 });
+    expect(shares(weights, 45).near).toBe(0);
+    expect(weights.get("far")).toEqual(weightOf(rack[1] ?? point("far")));
+  });
+
+  it("leaves the focus as it was before it, in the middle of a rack, too", () => {
+    const before = new Map(rack.map((one) => [one.name, weightOf(one)]));
+    const weights = pulled(rack, "new", 52);
+    for (const time of all.filter((frame) => frame <= 40))
+      for (const name of ["near", "far"])
+        expect(shares(weights, time)[name]).toBeCloseTo(shares(before, time)[name] ?? 0);
+    expect(shares(weights, 52).new).toBe(1);
+    expect(shares(weights, 60)).toMatchObject({ far: 1, new: 0 });
+  });
+});
+
+describe("a click from here, in what is there already,", () => {
+  it("brings a point that comes later earlier, and it stays", () => {
+    const weights = pulled(rack, "far", 20);
+    expect(shares(weights, 8)).toEqual({ near: 1, far: 0 });
+    for (const time of [20, 30, 45, 60, 96]) expect(shares(weights, time)).toEqual({ near: 0, far: 1 });
+  });
+
+  it("at the first frame needs no way", () => {
+    const weights = pulled([point("a")], "b", 1);
+    for (const time of all) expect(shares(weights, time)).toEqual({ a: 0, b: 1 });
+  });
+
+  it("goes over within the shot", () => {
+    const weights = pulled([point("a")], "b", 5);
+    expect(shares(weights, 1)).toEqual({ a: 1, b: 0 });
+    expect(shares(weights, 5)).toEqual({ a: 0, b: 1 });
+  });
+
+  it("follows another as often as one likes, and somebody always has the focus", () => {
+    let points: FocusPoint[] = [];
+    for (const [name, time] of [
+      ["a", 10],
+      ["b", 50],
+      ["c", 80],
+      ["d", 30],
+      ["a", 66],
+    ] as const)
+      points = withWeights(points, pulled(points, name, time));
+    const weights = new Map(points.map((one) => [one.name, weightOf(one)]));
+    for (const [time, name] of [
+      [1, "a"],
+      [18, "a"],
+      [30, "d"],
+      [50, "b"],
+      [66, "a"],
+      [68, "a"],
+      [80, "c"],
+      [96, "c"],
+    ] as const)
+      expect(shares(weights, time)[name]).toBeCloseTo(1);
+    for (const time of all)
+      expect(Object.values(shares(weights, time)).reduce((sum, share) => sum + share, 0)).toBeCloseTo(1);
+  });
+
+  it("leaves alone who is switched off for good", () => {
+    const off = point("off", {}, { enabled: false });
+    expect([...pulledWeights("a", 10, [off], FROM, RANGE).keys()]).toEqual(["a"]);
+  });
+});
+
+describe("a click for the whole shot", () => {
+  it("takes the focus from all others, and their keys", () => {
+    const weights = pulled(rack, "new", 20, SHOT_LONG);
+    for (const time of all) expect(shares(weights, time)).toEqual({ near: 0, far: 0, new: 1 });
+    expect([...weights.values()].flatMap(({ keys }) => keys)).toEqual([]);
+  });
+});
+
+describe("a click at this frame", () => {
   it("two clicks at two times are a rack between them", () => {
-    const first = point("a", { weight: { 10: 1 } });
-    const weights = after([first], pullTo("b", 50, [first]));
+    const first = withWeights([], pulled([], "a", 10, FRAME));
+    const weights = pulled(first, "b", 50, FRAME);
     expect(shares(weights, 10)).toEqual({ a: 1, b: 0 });
     expect(shares(weights, 50)).toEqual({ a: 0, b: 1 });
-    expect(shares(weights, 30)).toEqual({ a: 0.5, b: 0.5 });
+    expect(shares(weights, 30).b).toBeCloseTo(0.5);
     expect(shares(weights, 96)).toEqual({ a: 0, b: 1 });
   });
 
+  it("drifts from the beginning of the shot and to its end where nothing else was decided", () => {
+    const weights = pulled([point("a")], "b", 50, FRAME);
+    for (const time of [1, 96]) expect(shares(weights, time)).toEqual({ a: 1, b: 0 });
+    expect(shares(weights, 50).b).toBeCloseTo(1);
+  });
+
   it("two clicks at one time: the second has it", () => {
-    const first = point("a", { weight: { 10: 1 } });
-    const weights = after([first], pullTo("b", 10, [first]));
-    expect([1, 10, 96].map((time) => shares(weights, time).b)).toEqual([1, 1, 1]);
+    const first = withWeights([], pulled([], "a", 10, FRAME));
+    const weights = pulled(first, "b", 10, FRAME);
+    for (const time of all) expect(shares(weights, time).b).toBe(1);
   });
 
   it("what was decided at other times stays", () => {
-    const now = rack.map((p) => ({ ...p, settings: { ...p.settings, weight: valueAt(keysOf(p, "weight"), 45, 1) } }));
-    const weights = after(now, pullTo("new", 45, now));
-    expect(shares(weights, 45)).toEqual({ near: 0, far: 0, new: 1 });
+    const weights = pulled(rack, "new", 45, FRAME);
+    expect(shares(weights, 45).new).toBeCloseTo(1);
     expect(shares(weights, 30)).toEqual({ near: 1, far: 0, new: 0 });
     expect(shares(weights, 60)).toEqual({ near: 0, far: 1, new: 0 });
     expect(shares(weights, 1).new).toBe(0);
   });
 
-  it("there is someone to focus on at all times between the keys", () => {
-    const now = rack.map((p) => ({ ...p, settings: { ...p.settings, weight: valueAt(keysOf(p, "weight"), 10, 1) } }));
-    const weights = after(now, pullTo("new", 10, now));
-    for (let time = 1; time <= 96; time += 1) {
-      const sum = [...weights.values()].reduce((total, keys) => total + valueAt(keys, time, 1), 0);
-      expect(sum).toBeGreaterThan(0);
-    }
-  });
-
   it("a point that is there already gets it back without new hand-over keys where it had a say", () => {
-    const now = rack.map((p) => ({ ...p, settings: { ...p.settings, weight: valueAt(keysOf(p, "weight"), 80, 1) } }));
-    expect(pullTo("near", 80, now)).toEqual([
-      { point: "near", time: 80, value: 1 },
-      { point: "far", time: 80, value: 0 },
+    const weights = pulledWeights("near", 80, at(rack, 80), FRAME, RANGE);
+    expect(weights.get("near")?.keys.map(({ time, value }) => [time, value])).toEqual([
+      [30, 1],
+      [60, 0],
+      [80, 1],
     ]);
   });
+});
 
-  it("leaves alone who is switched off for good", () => {
-    const off = point("off", {}, { enabled: false });
-    expect(pullTo("a", 10, [off])).toEqual([{ point: "a", time: 10, value: 1 }]);
+describe("the times of a click", () => {
+  it("are shown before it is made", () => {
+    expect(pullSpan(null, 20, at(rack, 20), FROM, RANGE)).toEqual({ start: 8, arrival: 20, held: 30 });
+    expect(pullSpan(null, 80, at(rack, 80), FROM, RANGE)).toEqual({ start: 68, arrival: 80, held: null });
+    expect(pullSpan(null, 5, [], FROM, RANGE)).toEqual({ start: 1, arrival: 1, held: null });
+    expect(pullSpan(null, 20, at(rack, 20), SHOT_LONG, RANGE)).toEqual({ start: 1, arrival: 1, held: null });
+    expect(pullSpan(null, 20, at(rack, 20), FRAME, RANGE)).toEqual({ start: 20, arrival: 20, held: 20 });
   });
 });
 

@@ -50,6 +50,7 @@ describe("what is sharp", () => {
     expect(formatStop(holdingStop(1.4, 0.5, 0.02))).toBe("f/36");
     // The next third on the ring, and no wider.
     expect(formatStop(holdingStop(2.8, 0.041, 0.02))).toBe("f/6.3");
+    expect(["f/22", "f/1.2", "f/1.4"]).toEqual([22.6, 1.26, Math.SQRT2].map(formatStop));
   });
 
   it("is judged by the circle on the film", () => {
@@ -60,6 +61,8 @@ describe("what is sharp", () => {
     });
     expect(judge({ depthM: 3, cocMm: 0.03, focusDistanceM: Infinity }, 0.04)).toMatchObject({ isSharp: true });
     expect(judge({ depthM: -3, cocMm: null, focusDistanceM: null }, 0.02)).toBeNull();
+    // An orthographic camera sees what is behind its origin, too.
+    expect(judge({ depthM: -3, cocMm: 0.01, focusDistanceM: -3.5 }, 0.02)).toMatchObject({ isSharp: true });
   });
 
   it("is missed by points that count and are to be sharp", () => {

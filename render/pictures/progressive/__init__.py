@@ -3,6 +3,6 @@
 Importing this package loads no OpenGL. `renderer.ProgressiveRenderer` needs it, and is imported by its own name.
 """
 
-from render.pictures.progressive.request import FocusMaps, PreviewRequest, ProgressivePicture, Timing
+from render.pictures.progressive.request import PreviewRequest, ProgressivePicture, Timing
 
-__all__ = ["FocusMaps", "PreviewRequest", "ProgressivePicture", "Timing"]
+__all__ = ["PreviewRequest", "ProgressivePicture", "Timing"]

@@ -22,6 +22,8 @@ from render.postblur.preview import Sketch
 from render.trace.lens import Stage as TraceStage
 from render.trace.rays import make_ray_pattern
 
+MAP_SIDE_PX = 480
+"""Longer side of the focus maps of previews: measuring and sending a larger one would take longer than the preview."""
 _LEAST_RAY_SHARE = 0.1
 """Share of a preview's time, or of the time until its layers were there where that is longer, that its rays have at least."""
 _PREVIEW_WAVELENGTHS = 3
@@ -130,9 +132,12 @@ class LiveFrames:
         return device.previewer.trace(device.peeler, peeled, camera, view, pattern, wavelengths, on_stage)
 
     def map_focus(self, scene: Scene, camera: Camera, settings: FrameSettings, *, is_preview: bool = False) -> FocusMap:
-        """Measure how sharp each pixel of a picture is: as `FrameRenderer.map_focus`, for a preview in the size of its layers."""
-        size = self._planner.largest_size(settings.width, settings.height) if is_preview else None
-        return self._renderer.map_focus(scene, camera, settings, size=size, is_preview=is_preview)
+        """Measure how sharp each pixel of a picture is: as `FrameRenderer.map_focus`, for a preview in at most `MAP_SIDE_PX`."""
+        scale = min(1.0, MAP_SIDE_PX / max(settings.width, settings.height))
+        size = max(1, round(scale * settings.width)), max(1, round(scale * settings.height))
+        return self._renderer.map_focus(
+            scene, camera, settings, size=size if is_preview else None, is_preview=is_preview
+        )
 
     def draw_in_steps(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Generator[float, None, Frame]:
         """Draw a frame piece by piece, by an engine that draws in steps: equal to `FrameRenderer.render`'s to the bit.

@@ -249,9 +249,7 @@ class ProgressiveRenderer:
     def _with_focus(self, job: _Job, shown: ProgressivePicture) -> ProgressivePicture:
         """Add a focus map to a picture where one is requested."""
         request = job.request
-        if request.focus_maps == "none":
-            return shown
-        if not shown.is_final and (request.focus_maps == "final" or request.is_hurried):
+        if not request.maps_focus or (request.is_hurried and not shown.is_final):
             return shown
         is_preview = not shown.is_final
         focus = self._frames.map_focus(job.scene, job.camera, job.settings, is_preview=is_preview)

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from render.pictures.picture import Picture
 
 Stage = Literal["preview", "refining", "final"]
-FocusMaps = Literal["none", "final", "all"]
 
 
 @dataclass(frozen=True)
@@ -31,8 +30,7 @@ class PreviewRequest:
         budget_ms: time for the first picture, which is as good as fits.
         is_moving: True while a control is dragged, so that the next request follows at once: the preview is the only picture.
         is_hurried: True where others wait: a preview of a new view shows nothing behind what the centre of the lens sees.
-        focus_maps: pictures that come with a focus map: ``none``, the ``final`` one, or with ``all`` also the first one unless
-            it is hurried.
+        maps_focus: whether the first picture, unless it is hurried, and the final one come with a focus map.
     """
 
     camera_path: str | None
@@ -43,7 +41,7 @@ class PreviewRequest:
     budget_ms: float = 100.0
     is_moving: bool = False
     is_hurried: bool = False
-    focus_maps: FocusMaps = "none"
+    maps_focus: bool = False
 
 
 @dataclass(frozen=True)

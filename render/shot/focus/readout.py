@@ -30,7 +30,7 @@ class PlacedPoint:
         coc_mm: diameter on the film of its circle of confusion; NaN where it is not in front of the camera.
         focus_distance_m: depth of the focal surface where it stands in the picture; may be infinite, NaN where it is not in front
             of the camera.
-        is_sharp: whether its circle of confusion is within the limit.
+        is_sharp: whether its circle of confusion is within `FocusedCamera.coc_limit_mm`; False without a place.
         problem: why it has no position, or empty.
     """
 

@@ -95,7 +95,7 @@ async def get_focus_map(
     service: ServiceDep,
     shot: ShotId,
     query: Annotated[FocusMapQuery, Query()],
-    if_none_match: Annotated[str | None, Header(examples=['"e3b0c44298fc1c14-focus"'])] = None,
+    if_none_match: Annotated[str | None, Header(examples=['"e3b0c44298fc1c14"'])] = None,
 ) -> Response:
     """Measure how sharp each pixel of a frame is: its circle of confusion and its depth, as the AOVs `coc` and `depth`.
 
@@ -110,16 +110,20 @@ async def get_focus_map(
     record = service.store.get(shot)
     edits = record.edit_text()
     picture = PictureQuery.model_validate(query.model_dump() | {"rays": 1, "layers": 1})
-    limits = service.admission.check_preview(picture)
-    tag = focus_tag(tag_of_frame(service, record, edits, FrameQuery.model_validate(picture.model_dump())))
+    cost, limits = service.admission.check(record.id, picture)
+    tag = focus_tag(service, record, edits, picture)
     headers = {"ETag": tag, "Cache-Control": "private, no-cache", "Pullfocus-Revision": revision_of(edits)}
     if matches(if_none_match, tag):
         return Response(status_code=304, headers=headers)
     focus = service.frame_cache.get(tag)
     if focus is None:
         request = frame_request(record, edits, picture, limits)
-        measuring = call(focus_map_calls.measure_focus_map, request)
-        focus = await service.lanes.live.result(measuring, service.place_of(record), present_client())
+        focus = await service.lanes.frame_lane(cost.expected_s).result(
+            call(focus_map_calls.measure_focus_map, request),
+            service.place_of(record),
+            present_client(),
+            estimate_s=cost.ordinary_s,
+        )
         service.frame_cache.put(tag, focus)
     return Response(focus, media_type=FOCUS_MAP_TYPE, headers=headers)
 

@@ -116,7 +116,7 @@ def test_the_last_picture_is_that_of_record(
 
 
 def test_focus_maps_come_with_the_first_and_last(progressive: ProgressiveRenderer) -> None:
-    request = PreviewRequest("/cam", 2.0, replace(SETTINGS, aovs=("color", "coc", "depth")), focus_maps="all")
+    request = PreviewRequest("/cam", 2.0, replace(SETTINGS, aovs=("color", "coc", "depth")), maps_focus=True)
     pictures = list(progressive.pictures(request))
     first, final = pictures[0].focus, pictures[-1].focus
     assert first is not None
@@ -126,8 +126,6 @@ def test_focus_maps_come_with_the_first_and_last(progressive: ProgressiveRendere
     np.testing.assert_array_equal(final.coc_px, frame.aovs["coc"])
     np.testing.assert_array_equal(final.depth_m, frame.aovs["depth"])
     assert np.median(np.abs(first.depth_m - final.depth_m)) < 0.01
-    at_rest = list(progressive.pictures(replace(request, time=1.5, focus_maps="final")))
-    assert [shown.focus is not None for shown in at_rest] == [shown.is_final for shown in at_rest]
     hurried = progressive.pictures(replace(request, time=1.0, is_moving=True, is_hurried=True))
     assert [shown.focus for shown in hurried] == [None]
 

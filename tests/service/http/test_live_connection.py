@@ -298,7 +298,7 @@ def test_a_client_of_large_messages_has_pauses():
 
 def test_a_focus_map_outlives_the_picture_that_it_came_with():
     async def play(socket: Socket, pictures: Pictures) -> None:
-        await socket.request(1, focusMaps="all")
+        await socket.request(1, focusMaps=True)
         pictures.streams[0].on_item(replace(PREVIEW, focus=b"map"))
         pictures.streams[0].on_item(REFINING)  # takes the preview's place before it is sent
         await settled()

@@ -3,7 +3,7 @@
 import { computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 import { cacheQuality, fittingEngine, restQuality, type CacheEngine } from "../model/quality";
 import { isAbort } from "../net/errors";
-import type { FocusMaps, LivePicture } from "../net/live_link";
+import type { LivePicture } from "../net/live_link";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
@@ -29,8 +29,8 @@ export interface Player {
   readonly pictures: Pick<Pictures, "displayed">;
   /** Whether nothing else is wanted: the best picture is on screen, and nothing moves. */
   readonly settled: ReadonlySignal<boolean>;
-  /** Which pictures come with focus maps: where all do, those of cached frames are cached, too. */
-  readonly focusMaps: ReadonlySignal<FocusMaps>;
+  /** Whether pictures come with focus maps: those of cached frames are cached then, too. */
+  readonly focusMaps: ReadonlySignal<boolean>;
   /** Width over height of the picture. */
   readonly aspect: number;
 }
@@ -108,7 +108,7 @@ export class CacheFiller {
   /** Times of frames that are cached with all that is wanted. */
   readonly #cached = computed<readonly number[]>(() => {
     const { cache, focusMaps } = this.#player;
-    return focusMaps.value === "all" ? cache.mappedTimes.value : cache.times.value;
+    return focusMaps.value ? cache.mappedTimes.value : cache.times.value;
   });
 
   /** The next frame to make; null where all are there, or where it is not known yet which are. */
@@ -171,14 +171,14 @@ export class CacheFiller {
   /** Makes a frame, or the focus map that a cached one lacks. */
   async #frameAt(time: number, abort: AbortSignal): Promise<{ picture: LivePicture; revision: string }> {
     const { document, cache, pictures, focusMaps, aspect } = this.#player;
-    const began = performance.now();
     const size = restQuality(MAP_WIDTH_PX, MAP_WIDTH_PX / aspect);
-    const map = focusMaps.peek() === "all" ? await this.#service.focusMap(document.view, time, size, abort) : null;
+    const map = focusMaps.peek() ? await this.#service.focusMap(document.view, time, size, abort) : null;
     const there = map && cache.find(time);
     if (there) return { picture: { ...there, focusMap: map.data }, revision: map.revision };
     // With no frame left, none needs to be like those before.
     if (cache.bytes.peek() === 0) this.engine.value = null;
     const engine = (this.engine.value ??= fittingEngine(pictures.displayed.peek()));
+    const began = performance.now();
     const quality = cacheQuality(engine, aspect);
     const { blob, revision } = await this.#service.cacheFrame(document.view, time, quality, engine, abort);
     const { width, height } = quality;

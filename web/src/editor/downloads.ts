@@ -6,6 +6,9 @@ import type { CurveFormat, Download, PictureFormat, Service } from "../net/servi
 import type { ShotDocument } from "./document";
 import type { Playhead } from "./playhead";
 
+/** Width of a downloaded frame. */
+const WIDTH_PX = 1920;
+
 /** What files are made of. */
 interface Source {
   readonly document: Pick<ShotDocument, "view">;
@@ -32,17 +35,11 @@ export class Downloads {
     return this.#service.downloadEdits(this.#source.document.view.shot);
   }
 
-  /** The frame at this time, in the width of a delivery. */
-  frame(format: PictureFormat, widthPx: number): Promise<Download> {
+  /** The frame at this time in full HD. */
+  frame(format: PictureFormat): Promise<Download> {
     const { document, playhead, motion, aspect } = this.#source;
-    const height = 2 * Math.round(widthPx / aspect / 2);
     // A file may take its time: the scene is drawn at each moment.
-    const quality = {
-      ...restQuality(widthPx, height, motion.value),
-      width: widthPx,
-      height,
-      motionBy: "moments" as const,
-    };
+    const quality = { ...restQuality(WIDTH_PX, WIDTH_PX / aspect, motion.value), motionBy: "moments" as const };
     return this.#service.downloadFrame(document.view, playhead.time.value, quality, format);
   }
 }

@@ -147,6 +147,7 @@ export class Editor {
         time ?? opened.range.start,
         this.fail,
         this.identity,
+        this.remembered.pull,
       );
     } catch (error) {
       if (this.opening.value === opening) this.fail(error, () => void this.open(shot, camera, time));

@@ -1,7 +1,7 @@
 /** Clicks on the picture, and points that are dropped on it: what is there is picked, and becomes or gets a focus point. */
 
 import { signal, type ReadonlySignal, type Signal } from "@preact/signals";
-import { pullFocus, type Changes } from "../model/changes";
+import type { Changes } from "../model/changes";
 import { freshName } from "../model/pull";
 import { restQuality } from "../model/quality";
 import { thingName, type Anchor, type FocusPoint } from "../model/shot";
@@ -11,6 +11,7 @@ import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
 import { noCameraHint, noEditsHint } from "./hints";
 import type { Playhead } from "./playhead";
+import type { Pulls } from "./pulls";
 
 /** Gesture of a click on the picture. */
 export type ClickIntent = "pull" | "add" | "move";
@@ -22,6 +23,7 @@ export type Place = readonly [number, number];
 interface Picked {
   readonly document: ShotDocument;
   readonly playhead: Playhead;
+  readonly pulls: Pulls;
   /** Device pixels that the picture has on screen. */
   readonly box: ReadonlySignal<{ readonly width: number; readonly height: number } | null>;
   /** Name of the selected focus point. */
@@ -73,9 +75,11 @@ export class Picks {
       thingName(anchor.target[0] ?? ""),
       points.map((point) => point.name),
     );
-    const pull = pulls ? pullFocus(name, time, points) : [];
-    const changes: Changes = [...document.byPoints(), { type: "addPoint", point: { name, ...anchor } }, ...pull];
-    if (await document.edit(`Focus on ${name}`, changes)) selected.value = name;
+    const changes: Changes = [...document.byPoints(), { type: "addPoint", point: { name, ...anchor } }];
+    const isMade = pulls
+      ? await this.#session.pulls.pull(name, time, points, changes)
+      : await document.edit(`Add ${name}`, changes);
+    if (isMade) selected.value = name;
   }
 
   /** Picks the surface at a place, after the picks before, and acts on it. */

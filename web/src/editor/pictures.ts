@@ -11,18 +11,17 @@ import type { FocusPoint } from "../model/shot";
 import { sameTime } from "../model/time";
 import { ServiceError } from "../net/errors";
 import { decodeFocusMap } from "../net/focus_map";
-import type { FocusMaps, LiveLink, LiveListener, LivePicture, PictureRequest } from "../net/live_link";
+import type { LiveLink, LiveListener, LivePicture, PictureRequest } from "../net/live_link";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
 import type { FrameCache } from "./frame_cache";
+import { KeptMaps } from "./kept_maps";
 
 /** Pictures kept for playing again. */
 const MOST_KEPT = 400;
-/** Focus maps kept with them, which are many times larger. */
-const MOST_KEPT_MAPS = 40;
 /** Share of the width at rest from which a kept picture is good enough while things move. */
 const GOOD_WIDTH = 0.45;
 /** Rest before a whole picture is requested where pictures are not live, ms. */
@@ -47,6 +46,8 @@ export interface Displayed extends Omit<LivePicture, "blob" | "focusMap"> {
   readonly quality: Quality;
   readonly unsaved: Changes;
   readonly points: readonly FocusPoint[];
+  /** Number of its request. */
+  readonly number: number;
   /** How sharp each pixel is; null where that was not asked for. */
   readonly focusMap: FocusMap | null;
 }
@@ -81,12 +82,15 @@ export class Pictures {
 
   readonly #document: ShotDocument;
   readonly #cache: Pick<FrameCache, "find">;
+  readonly #fail: Fail;
   readonly #link: LiveLink;
   readonly #fetcher: NewestWins<NumberedRequest, LivePicture>;
   readonly #kept = new Recent<Kept>(MOST_KEPT);
-  readonly #keptMaps = new Recent<ArrayBuffer>(MOST_KEPT_MAPS);
+  readonly #keptMaps = new KeptMaps();
+  /** Reads the focus map of the picture on screen, where none came with it. */
+  readonly #mapReader: NewestWins<NumberedRequest, FocusMap>;
   /** The focus map that came last, and the number of its request. */
-  #map: { readonly number: number; readonly read: Promise<FocusMap> } | null = null;
+  #map: { readonly number: number; readonly read: Promise<FocusMap | null> } | null = null;
   #isLive = true;
   #keptRevision = -1;
   readonly #keptTimes = signal<{ readonly revision: number; readonly times: readonly number[] }>({
@@ -110,8 +114,7 @@ export class Pictures {
     refusal: string | null = null,
     cache: Pick<FrameCache, "find"> = NO_CACHE,
   ) {
-    this.#document = document;
-    this.#cache = cache;
+    [this.#document, this.#cache, this.#fail] = [document, cache, fail];
     this.refusal = refusal;
     const onError = (error: unknown): void => {
       this.busy.value = false;
@@ -140,24 +143,21 @@ export class Pictures {
       load: async (request, signal) => {
         const quality = request.moving ? draftQuality(request.quality) : request.quality;
         const began = performance.now();
-        const hasMap = request.focusMaps === "all" || (request.focusMaps === "final" && !request.moving);
-        const [blob, map] = await Promise.all([
-          service.frame(document.view, request.time, quality, signal),
-          hasMap ? service.focusMap(document.view, request.time, quality, signal) : null,
-        ]);
+        const blob = await service.frame(document.view, request.time, quality, signal);
         const { width, height, rays } = quality;
         const [stage, share] = request.moving ? (["preview", 0] as const) : (["final", 1] as const);
         const tookMs = performance.now() - began;
-        return { blob, stage, width, height, rays, share, tookMs, focusMap: map?.data ?? null };
+        return { blob, stage, width, height, rays, share, tookMs, focusMap: null };
       },
       onResult: (picture, request) => void this.#take(picture, request),
       onError,
     });
+    this.#mapReader = this.#makeMapReader(service, onError);
   }
 
   /** Whether the picture of a time is there, or would be made soon: else playing drops the frame. */
   isFreeFor(time: number): boolean {
-    if (this.#cache.find(time)) return true;
+    if (this.#cachedFor(time, this.#current?.focusMaps ?? false)) return true;
     return this.#isLive ? this.#link.free : this.#fetcher.free;
   }
 
@@ -167,7 +167,8 @@ export class Pictures {
     if (this.#current && isSame(this.#current, picture) && (picture.moving || !this.#current.moving)) return;
     const request = { ...picture, number: (this.#newest += 1) };
     this.#current = request;
-    const cached = request.moving && request.unsaved.length === 0 ? this.#cache.find(request.time) : null;
+    const isSaved = request.unsaved.length === 0;
+    const cached = request.moving && isSaved ? this.#cachedFor(request.time, request.focusMaps) : null;
     if (cached) {
       this.#sendNothing();
       void this.#show(cached, request, this.#document.pointsByTime.known(request.time) ?? []);
@@ -175,12 +176,42 @@ export class Pictures {
     }
     const kept = this.#keptFor(request);
     if (kept) void this.#take(kept.picture, { ...request, quality: kept.quality });
-    const isWhole = kept !== null && (request.moving || (kept.picture.stage === "final" && hasMap(kept, request)));
-    if (isWhole) {
+    if (kept && (request.moving || kept.picture.stage === "final")) {
       this.#sendNothing();
       return;
     }
     this.#send(request);
+  }
+
+  #makeMapReader(service: Service, onError: (error: unknown) => void): NewestWins<NumberedRequest, FocusMap> {
+    const document = this.#document;
+    return new NewestWins({
+      load: async (request, signal) => {
+        const { data } = await service.focusMap(document.view, request.time, request.quality, signal);
+        if (request.revision === document.revision.peek()) this.#keptMaps.put(request.time, { data, isExact: true });
+        return decodeFocusMap(data);
+      },
+      onResult: (focusMap, { number, revision }) => {
+        const shown = this.displayed.peek();
+        if (shown?.number === number && revision === document.revision.peek())
+          this.displayed.value = { ...shown, focusMap };
+      },
+      onError,
+      mostInFlight: 1,
+    });
+  }
+
+  /** Reads the focus map of the exact picture on screen, unless it is there or under way. */
+  readMap(): void {
+    const [shown, current] = [this.displayed.peek(), this.#current];
+    if (shown?.stage !== "final" || shown.focusMap || shown.unsaved.length > 0) return;
+    if (current?.number === shown.number) this.#mapReader.load(current);
+  }
+
+  /** A cached frame of a time, where it has the focus map that is wanted. */
+  #cachedFor(time: number, focusMaps: boolean): LivePicture | null {
+    const cached = this.#cache.find(time);
+    return focusMaps && !cached?.focusMap ? null : cached;
   }
 
   /** Cancels the pictures under way, which belong to the request before. */
@@ -196,6 +227,7 @@ export class Pictures {
     this.#current = null;
     this.#link.close();
     this.#fetcher.clear();
+    this.#mapReader.clear();
     this.displayed.value?.bitmap.close();
     this.displayed.value = null;
   }
@@ -233,7 +265,7 @@ export class Pictures {
     const serial = (this.#serial += 1);
     const { blob, focusMap: encoded, ...facts } = picture;
     const { number, time, revision, quality, unsaved } = request;
-    if (encoded) this.#map = { number, read: decodeFocusMap(encoded) };
+    if (encoded) this.#map = { number, read: this.#decode(encoded) };
     // The map is that of the request: it goes on while its pictures get better.
     const map = this.#map?.number === number ? this.#map.read : null;
     const [bitmap, points, focusMap] = await Promise.all([createImageBitmap(blob), pointsThen, map]);
@@ -243,8 +275,21 @@ export class Pictures {
     }
     this.#shownSerial = serial;
     this.displayed.peek()?.bitmap.close();
-    this.displayed.value = { ...facts, bitmap, time, revision, quality, unsaved, points, focusMap };
+    this.displayed.value = { ...facts, number, bitmap, time, revision, quality, unsaved, points, focusMap };
+    if (request.focusMaps) this.readMap();
     if (facts.stage === "final" && isSame(this.#current, request)) this.busy.value = false;
+  }
+
+  /** Decodes a map; a picture is shown without one that cannot be read. */
+  async #decode(encoded: ArrayBuffer): Promise<FocusMap | null> {
+    try {
+      return await decodeFocusMap(encoded);
+    } catch (error) {
+      this.#fail(error, () => {
+        this.#document.refresh();
+      });
+      return null;
+    }
   }
 
   #keep(picture: LivePicture, { time, revision, quality, unsaved }: RevisionRequest): void {
@@ -255,7 +300,7 @@ export class Pictures {
       this.#keptRevision = revision;
     }
     const { focusMap, ...rest } = picture;
-    if (focusMap) this.#keptMaps.set(time.toString(), focusMap);
+    if (focusMap) this.#keptMaps.put(time, { data: focusMap, isExact: picture.stage === "final" });
     const before = this.#kept.get(time.toString());
     if (before && picture.stage !== "final" && before.picture.width > picture.width) return;
     this.#kept.set(time.toString(), { picture: { ...rest, focusMap: null }, quality });
@@ -266,8 +311,9 @@ export class Pictures {
   #keptFor({ time, revision, quality, unsaved, moving, focusMaps }: RevisionRequest): Kept | null {
     const found = revision === this.#keptRevision && unsaved.length === 0 ? this.#kept.get(time.toString()) : undefined;
     if (!found) return null;
-    const focusMap = this.#keptMaps.get(time.toString()) ?? null;
-    if (moving && focusMaps === "all" && focusMap === null) return null;
+    const map = focusMaps ? this.#keptMaps.get(time) : null;
+    if (moving && focusMaps && map === null) return null;
+    const focusMap = map && (moving || map.isExact) ? map.data : null;
     const kept = { ...found, picture: { ...found.picture, focusMap } };
     const isWhole =
       kept.picture.stage === "final" && kept.quality.width === quality.width && kept.quality.motion === quality.motion;
@@ -275,17 +321,10 @@ export class Pictures {
   }
 }
 
-/** Whether a kept picture has the focus map that a request asks for. */
-function hasMap({ picture }: Kept, { focusMaps }: RevisionRequest): boolean {
-  return focusMaps === "none" || picture.focusMap !== null;
-}
-
-const RANKS: Readonly<Record<FocusMaps, number>> = { none: 0, final: 1, all: 2 };
-
 /** Whether a request gives the picture that another one is for, at any quality of its rays. */
 function isSame(one: RevisionRequest, other: RevisionRequest): boolean {
   return (
-    RANKS[one.focusMaps] >= RANKS[other.focusMaps] &&
+    (one.focusMaps || !other.focusMaps) &&
     one.revision === other.revision &&
     sameTime(one.time, other.time) &&
     (one.unsaved === other.unsaved || (one.unsaved.length === 0 && other.unsaved.length === 0)) &&

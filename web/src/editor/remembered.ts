@@ -2,6 +2,8 @@
 
 import { effect, signal, type Signal } from "@preact/signals";
 import type { LengthUnit } from "../model/distance";
+import { REACHES, type Reach } from "../model/pull";
+import { EASES, type Ease } from "../model/shot";
 import { DELIVERIES, LIMITS, LOOKS, type Delivery, type Limit, type Look } from "../model/sharpness";
 
 export const SURROUNDS = ["grey", "dark", "black"] as const;
@@ -24,14 +26,30 @@ export class Remembered {
   readonly look = remembered<Look>("look", "none", LOOKS);
   /** Whether the plane of focus and the limits of sharpness are drawn as lines. */
   readonly focusLines = remembered<"on" | "off">("focusLines", "off", ["on", "off"]);
-  /** Whether the pointer is told how sharp the thing there is. */
+  /** Whether the sharpness of what is under the pointer is shown beside it. */
   readonly probe = remembered<"on" | "off">("probe", "on", ["on", "off"]);
   /** What counts as sharp. */
   readonly limit = remembered<Limit>("limit", "film", LIMITS);
   /** Width of delivered pictures, px. */
   readonly delivery = remembered<Delivery>("delivery", "1920", DELIVERIES);
+  /** What a click on the picture means. */
+  readonly pull = {
+    reach: remembered<Reach>("pullReach", "from", REACHES),
+    frames: numberOf(remembered<string>("pullFrames", "12", null), 12),
+    ease: remembered<Ease>("pullEase", "smooth", EASES),
+  };
   /** Shape of the framing guide; empty for none. */
   readonly guide = remembered<string>("guide", "", null);
+}
+
+/** A number that is remembered as words. */
+function numberOf(words: Signal<string>, standard: number): Signal<number> {
+  const found = Number(words.peek());
+  const value = signal(Number.isFinite(found) && found >= 0 ? found : standard);
+  effect(() => {
+    words.value = value.value.toString();
+  });
+  return value;
 }
 
 /** A choice (or with `choices` null any words) that is kept in the browser; private windows that keep nothing get the default each time. */

@@ -2,7 +2,6 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import {
-  pullFocus,
   setAttribute,
   setFocus,
   setFocusMode,
@@ -38,7 +37,6 @@ import {
 import { sameTime } from "../model/time";
 import { HintError } from "../net/errors";
 import { base64Of } from "../net/files";
-import type { FocusMaps } from "../net/live_link";
 import type { Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { CacheFiller } from "./cache_filler";
@@ -52,6 +50,7 @@ import type { Identity } from "./identity";
 import { Picks, type Place } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
+import { Pulls, usualPull, type PullChoice } from "./pulls";
 import { readSetting } from "./setting_state";
 import { TimeView } from "./time_view";
 
@@ -71,6 +70,7 @@ export class Session {
   readonly cache: FrameCache;
   readonly filler: CacheFiller;
   readonly photography: CameraPhotography;
+  readonly pulls: Pulls;
   readonly picks: Picks;
   readonly keys: KeyEditing;
   readonly corrections: Corrections;
@@ -82,8 +82,8 @@ export class Session {
   readonly motion = signal(1);
   /** Where the pointer is on the picture, 0 to 1 from its top left corner; null where it is elsewhere. */
   readonly pointer = signal<Place | null>(null);
-  /** Pictures that come with a focus map. */
-  readonly focusMaps = signal<FocusMaps>("none");
+  /** Whether pictures come with focus maps. */
+  readonly focusMaps = signal(false);
   /** Device pixels that the picture has on screen. */
   readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
 
@@ -99,6 +99,7 @@ export class Session {
     time: number,
     fail: Fail,
     { noEdits, noPictures }: Pick<Identity, "noEdits" | "noPictures">,
+    pullChoice: PullChoice = usualPull(),
   ) {
     this.#service = service;
     this.#fail = fail;
@@ -109,6 +110,7 @@ export class Session {
     this.cache = new FrameCache(service, this.document, this.playhead.time);
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek(), this.cache);
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
+    this.pulls = new Pulls(this.document, this.playhead.time, pullChoice);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, fail);
     this.corrections = new Corrections(this.document, async (setting) => {
@@ -169,11 +171,8 @@ export class Session {
 
   /** Gives a point that is there already the focus at this time. */
   pullTo(point: FocusPoint): void {
-    const time = this.playhead.time.value;
-    const on = point.settings.enabled ? [] : setAttribute(point, "enabled", 1, time);
-    const pull = pullFocus(point.name, time, this.document.points.value);
     this.selected.value = point.name;
-    void this.document.edit(`Focus on ${point.name}`, [...this.document.byPoints(), ...on, ...pull]);
+    void this.pulls.pullTo(point, this.playhead.time.value);
   }
 
   setFocusMode(mode: FocusMode): void {

@@ -7,7 +7,7 @@ import type { components } from "../net/schema";
 import type { Curve } from "./curve";
 import type { Key, Keyed, KeyedSetting } from "./keys";
 import type { ExposureChange, ExposureSettings, FilmChange, FilmSettings } from "./photography";
-import { pullTo } from "./pull";
+import { weightOf, type Weight } from "./pull";
 import {
   keysOf,
   type FocusMode,
@@ -62,15 +62,45 @@ export function setKey(point: FocusPoint, attribute: KeyedAttribute, value: numb
   return [{ type: "keyPoint", name: point.name, attribute, key: { time, value, interpolation } }];
 }
 
-/** Gives a point the focus at a time; it may be new and not yet among `points`. */
-export function pullFocus(name: string, time: number, points: readonly FocusPoint[]): Changes {
-  const known = new Map(points.map((point) => [point.name, point]));
-  return pullTo(name, time, points).flatMap((key): Changes => {
-    const point = known.get(key.point);
-    if (point) return setKey(point, "weight", key.value, key.time);
-    const { time: at, value } = key;
-    return [{ type: "keyPoint", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }];
+/**
+ * Makes the weights of points what they are to be. Those that are not named, and were changed since, go back to what they were.
+ *
+ * @param weights by the names of points.
+ * @param before the points that they were made of; a point that is not among them is new, and has weight 1.
+ * @param now the points as they are.
+ * @param time of the points.
+ */
+export function setWeights(
+  weights: ReadonlyMap<string, Weight>,
+  before: readonly FocusPoint[],
+  now: readonly FocusPoint[],
+  time: number,
+): Changes {
+  const all = new Map([...before.map((point): [string, Weight] => [point.name, weightOf(point)]), ...weights]);
+  return [...all].flatMap(([name, weight]) => {
+    const point = now.find((one) => one.name === name);
+    return setWeight(name, point ? weightOf(point) : { keys: [], value: 1 }, weight, time);
   });
+}
+
+function setWeight(name: string, now: Weight, { keys, value }: Weight, time: number): Changes {
+  const attribute = "weight" as const;
+  const set = keys.filter((key) => !now.keys.some((old) => isSameKey(old, key)));
+  const gone = now.keys.filter((old) => !keys.some((key) => sameTime(key.time, old.time)));
+  const isAltered = keys.length === 0 && (now.keys.length > 0 || now.value !== value);
+  return [
+    ...set.map((key): Change => ({ type: "keyPoint", name, attribute, key })),
+    ...gone.map((key): Change => ({ type: "unkeyPoint", name, attribute, time: key.time })),
+    ...(isAltered ? [{ type: "alterPoint", name, values: { weight: value }, time } as const] : []),
+  ];
+}
+
+function isSameKey(one: Key, other: Key): boolean {
+  const [own, others] = [one.tangents, other.tangents];
+  const isShaped = own?.inSlope === others?.inSlope && own?.outSlope === others?.outSlope;
+  const isWide = own?.inWidth === others?.inWidth && own?.outWidth === others?.outWidth;
+  const isPlaced = sameTime(one.time, other.time) && one.value === other.value;
+  return isPlaced && one.interpolation === other.interpolation && isShaped && isWide;
 }
 
 /** Removes a key if there is one at the time, else sets one with the value that the attribute has there. */

@@ -1,48 +1,222 @@
 /**
- * Pulling focus: what one click changes.
- *
- * Focus goes to the weighted mean of the points' inverse depths, so a rack is a pair of weight keys. A click at a time
- * means "this is sharp now": the point gets weight 1 at that time and all others get 0. At the neighbouring times where
- * another point has a key, this point gets 0, so that the focus there stays as it was and racks in between.
+ * Pulling focus: what a click changes. Focus goes to the weighted mean of the points' inverse depths, so that a rack is two weights
+ * that cross.
  */
 
-import type { Key } from "./keys";
-import { keysOf, type FocusPoint } from "./shot";
-import { nearestTime, sameTime } from "./time";
+import type { Key, Tangents } from "./keys";
+import { keysOf, type Ease, type FocusPoint } from "./shot";
+import { insertion, tangentsAt, valueAt } from "./spline";
+import { nearestTime, sameTime, type FrameRange } from "./time";
 
-/** One weight key to set. */
-export interface WeightKey {
-  readonly point: string;
-  readonly time: number;
+/**
+ * What a click means.
+ *
+ * `from`: the focus is there at the time of the click and stays. Until some frames before it is where it was, and it goes over in
+ * between. What takes the focus over later does so as before. `shot`: for the whole shot. `frame`: at this frame, and between it and
+ * the keys on both sides the focus drifts.
+ */
+export const REACHES = ["from", "shot", "frame"] as const;
+export type Reach = (typeof REACHES)[number];
+
+export interface Pull {
+  readonly reach: Reach;
+  /** Frames in which the focus goes over. */
+  readonly frames: number;
+  readonly ease: Ease;
+}
+
+/** The weight of a point over the shot: its keys, or without them one value. */
+export interface Weight {
+  readonly keys: readonly Key[];
   readonly value: number;
 }
 
+/** Times of a pull: the focus goes over from the first to the second and stays up to the third; null is the end of the shot. */
+export interface PullSpan {
+  readonly start: number;
+  readonly arrival: number;
+  readonly held: number | null;
+}
+
+/** Slopes of an ease where it starts and where it ends, as a cubic from (0, 0) to (1, 1). */
+const END_SLOPES: Readonly<Record<Ease, readonly [number, number]>> = {
+  linear: [1, 1],
+  smooth: [0, 0],
+  in: [0, 2],
+  out: [2, 0],
+};
+const NONE: Weight = { keys: [], value: 0 };
+
+export function weightOf(point: FocusPoint): Weight {
+  return { keys: keysOf(point, "weight"), value: point.settings.weight };
+}
+
 /**
- * The weight keys that give a point the focus at a time.
+ * The weights that change by a pull.
  *
  * @param name the point that is to be sharp; it may be new and not yet among `points`.
+ * @param time of the click.
  */
-export function pullTo(name: string, time: number, points: readonly FocusPoint[]): WeightKey[] {
-  const others = points.filter((point) => point.name !== name && counts(point));
-  const rivals = others.filter((point) => point.settings.weight > 0);
-  const own = points.filter((point) => point.name === name).flatMap((point) => keysOf(point, "weight"));
-  const decided = others.flatMap((point) => keysOf(point, "weight").map((key) => key.time));
-  const before = nearestTime(
-    decided.filter((t) => t < time && !sameTime(t, time)),
-    time,
+export function pulledWeights(
+  name: string,
+  time: number,
+  points: readonly FocusPoint[],
+  pull: Pull,
+  range: FrameRange,
+): Map<string, Weight> {
+  const found = points.find((point) => point.name === name);
+  const own = found ? weightOf(found) : NONE;
+  const others = new Map(
+    points.filter((point) => point.name !== name && counts(point)).map((point) => [point.name, weightOf(point)]),
   );
-  const after = nearestTime(
-    decided.filter((t) => t > time && !sameTime(t, time)),
-    time,
+  const rivals = new Map([...others].filter(([, { keys, value }]) => keys.length > 0 || value > 0));
+  if (pull.reach === "frame") return pulledAt(name, time, own, rivals, range);
+  if (!found && rivals.size === 0) return new Map([[name, { keys: [], value: 1 }]]);
+  if (pull.reach === "shot")
+    return new Map([
+      [name, { keys: [], value: 1 }],
+      ...[...rivals.keys()].map((rival): [string, Weight] => [rival, NONE]),
+    ]);
+  const handover = handoverAfter(time, rivals);
+  const span = { start: Math.max(range.start, time - pull.frames), arrival: time, ...handover };
+  const before = [own, ...rivals.values()].reduce((sum, weight) => sum + weightAt(weight, span.start), 0);
+  const changed = [...rivals]
+    .filter(([, weight]) => hasSay(weight, span))
+    .map(([rival, weight]): [string, Weight] => [rival, bend(weight, span, 0, pull.ease)]);
+  return new Map([[name, bend(own, span, before > 0 ? before : 1, pull.ease)], ...changed]);
+}
+
+/** The times of a pull, for drawing it before it is made; null where it has none of its own. */
+export function pullSpan(
+  name: string | null,
+  time: number,
+  points: readonly FocusPoint[],
+  pull: Pull,
+  range: FrameRange,
+): PullSpan | null {
+  if (pull.reach === "frame") return { start: time, arrival: time, held: time };
+  const rivals = points.filter((point) => point.name !== name && counts(point)).map(weightOf);
+  if (pull.reach === "shot" || !rivals.some(({ keys, value }) => keys.length > 0 || value > 0))
+    return { start: range.start, arrival: range.start, held: null };
+  const { held } = handoverAfter(time, new Map(rivals.map((weight, at) => [at.toString(), weight])));
+  return { start: Math.max(range.start, time - pull.frames), arrival: time, held };
+}
+
+/** Times of the next handover: when the focus leaves what it is on, and when it is elsewhere; null where it stays. */
+interface Handover {
+  readonly held: number | null;
+  readonly next: number | null;
+}
+
+function handoverAfter(time: number, rivals: ReadonlyMap<string, Weight>): Handover {
+  const times = [...rivals.values()].flatMap(({ keys }) => keys.map((key) => key.time));
+  const later = times.filter((at) => at > time && !sameTime(at, time)).sort((one, other) => one - other);
+  const isAs = (at: number): boolean =>
+    [...rivals.values()].every((weight) => Math.abs(weightAt(weight, at) - weightAt(weight, time)) < 1e-6);
+  const next = later.find((at) => !isAs(at)) ?? null;
+  const held = next === null ? null : (later.findLast((at) => at < next && !sameTime(at, next)) ?? time);
+  return { held, next };
+}
+
+function weightAt({ keys, value }: Weight, time: number): number {
+  return valueAt(keys, time) ?? value;
+}
+
+/** Whether a weight is above 0 anywhere while a pull goes over and stays. */
+function hasSay(weight: Weight, { start, held }: PullSpan): boolean {
+  const [first, last] = [start - 1e-4, (held ?? Infinity) + 1e-4];
+  const within = weight.keys.filter((key) => key.time >= first && key.time <= last).map((key) => key.value);
+  return [weightAt(weight, start), weightAt(weight, held ?? start), ...within].some((value) => value > 1e-9);
+}
+
+/** A weight that goes to a level, stays there, and then goes over to what it is at the next handover. */
+function bend(weight: Weight, span: PullSpan & Handover, level: number, ease: Ease): Weight {
+  const { start, arrival, held, next } = span;
+  const split = [start, ...(next === null ? [] : [next])].reduce(withKey, weight.keys);
+  const [first, last] = [weightAt(weight, start), next === null ? level : weightAt(weight, next)];
+  const isGradual = arrival > start && !sameTime(arrival, start);
+  const corners: Key[] = isGradual ? [corner(start, first)] : [];
+  corners.push(corner(arrival, level));
+  if (held !== null && !sameTime(held, arrival)) corners.push(corner(held, level));
+  const eased = isGradual ? crossed(corners, ease) : corners;
+  const before = split.filter((key) => key.time < start && !sameTime(key.time, start));
+  if (next === null) return { ...weight, keys: joined(before, eased, split, start) };
+  const after = split.filter((key) => key.time > next && !sameTime(key.time, next));
+  const goal = split.find((key) => sameTime(key.time, next)) ?? corner(next, last);
+  return { ...weight, keys: [...joined(before, eased, split, start), { ...goal, value: last }, ...after] };
+}
+
+/** Keys up to a time, and new ones from there on; the first of these goes on as the curve came. */
+function joined(before: readonly Key[], corners: readonly Key[], split: readonly Key[], start: number): Key[] {
+  const index = split.findIndex((key) => sameTime(key.time, start));
+  const [first, ...rest] = corners;
+  if (index <= 0 || !first?.tangents || !sameTime(first.time, start)) return [...before, ...corners];
+  const { inSlope, inWidth } = tangentsAt(split, index);
+  return [...before, { ...first, tangents: { ...first.tangents, inSlope, inWidth } }, ...rest];
+}
+
+function corner(time: number, value: number): Key {
+  const tangents: Tangents = { inSlope: 0, inWidth: 0, outSlope: 0, outWidth: 0 };
+  return { time, value, interpolation: "bezier", tangents };
+}
+
+/** Corners of which the first two are joined by an ease. */
+function crossed([first, second, ...rest]: readonly Key[], ease: Ease): Key[] {
+  if (!first || !second) return first ? [first] : [];
+  const mean = (second.value - first.value) / (second.time - first.time);
+  const [out, into] = END_SLOPES[ease].map((slope) => slope * mean);
+  const leaving = { ...first, tangents: { ...first.tangents, outSlope: out ?? 0 } as Tangents };
+  const coming = { ...second, tangents: { ...second.tangents, inSlope: into ?? 0 } as Tangents };
+  return [leaving, coming, ...rest];
+}
+
+/** Keys with one more on the curve, which stays as it is. */
+function withKey(keys: readonly Key[], time: number): readonly Key[] {
+  if (keys.length === 0 || keys.some((key) => sameTime(key.time, time))) return keys;
+  const set = insertion(keys, time);
+  const others = keys.filter((key) => !set.some((one) => sameTime(one.time, key.time)));
+  return [...others, ...set].sort((one, other) => one.time - other.time);
+}
+
+/**
+ * The weights after a pull at one frame: the point gets weight 1 there and the others 0. At the neighbouring times where another
+ * point has a key, or at the ends of the shot, this point gets 0, so that the focus there stays as it was.
+ */
+function pulledAt(
+  name: string,
+  time: number,
+  own: Weight,
+  rivals: ReadonlyMap<string, Weight>,
+  { start, end }: FrameRange,
+): Map<string, Weight> {
+  const others = [...rivals].map(([rival, weight]): [string, Weight] => {
+    const ends = [start, end].map((at) => ({ time: at, value: weight.value }));
+    return [rival, weight.keys.length > 0 ? weight : { ...weight, keys: ends.reduce(withValue, weight.keys) }];
+  });
+  const decided = others.flatMap(([, { keys }]) => keys.map((key) => key.time));
+  const beside = ([-1, 1] as const).map((side) =>
+    nearestTime(
+      decided.filter((at) => (at - time) * side > 0 && !sameTime(at, time)),
+      time,
+    ),
   );
-  const handOver = [before, after]
-    .filter((t): t is number => t !== null && !keyedBetween(own, t, time))
-    .map((t) => ({ point: name, time: t, value: 0 }));
-  return [
-    ...handOver,
-    { point: name, time, value: 1 },
-    ...rivals.map((point) => ({ point: point.name, time, value: 0 })),
-  ];
+  const handOver = beside.filter((at): at is number => at !== null && !keyedBetween(own.keys, at, time));
+  const set = [...handOver.map((at) => ({ time: at, value: 0 })), { time, value: 1 }];
+  const off = others.filter(([, weight]) => weightAt(weight, time) > 0);
+  return new Map([
+    [name, { ...own, keys: set.reduce(withValue, own.keys) }],
+    ...off.map(([rival, weight]): [string, Weight] => [
+      rival,
+      { ...weight, keys: withValue(weight.keys, { time, value: 0 }) },
+    ]),
+  ]);
+}
+
+/** Keys with a value at a time; a key that is there keeps its interpolation. */
+function withValue(keys: readonly Key[], { time, value }: { time: number; value: number }): readonly Key[] {
+  const interpolation = keys.find((key) => sameTime(key.time, time))?.interpolation ?? "auto";
+  const others = keys.filter((key) => !sameTime(key.time, time));
+  return [...others, { time, value, interpolation }].sort((one, other) => one.time - other.time);
 }
 
 /** A point that is off now and is never switched on does not pull, and is left alone. */
@@ -50,7 +224,7 @@ function counts(point: FocusPoint): boolean {
   return point.settings.enabled || keysOf(point, "enabled").length > 0;
 }
 
-/** Whether the point itself already has a say at `edge`, or between it and `time`. */
+/** Whether a point itself already has a say at `edge`, or between it and `time`. */
 function keyedBetween(own: readonly Key[], edge: number, time: number): boolean {
   const [low, high] = edge < time ? [edge, time] : [time, edge];
   return own.some((key) => !sameTime(key.time, time) && key.time >= low - 1e-4 && key.time <= high + 1e-4);

@@ -7,7 +7,7 @@ import type { FocusPoint, PointSharpness } from "./shot";
 export const LOOKS = ["none", "peaking", "falseColour"] as const;
 export type Look = (typeof LOOKS)[number];
 
-/** Who says what is sharp: the film, as the depth of field has it, or a circle of so many pixels in the delivered picture. */
+/** Where the limit comes from: that of the depth of field, or a circle of so many pixels in the delivered picture. */
 export const LIMITS = ["film", "1", "2", "4"] as const;
 export type Limit = (typeof LIMITS)[number];
 
@@ -31,14 +31,16 @@ export function holdingStop(fStop: number, cocMm: number, limitMm: number): numb
   return 2 ** (thirds / 6);
 }
 
+/** F-numbers as engraved, in thirds of a stop from f/0.5 on. */
 const ENGRAVED = [
-  1, 1.1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.5, 2.8, 3.2, 3.5, 4, 4.5, 5, 5.6, 6.3, 7.1, 8, 9, 10, 11, 13, 14, 16,
+  ...[0.5, 0.56, 0.63, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.5, 2.8, 3.2, 3.5, 4, 4.5, 5, 5.6, 6.3, 7.1],
+  ...[8, 9, 10, 11, 13, 14, 16, 18, 20, 22, 25, 29, 32, 36, 40, 45, 51, 57, 64, 72, 80, 90],
 ];
 
-/** An f-number as engraved: f/5.6. */
+/** An f-number as engraved, to the next third: f/5.6. */
 export function formatStop(fStop: number): string {
-  const engraved = ENGRAVED.find((stop) => Math.abs(Math.log2(fStop / stop)) < 1 / 24);
-  return `f/${(engraved ?? Number(fStop.toPrecision(2))).toString()}`;
+  const thirds = Math.round(6 * Math.log2(fStop / 0.5));
+  return `f/${(ENGRAVED[thirds] ?? Number(fStop.toPrecision(2))).toString()}`;
 }
 
 /** A distance from the focus: +12 cm lies behind it. */
@@ -57,7 +59,7 @@ export function formatCircle(cocMm: number, gateMm: number, deliveryPx: number):
   return `${mm.toFixed(mm < 0.1 ? 3 : 2)} mm, ${px.toFixed(px < 10 ? 1 : 0)} px`;
 }
 
-/** How a point stands to the focus. */
+/** Sharpness of a point. */
 export interface Verdict {
   readonly isSharp: boolean;
   /** Of the point behind the focal surface, m. */
@@ -65,13 +67,13 @@ export interface Verdict {
   readonly cocMm: number;
 }
 
-/** Judges a point; null where it has no place in front of the camera. */
+/** Judges a point; null where the camera does not see its place. */
 export function judge({ depthM, cocMm, focusDistanceM }: PointSharpness, limitMm: number): Verdict | null {
-  if (depthM === null || depthM <= 0 || cocMm === null || focusDistanceM === null) return null;
+  if (depthM === null || cocMm === null || focusDistanceM === null) return null;
   return { isSharp: cocMm <= limitMm, offsetM: depthM - focusDistanceM, cocMm };
 }
 
-/** Points that have a say in the focus and are to be sharp, and are not. */
+/** Points that count for the focus and are to be sharp, and are not. */
 export interface Missed {
   readonly point: FocusPoint;
   readonly verdict: Verdict;

@@ -11,11 +11,9 @@ export interface PictureRequest {
   readonly unsaved: Changes;
   /** While something moves one picture is enough, as the next request follows soon; else pictures improve up to the final one. */
   readonly moving: boolean;
-  /** Pictures that come with a focus map: none, the final one, or that and the first. */
-  readonly focusMaps: FocusMaps;
+  /** Whether the first picture and the final one come with a focus map. */
+  readonly focusMaps: boolean;
 }
-
-export type FocusMaps = "none" | "final" | "all";
 
 export interface LivePicture {
   readonly blob: Blob;

@@ -4039,7 +4039,7 @@ export interface components {
             readonly fanTriangle: number;
             /**
              * Focusdistancem
-             * @description Depth of the focal surface where it stands in the picture; null is infinity, or no place there.
+             * @description Depth of the focal surface where it stands in the picture; null is infinity or, where `cocMm` is null too, no place there.
              */
             readonly focusDistanceM: number | null;
             /**
@@ -4100,7 +4100,7 @@ export interface components {
             readonly share: number;
             /**
              * Sharp
-             * @description Whether its circle of confusion is within the limit.
+             * @description Whether its circle of confusion is within the film's limit, the readout's `cocLimitMm`.
              */
             readonly sharp: boolean;
             /**
@@ -5829,12 +5829,11 @@ export interface components {
             readonly film?: string | null;
             /**
              * Focusmaps
-             * @description Pictures that come with a focus map: with `final` the last one, with `all` also the first one, except while others wait.
-             * @default none
-             * @example all
-             * @enum {string}
+             * @description Whether the first picture, except while others wait, and the final one come with a focus map. That takes about as long as a layer.
+             * @default false
+             * @example true
              */
-            readonly focusMaps?: "none" | "final" | "all";
+            readonly focusMaps?: boolean;
             /**
              * Height
              * @description px; from the camera's film gate when left out.
@@ -6738,14 +6737,14 @@ export interface components {
             readonly depthM: number | null;
             /**
              * Focusdistancem
-             * @description Depth of the focal surface where it stands in the picture; null is infinity, or no place there.
+             * @description Depth of the focal surface where it stands in the picture; null is infinity or, where `cocMm` is null too, no place there.
              */
             readonly focusDistanceM: number | null;
             /** Name */
             readonly name: string;
             /**
              * Sharp
-             * @description Whether its circle of confusion is within the limit.
+             * @description Whether its circle of confusion is within the film's limit, the readout's `cocLimitMm`.
              */
             readonly sharp: boolean;
         };

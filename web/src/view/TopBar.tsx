@@ -176,7 +176,7 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
       }
     >
       {(close) =>
-        items(editor, session).map(({ group, what, make }, at, all) => (
+        items(session).map(({ group, what, make }, at, all) => (
           <Fragment key={what}>
             {group !== all[at - 1]?.group && <h3>{group}</h3>}
             <button
@@ -205,8 +205,7 @@ interface Item {
   readonly make: () => ReturnType<Session["downloads"]["edits"]>;
 }
 
-function items(editor: Editor, { downloads }: Session): Item[] {
-  const widthPx = Number(editor.remembered.delivery.value);
+function items({ downloads }: Session): Item[] {
   return [
     { group: "Focus curve", what: "USD layer, spline (.usda)", make: () => downloads.curve("usda") },
     { group: "Focus curve", what: "JSON", make: () => downloads.curve("json") },
@@ -214,7 +213,7 @@ function items(editor: Editor, { downloads }: Session): Item[] {
     { group: "Focus curve", what: "Editorial, OpenTimelineIO (.otio)", make: () => downloads.curve("otio") },
     { group: "Focus curve", what: "Set, OpenTrackIO (.json)", make: () => downloads.curve("opentrackio") },
     { group: "Edits", what: "Edit layer (.usda)", make: () => downloads.edits() },
-    { group: FRAME, what: "Graded (.png)", make: () => downloads.frame("png", widthPx) },
-    { group: FRAME, what: "Scene-linear (.exr)", make: () => downloads.frame("exr", widthPx) },
+    { group: FRAME, what: "Graded (.png)", make: () => downloads.frame("png") },
+    { group: FRAME, what: "Scene-linear (.exr)", make: () => downloads.frame("exr") },
   ];
 }

@@ -141,7 +141,7 @@ def test_a_final_picture_is_kept_and_comes_at_once(service, client, room, live):
 
 
 def test_focus_maps_come_with_the_pictures_of_a_request(service, client, room, live):
-    live.request(id=1, time=7, focusMaps="all")
+    live.request(id=1, time=7, focusMaps=True)
     pictures = live.until_final(1)
     maps = [decode_focus_map(picture.focus_map) for picture in pictures if picture.focus_map]
     assert len(maps) >= 1
@@ -151,7 +151,7 @@ def test_focus_maps_come_with_the_pictures_of_a_request(service, client, room, l
     assert (head["width"], head["height"], coc_px.shape) == (96, 54, (54, 96))
     at_7 = {"time": 7, "width": 96, "height": 54}
     assert pictures[-1].focus_map == client.get(f"/v1/shots/{room}/focus-map", params=at_7).content
-    live.request(id=2, time=7, focusMaps="all")
+    live.request(id=2, time=7, focusMaps=True)
     (kept,) = live.until_final(2)
     assert kept.data == pictures[-1].data
 
@@ -159,7 +159,7 @@ def test_focus_maps_come_with_the_pictures_of_a_request(service, client, room, l
 def test_a_picture_that_is_kept_gets_its_focus_map_later(client, room, live):
     live.request(id=1, time=8)
     assert not any(picture.focus_map for picture in live.until_final(1))
-    live.request(id=2, time=8, focusMaps="all")
+    live.request(id=2, time=8, focusMaps=True)
     assert live.until_final(2)[-1].focus_map
 
 
@@ -171,7 +171,7 @@ def test_a_tried_focus_is_seen_in_map_and_points(client, room, live):
     assert made.status_code == 201, made.text
     (saved,) = client.get(f"/v1/shots/{room}/focus-points", params={"time": 1}).json()["focusPoints"]
     nearer = {"type": "setCamera", "values": {"fStop": 1, "focusDistanceM": saved["depthM"] / 2, "focusMode": "manual"}}
-    live.request(id=1, moving=True, focusMaps="all", changes=[nearer])
+    live.request(id=1, moving=True, focusMaps=True, changes=[nearer])
     received = [live.receive(), live.receive()]
     (picture,) = (one for one in received if isinstance(one, Picture))
     (numbers,) = (one for one in received if isinstance(one, dict))

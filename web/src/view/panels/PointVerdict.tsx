@@ -28,7 +28,7 @@ export function PointVerdict({ editor, session, point }: VerdictProps): JSX.Elem
       <span title="Circle of confusion on the film, and in the delivered picture">
         {formatCircle(cocMm, gateMm, Number(editor.remembered.delivery.value))}
       </span>
-      {asked !== null && <span title="Blur that it asks for"> of {asked.toFixed(2)} mm asked</span>}
+      {asked !== null && <span title="Blur that the point asks for"> (asked for {asked.toFixed(2)} mm)</span>}
     </p>
   );
 }
@@ -47,14 +47,14 @@ export function Misses({
   const points = session.document.points.value.map((point) => ({ ...point, sharpness: session.sharpnessOf(point) }));
   if (readout.focusMode === "manual" || limitMm === null || points.length === 0) return null;
   const misses = missed(points, limitMm);
+  if (misses.length === 0) return null;
   const { unit } = editor.remembered;
   const worst = Math.max(...misses.map(({ verdict }) => verdict.cocMm));
-  if (misses.length === 0) return null;
   const names = misses.map(({ point, verdict }) => `${point.name} by ${formatOffset(verdict.offsetM, unit.value)}`);
   return (
     <p class="reason remark misses">
       The focus misses {listed(names)}.
-      {readout.fStop > 0 && ` ${formatStop(holdingStop(readout.fStop, worst, limitMm))} would hold all.`}
+      {readout.fStop > 0 && ` ${formatStop(holdingStop(readout.fStop, worst, limitMm))} would make all sharp.`}
     </p>
   );
 }

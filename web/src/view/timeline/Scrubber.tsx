@@ -37,6 +37,7 @@ export function Scrubber({ session, axis, onScrub }: ScrubberProps): JSX.Element
       <svg width={axis.width} height={HEIGHT_PX} aria-hidden="true">
         <rect class="scrub-bed" x={axis.left} y={0} width={axis.right - axis.left} height={HEIGHT_PX} />
         <Outside session={session} axis={axis} />
+        <PullTimes session={session} axis={axis} />
         <MinorTicks axis={axis} />
         {major.map((tick) => (
           <g key={tick} transform={`translate(${axis.x(tick)} 0)`}>
@@ -90,6 +91,20 @@ function Outside({ session, axis }: { session: Session; axis: TimeAxis }): JSX.E
       <rect class="not-played" x={axis.left} y={0} width={from - axis.left} height={HEIGHT_PX} />
       <rect class="not-played" x={to} y={0} width={axis.right - to} height={HEIGHT_PX} />
     </>
+  );
+}
+
+/** The times of the pull that is aimed at, or was just made: the focus goes over, and stays. */
+function PullTimes({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element | null {
+  const pull = session.pulls.span.value;
+  if (!pull) return null;
+  const within = (time: number): number => Math.min(Math.max(axis.x(time), axis.left), axis.right);
+  const [from, at, to] = [within(pull.start), within(pull.arrival), within(pull.held ?? axis.range.end)];
+  return (
+    <g class="pull-times" data-start={pull.start} data-arrival={pull.arrival} data-held={pull.held ?? undefined}>
+      <path d={`M${from} ${HEIGHT_PX}L${at} 3V${HEIGHT_PX}Z`} />
+      <rect x={at} y={3} width={Math.max(to - at, 2)} height={HEIGHT_PX - 3} />
+    </g>
   );
 }
 

@@ -15,33 +15,45 @@ export function hasOverlay({ remembered }: Editor): boolean {
   return remembered.look.value !== "none" || remembered.focusLines.value === "on";
 }
 
-/** Asks for as many focus maps as the overlay and the probe need. */
+/** Asks for focus maps: with all pictures for the overlay, and for the probe that of the picture that the pointer is on. */
 export function useFocusMaps(editor: Editor, session: Session): void {
-  const wanted = hasOverlay(editor) ? "all" : editor.remembered.probe.value === "on" ? "final" : "none";
+  const isCovered = hasOverlay(editor);
   useLayoutEffect(() => {
-    session.focusMaps.value = wanted;
-  }, [session, wanted]);
+    session.focusMaps.value = isCovered;
+  }, [session, isCovered]);
+  const isProbed = editor.remembered.probe.value === "on" && session.pointer.value !== null && session.settled.value;
+  useEffect(() => {
+    if (isProbed) session.pictures.readMap();
+  }, [session, isProbed]);
 }
 
 export function FocusOverlay({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [isPossible, setPossible] = useState(true);
+  // A browser may take the context away when it wants memory; it gives a new one later.
+  const [contexts, setContexts] = useState(1);
   useEffect(() => {
-    if (!canvas.current) return undefined;
-    const painter = FocusPainter.on(canvas.current);
-    if (!painter) {
-      setPossible(false);
-      return undefined;
-    }
-    return effect(() => {
+    const painter = canvas.current && FocusPainter.on(canvas.current);
+    setPossible(painter !== null);
+    if (!painter) return undefined;
+    const stop = effect(() => {
       paint(painter, editor, session);
     });
-  }, [editor, session]);
+    const stopListening = painter.onLost(() => {
+      setContexts((count) => count + 1);
+    });
+    return () => {
+      stop();
+      stopListening();
+      painter.release();
+    };
+  }, [editor, session, contexts]);
   const shown = session.pictures.displayed.value;
   const hasMap = shown !== null && shown.focusMap !== null;
   return (
     <>
       <canvas
+        key={contexts}
         ref={canvas}
         class="sharpness"
         aria-hidden="true"
@@ -57,7 +69,6 @@ function paint(painter: FocusPainter, editor: Editor, session: Session): void {
   const shown = session.pictures.displayed.value;
   const limitMm = limitOf(editor, session);
   const { look, focusLines } = editor.remembered;
-  if (painter.isLost) return;
   if (!shown?.focusMap || limitMm === null) {
     painter.clear();
     return;
@@ -66,8 +77,6 @@ function paint(painter: FocusPainter, editor: Editor, session: Session): void {
   const [width, height] = [quality.width, quality.height];
   painter.paint({ map, bitmap, look: look.value, lines: focusLines.value === "on", limitMm, width, height });
 }
-
-const STEPS = [8, 6, 4, 2];
 
 /** What the colours say. */
 function Legend({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
@@ -79,16 +88,18 @@ function Legend({ editor, session }: { editor: Editor; session: Session }): JSX.
   const px = (limitMm / gateWidthMm(shown.focusMap)) * Number(delivery.value);
   return (
     <div class="focus-legend" role="note">
-      {look.value === "peaking" && <span class="swatch-peak">sharp</span>}
+      {look.value === "peaking" && <span class="swatch-peak">in focus</span>}
       {look.value === "falseColour" && (
-        <span class="bar" title="Stops that the lens would have to be closed by">
+        <span class="bar">
           <span>in front</span>
-          {STEPS.map((stops, at) => (
-            <i key={stops} class={`near n${4 - at}`} />
+          {[4, 3, 2, 1].map((step) => (
+            <i key={step} class={`n${step}`} />
           ))}
           <i class="mid" />
-          {STEPS.map((stops, at) => (
-            <i key={stops} class={`far f${at + 1}`} />
+          <span>sharp</span>
+          <i class="mid" />
+          {[1, 2, 3, 4].map((step) => (
+            <i key={step} class={`f${step}`} />
           ))}
           <span>behind; a step is two stops</span>
         </span>
@@ -100,7 +111,7 @@ function Legend({ editor, session }: { editor: Editor; session: Session }): JSX.
         </>
       )}
       <span>
-        up to {limitMm.toFixed(3)} mm, {px.toFixed(1)} px of {delivery.value}
+        sharp up to {limitMm.toFixed(3)} mm, {px.toFixed(1)} px of {delivery.value}
       </span>
     </div>
   );
@@ -110,5 +121,5 @@ function Legend({ editor, session }: { editor: Editor; session: Session }): JSX.
 export function stopsInWords(cocMm: number, limitMm: number): string {
   const stops = stopsToHold(cocMm, limitMm);
   if (stops > 0) return `${stops.toFixed(1)} stops too soft`;
-  return stops > -12 ? `sharp, ${(-stops).toFixed(1)} stops in hand` : "sharp";
+  return stops > -12 ? `sharp, ${(-stops).toFixed(1)} stops to spare` : "sharp";
 }

@@ -32,7 +32,7 @@ export function Probe({ editor, session }: { editor: Editor; session: Session })
       {formatCircle(cocMm, gateWidthMm(shown.focusMap), Number(delivery.value))}
       <br />
       {stopsInWords(cocMm, limitMm)}
-      {!isSharp && fStop > 0 && <>, {formatStop(holdingStop(fStop, cocMm, limitMm))} holds it</>}
+      {!isSharp && fStop > 0 && <>, sharp at {formatStop(holdingStop(fStop, cocMm, limitMm))}</>}
     </p>
   );
 }

@@ -15,6 +15,7 @@ import { Icon } from "../icons";
 import { FocusOverlay, hasOverlay, useFocusMaps } from "./FocusOverlay";
 import { Markers, Picking } from "./Markers";
 import { Probe } from "./Probe";
+import { PullChoice } from "./PullChoice";
 import { UploadButton } from "../dialogs/Shots";
 import { isLate, Wanted } from "./Wanted";
 
@@ -109,7 +110,16 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       data-unsaved={shown !== null && shown.unsaved.length > 0}
       data-time={shown?.time}
       data-revision={shown?.revision}
-      onClick={(event) => void session.picks.click(placeOf(event), intentOf(event, session.gathers.value))}
+      onPointerDown={(event) => {
+        const isPull = event.button === 0 && intentOf(event, session.gathers.value) === "pull";
+        session.pulls.aiming.value = isPull && session.document.hasLens && session.document.noEdits.value === null;
+      }}
+      onPointerLeave={() => (session.pulls.aiming.value = false)}
+      onPointerCancel={() => (session.pulls.aiming.value = false)}
+      onClick={(event) => {
+        const intent = intentOf(event, session.gathers.value);
+        void session.picks.click(placeOf(event), intent).finally(() => (session.pulls.aiming.value = false));
+      }}
     />
   );
 }
@@ -203,8 +213,6 @@ function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
   );
 }
 
-const [PULLS, ADDS] = ["pulls focus there", "adds a point"];
-
 /** Size, rays and time of the picture on screen. */
 function PictureFacts({ shown }: { shown: Displayed }): JSX.Element {
   const { width, height, stage, rays, share, tookMs, quality } = shown;
@@ -233,7 +241,15 @@ function PictureFoot({ session }: { session: Session }): JSX.Element {
   return (
     <footer class="picture-foot">
       <span hidden={session.document.noEdits.value !== null || !session.document.hasLens}>
-        <b>Click</b> {session.gathers.value ? ADDS : PULLS} · <b>Shift</b> {session.gathers.value ? PULLS : ADDS}
+        {session.gathers.value ? (
+          <>
+            <b>Click</b> adds a point · <b>Shift</b> pulls focus there
+          </>
+        ) : (
+          <>
+            <PullChoice session={session} /> · <b>Shift</b> adds a point
+          </>
+        )}
         {selected !== null && (
           <>
             {" "}

@@ -46,11 +46,6 @@ export class FocusPainter {
     gl.uniform1i(this.#at("picture"), 1);
   }
 
-  /** Whether the browser has taken the context away, as it may when it wants memory. */
-  get isLost(): boolean {
-    return this.#gl.isContextLost();
-  }
-
   paint({ map, bitmap, look, lines, limitMm, width, height }: FocusPainting): void {
     const gl = this.#gl;
     this.#upload(map, bitmap);
@@ -67,6 +62,21 @@ export class FocusPainter {
 
   clear(): void {
     this.#gl.clear(this.#gl.COLOR_BUFFER_BIT);
+  }
+
+  /** Calls back when the browser takes the context away; what is returned ends that. */
+  onLost(act: () => void): () => void {
+    this.#canvas.addEventListener("webglcontextlost", act);
+    return () => {
+      this.#canvas.removeEventListener("webglcontextlost", act);
+    };
+  }
+
+  /** Gives the memory back. The canvas cannot be drawn on any more. */
+  release(): void {
+    for (const held of [this.#circles, this.#picture]) this.#gl.deleteTexture(held);
+    this.#gl.deleteProgram(this.#program);
+    this.#gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
 
   #at(name: string): WebGLUniformLocation | null {

@@ -185,6 +185,15 @@ def _type_name(attribute: Usd.Attribute) -> str:
     return str(attribute.GetTypeName())
 
 
+def copy_values(source: Usd.Attribute, goal: Usd.Attribute) -> None:
+    """Copy how an attribute changes over time, if it does, to one of the same type."""
+    if source.HasSpline():
+        author_spline(goal, source.GetSpline())
+        return
+    for time in source.GetTimeSamples():
+        goal.Set(source.Get(time), time)
+
+
 def author_spline(attribute: Usd.Attribute, spline: Ts.Spline) -> None:
     """Author a spline in the edit target, in place of any time samples there."""
     target = attribute.GetStage().GetEditTarget()

@@ -16,7 +16,7 @@ from usd_schemas import binding
 from usd_schemas.applying import applied, apply
 from usd_schemas.errors import SchemaError
 from usd_schemas.focus_point import FocusPointView
-from usd_schemas.keys import Interpolation, Key, Tangents, keys, remove_key, set_key
+from usd_schemas.keys import Interpolation, Key, Tangents, copy_values, keys, remove_key, set_key
 from usd_schemas.registration import FOCUS_POINT, LENS_CAMERA, SINGLE_APPLY
 from usd_schemas.settings import ApertureData, FilmData, FocusData, FocusPoint, LensData, TiltShiftData
 from usd_schemas.values import Time, misfit, read_value
@@ -149,6 +149,23 @@ class LensCamera:
         with applied(self.prim, FOCUS_POINT, name):
             view.author_all(data)
         return view
+
+    def rename_focus_point(self, name: str, new_name: str) -> FocusPointView:
+        """Rename a focus point. It keeps its values and keys; it becomes the last one.
+
+        Args:
+            name: of the point.
+            new_name: an identifier that no other focus point of the camera has.
+
+        Raises:
+            SchemaError: the camera has none of that name, or the new one is taken or no identifier.
+        """
+        old = self.focus_point(name)
+        renamed = self.add_focus_point(new_name, old.read())
+        for before, after in zip(old.attributes(), renamed.attributes(), strict=True):
+            copy_values(before, after)
+        self.remove_focus_point(name)
+        return renamed
 
     def remove_focus_point(self, name: str) -> None:
         """Remove a focus point, and what the edit target says of it.

@@ -83,6 +83,16 @@ class AlterPoint(Model):
     time: TimeCode = Field(description="USD time code: a value that has keys gets one there, others hold for all time.")
 
 
+class RenamePoint(Model):
+    """Rename a focus point, which keeps its values and keys."""
+
+    model_config = shown_as({"type": "renamePoint", "name": "pip", "newName": "robot"})
+
+    type: Literal["renamePoint"] = "renamePoint"
+    name: PointNameInShot = Field(description=_POINT)
+    new_name: PointName = Field(description="A name that no other focus point of the camera has.")
+
+
 class RemovePoint(Model):
     """Remove a focus point and its keys."""
 
@@ -309,6 +319,7 @@ Change = Annotated[
     AddPoint
     | MovePoint
     | AlterPoint
+    | RenamePoint
     | RemovePoint
     | KeyPoint
     | UnkeyPoint

@@ -31,6 +31,7 @@ from service.models.changes import (
     MountLensFile,
     MovePoint,
     RemovePoint,
+    RenamePoint,
     SetCamera,
     SetExposure,
     SetFilm,
@@ -176,6 +177,12 @@ def _move_point(change: MovePoint, camera: EditedCamera) -> Outcome:
 @apply_change.register
 def _alter_point(change: AlterPoint, camera: EditedCamera) -> Outcome:
     camera.shot.focus.update_point(camera.path, change.name, time=change.time, **point_fields(change.values))
+    return None
+
+
+@apply_change.register
+def _rename_point(change: RenamePoint, camera: EditedCamera) -> Outcome:
+    camera.shot.focus.rename_point(camera.path, change.name, change.new_name)
     return None
 
 

@@ -219,3 +219,45 @@ describe("a click that can do nothing says why", () => {
     expect(said).toEqual([["There is nothing to focus on there.", "Click on a surface.", null]]);
   });
 });
+
+describe("a pull", () => {
+  it("can be changed until the next edit, as a part of its step of undo", async () => {
+    const { fake, session } = await opened();
+    session.playhead.goTo(40);
+    await turn();
+    session.pullTo(point("near"));
+    await turn();
+    expect(session.pulls.last.value).toMatchObject({ name: "near", time: 40 });
+    const times = fake.made.flat().flatMap((change) => (change.type === "keyPoint" ? [change.key.time] : []));
+    expect(new Set(times)).toEqual(new Set([28, 40]));
+    await session.pulls.change({ frames: 20 });
+    expect(fake.gestures[0]).not.toBe("");
+    expect(fake.gestures[1]).toBe(fake.gestures[0]);
+    expect(session.pulls.choice.frames.value).toBe(20);
+    expect(session.pulls.span.value).toEqual({ start: 20, arrival: 40, held: null });
+    session.pointEdits.setKind(point("near"), "soft");
+    await turn();
+    expect(session.pulls.last.value).toBeNull();
+    await session.pulls.change({ reach: "shot" });
+    expect(fake.made).toHaveLength(3);
+    expect(session.pulls.choice.reach.value).toBe("shot");
+  });
+
+  it("is shown while it is aimed at", async () => {
+    const { session } = await opened();
+    session.playhead.goTo(40);
+    expect(session.pulls.span.value).toBeNull();
+    session.pulls.aiming.value = true;
+    expect(session.pulls.span.value).toEqual({ start: 28, arrival: 40, held: null });
+  });
+});
+
+describe("a name", () => {
+  it("that is typed becomes one that none has, and stays selected", async () => {
+    const { fake, session } = await opened();
+    await session.pointEdits.rename(point("far"), " near ");
+    await session.pointEdits.rename(point("near"), "near");
+    expect(fake.made).toEqual([[{ type: "renamePoint", name: "far", newName: "near_2" }]]);
+    expect(session.selected.value).toBe("near_2");
+  });
+});

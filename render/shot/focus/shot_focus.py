@@ -183,6 +183,28 @@ class ShotFocus:
                 _record_topology(view, time)
         return view.read(time)
 
+    def rename_point(self, camera_path: str | None, name: str, new_name: str) -> None:
+        """Rename a focus point, which keeps its values and keys.
+
+        Args:
+            camera_path: of a camera.
+            name: of the focus point.
+            new_name: an identifier (letters, digits and ``_``, no digit first) that no other focus point of the camera has.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+            SettingsError: the new name is not legal or taken.
+        """
+        self._cameras.editable_point(camera_path, name)
+        camera = self._cameras.editable(camera_path)
+        if any(view.name == new_name for view in camera.focus_points()):
+            path = str(camera.prim.GetPath())
+            raise SettingsError(
+                f"camera {path} already has a focus point named {new_name!r}", code="name_taken", path=path
+            )
+        with self._edits.transaction(f"rename focus point {name}"):
+            camera.rename_focus_point(name, new_name)
+
     def remove_point(self, camera_path: str | None, name: str) -> None:
         """Remove a focus point.
 

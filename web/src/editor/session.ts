@@ -5,7 +5,6 @@ import {
   setAttribute,
   setFocus,
   setFocusMode,
-  setKind,
   setLens,
   toggleKey,
   toggleSettingKey,
@@ -21,7 +20,6 @@ import {
   inFrame,
   KEYED_ATTRIBUTES,
   keysOf,
-  type Ease,
   type FocusMode,
   type FocusNumber,
   type FocusPoint,
@@ -29,7 +27,6 @@ import {
   type FocusSwitch,
   type Lens,
   type Note,
-  type PointSettings,
   type PointSharpness,
   type Readout,
   type Shot,
@@ -50,6 +47,7 @@ import type { Identity } from "./identity";
 import { Picks, type Place } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
+import { PointEdits } from "./point_edits";
 import { Pulls, usualPull, type PullChoice } from "./pulls";
 import { readSetting } from "./setting_state";
 import { TimeView } from "./time_view";
@@ -71,6 +69,7 @@ export class Session {
   readonly filler: CacheFiller;
   readonly photography: CameraPhotography;
   readonly pulls: Pulls;
+  readonly pointEdits: PointEdits;
   readonly picks: Picks;
   readonly keys: KeyEditing;
   readonly corrections: Corrections;
@@ -111,6 +110,7 @@ export class Session {
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek(), this.cache);
     this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
     this.pulls = new Pulls(this.document, this.playhead.time, pullChoice);
+    this.pointEdits = new PointEdits(this.document, this.playhead.time, this.selected);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, fail);
     this.corrections = new Corrections(this.document, async (setting) => {
@@ -199,28 +199,12 @@ export class Session {
     return mode === "tiltPlane" || mode === "surface";
   });
 
-  setKind(point: FocusPoint, kind: PointSettings["kind"]): void {
-    void this.document.edit(`Make ${point.name} ${kind}`, setKind(point, kind, this.playhead.time.value));
-  }
-
-  /** Racks the focus from one point to another, from now on. */
-  rack(from: FocusPoint, to: string, frames: number, ease: Ease): void {
-    const start = this.playhead.time.value;
-    const rack = { from: from.name, to, start, end: start + frames, ease };
-    void this.document.edit(`Rack to ${to}`, [...this.document.byPoints(), { type: "rack", rack }]);
-  }
-
   /** Goes to the next key of a point, or with -1 to the one before. */
   goToKey(point: FocusPoint, by: 1 | -1): void {
     const now = this.playhead.time.value;
     const times = KEYED_ATTRIBUTES.flatMap((attribute) => keysOf(point, attribute)).map((key) => key.time);
     const beyond = times.filter((time) => !sameTime(time, now) && Math.sign(time - now) === by);
     if (beyond.length > 0) this.playhead.goTo(by > 0 ? Math.min(...beyond) : Math.max(...beyond));
-  }
-
-  setEnabled(point: FocusPoint, enabled: boolean): void {
-    const change = setAttribute(point, "enabled", Number(enabled), this.playhead.time.value);
-    void this.document.edit(`${enabled ? "Enable" : "Disable"} ${point.name}`, change);
   }
 
   dragPoint(label: string, point: FocusPoint, attribute: SimpleAttribute): Drag<number> {
@@ -237,11 +221,6 @@ export class Session {
       if (!point) throw new HintError(`There is no ${name} any more.`, "Select another point.");
       return toggleKey(point, attribute, time);
     });
-  }
-
-  remove(point: FocusPoint): void {
-    if (this.selected.value === point.name) this.selected.value = null;
-    void this.document.edit(`Remove ${point.name}`, [{ type: "removePoint", name: point.name }]);
   }
 
   dragLens(label: string, name: keyof Lens, before: Readout): Drag<number> {

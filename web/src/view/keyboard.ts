@@ -192,7 +192,7 @@ function pointKeys(event: KeyboardEvent, session: Session): boolean {
   else if (event.key.toLowerCase() === "f") session.pullTo(point);
   else if (event.key === "," || event.key === ".") session.goToKey(point, event.key === "." ? 1 : -1);
   else if (event.key.toLowerCase() === "s") session.toggleKey(point, "weight");
-  else if (event.key === "Delete" || event.key === "Backspace") session.remove(point);
+  else if (event.key === "Delete" || event.key === "Backspace") session.pointEdits.remove(point);
   else return false;
   return true;
 }

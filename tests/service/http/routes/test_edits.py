@@ -81,10 +81,34 @@ def test_edits_of_one_gesture_are_one_entry(client, shot):
     assert client.get(f"{shot}/edits/history").json()["now"] == 1
 
 
+def test_a_point_is_renamed_with_its_keys_and_undone(client, shot):
+    key = {"type": "keyPoint", "name": "near", "attribute": "weight", "key": {"time": 3, "value": 0.5}}
+    edited(client, shot, *TWO_POINTS, key)
+    points = {
+        point["name"]: point for point in client.get(f"{shot}/focus-points", params={"time": 3}).json()["focusPoints"]
+    }
+    after = edited(client, shot, {"type": "renamePoint", "name": "near", "newName": "robot"})
+    renamed = {
+        point["name"]: point for point in client.get(f"{shot}/focus-points", params={"time": 3}).json()["focusPoints"]
+    }
+    assert renamed.keys() == {"far", "robot"}
+    skipped = {"name": "", "etag": ""}
+    assert renamed["robot"] | skipped == points["near"] | skipped
+    changed = {one["resource"]: one["etag"] for one in after["changed"]}
+    assert changed["focus-points/near"] is None
+    assert changed["focus-points/robot"] == renamed["robot"]["etag"]
+    client.post(f"{shot}/edits/undo")
+    undone = client.get(f"{shot}/focus-points", params={"time": 3}).json()["focusPoints"]
+    assert {point["name"] for point in undone} == {"near", "far"}
+
+
 @pytest.mark.parametrize(
     ("change", "status", "code"),
     [
         ({"type": "removePoint", "name": "nobody"}, 404, "not_found"),
+        ({"type": "renamePoint", "name": "nobody", "newName": "somebody"}, 404, "not_found"),
+        ({"type": "renamePoint", "name": "near", "newName": "far"}, 422, "name_taken"),
+        ({"type": "renamePoint", "name": "near", "newName": "a b"}, 422, "invalid_request"),
         ({"type": "addPoint", "point": NEAR | {"name": "near"}}, 422, "name_taken"),
         ({"type": "setCamera", "values": {"lens": "no_such_lens"}}, 422, "no_such_lens"),
         ({"type": "unkeySetting", "setting": "push", "time": 3}, 404, "not_found"),

@@ -54,7 +54,7 @@ function PointRow({ editor, session, point }: RowProps): JSX.Element {
             aria-label={`${name} enabled`}
             title="Enabled"
             onChange={(event) => {
-              session.setEnabled(point, event.currentTarget.checked);
+              session.pointEdits.setEnabled(point, event.currentTarget.checked);
             }}
           />
           <KeyButton session={session} point={point} attribute="enabled" />
@@ -81,7 +81,7 @@ function PointRow({ editor, session, point }: RowProps): JSX.Element {
             title="Remove (Delete)"
             onClick={(event) => {
               event.stopPropagation();
-              session.remove(point);
+              session.pointEdits.remove(point);
             }}
           >
             <Icon name="trash" />

@@ -16,6 +16,21 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
   const { kind } = point.settings;
   return (
     <div class="point-more">
+      <label class="choice">
+        <span>Name</span>
+        <input
+          key={point.name}
+          type="text"
+          class="value"
+          maxLength={100}
+          defaultValue={point.name}
+          title="Enter renames the point; its keys stay"
+          onChange={({ currentTarget }) => {
+            if (currentTarget.value.trim() !== "") void session.pointEdits.rename(point, currentTarget.value);
+            else currentTarget.value = point.name;
+          }}
+        />
+      </label>
       <div class="group" role="radiogroup" aria-label={`${point.name} is`}>
         {(["sharp", "soft"] as const).map((choice) => (
           <button
@@ -25,7 +40,7 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
             role="radio"
             aria-checked={kind === choice}
             onClick={() => {
-              if (choice !== kind) session.setKind(point, choice);
+              if (choice !== kind) session.pointEdits.setKind(point, choice);
             }}
           >
             {choice === "sharp" ? "Sharp" : "Soft"}
@@ -91,7 +106,7 @@ function RackTo({ session, point }: { session: Session; point: FocusPoint }): JS
       aria-label={`Rack from ${point.name}`}
       onSubmit={(event) => {
         event.preventDefault();
-        if (isLength) session.rack(point, target, length, ease);
+        if (isLength) session.pointEdits.rack(point, target, length, ease);
       }}
     >
       <span>Rack to</span>

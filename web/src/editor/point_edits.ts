@@ -1,0 +1,48 @@
+/** Edits of focus points as a whole: their names, what they are, whether they count, and racks between them. */
+
+import type { ReadonlySignal, Signal } from "@preact/signals";
+import { setAttribute, setKind } from "../model/changes";
+import { freshName } from "../model/pull";
+import type { Ease, FocusPoint, PointSettings } from "../model/shot";
+import type { ShotDocument } from "./document";
+
+export class PointEdits {
+  readonly #document: ShotDocument;
+  readonly #time: ReadonlySignal<number>;
+  /** Name of the selected focus point. */
+  readonly #selected: Signal<string | null>;
+
+  constructor(document: ShotDocument, time: ReadonlySignal<number>, selected: Signal<string | null>) {
+    [this.#document, this.#time, this.#selected] = [document, time, selected];
+  }
+
+  /** Gives a point another name; what is no letter, digit or underscore becomes one. */
+  async rename(point: FocusPoint, typed: string): Promise<void> {
+    const others = this.#document.points.value.map(({ name }) => name).filter((name) => name !== point.name);
+    const newName = freshName(typed.trim(), others);
+    if (newName === point.name) return;
+    const change = { type: "renamePoint", name: point.name, newName } as const;
+    if (await this.#document.edit(`Rename ${point.name} to ${newName}`, [change])) this.#selected.value = newName;
+  }
+
+  setKind(point: FocusPoint, kind: PointSettings["kind"]): void {
+    void this.#document.edit(`Make ${point.name} ${kind}`, setKind(point, kind, this.#time.value));
+  }
+
+  setEnabled(point: FocusPoint, enabled: boolean): void {
+    const change = setAttribute(point, "enabled", Number(enabled), this.#time.value);
+    void this.#document.edit(`${enabled ? "Enable" : "Disable"} ${point.name}`, change);
+  }
+
+  /** Racks the focus from one point to another, from now on. */
+  rack(from: FocusPoint, to: string, frames: number, ease: Ease): void {
+    const start = this.#time.value;
+    const rack = { from: from.name, to, start, end: start + frames, ease };
+    void this.#document.edit(`Rack to ${to}`, [...this.#document.byPoints(), { type: "rack", rack }]);
+  }
+
+  remove(point: FocusPoint): void {
+    if (this.#selected.value === point.name) this.#selected.value = null;
+    void this.#document.edit(`Remove ${point.name}`, [{ type: "removePoint", name: point.name }]);
+  }
+}

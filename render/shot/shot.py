@@ -90,7 +90,7 @@ class Shot:
         self.path = path
         self.stage = stage
         self.edits = edits
-        self.camera = ShotCamera(edits, cameras)
+        self.camera = ShotCamera(stage, edits, cameras)
         self.focus = ShotFocus(stage, edits, cameras, anchors, self._solver)
         self.exposure = ShotExposure(stage, edits, cameras, self._solver, reader)
         self.film = ShotFilm(stage, edits, cameras)

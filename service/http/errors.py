@@ -72,6 +72,7 @@ class ServiceError(Exception):
         code: short stable word for programs.
         detail: one sentence.
         path: file, prim or parameter that it is about, if any.
+        errors: paths of the single findings, with one sentence about each, where there are several.
         headers: sent with the answer.
     """
 
@@ -82,6 +83,7 @@ class ServiceError(Exception):
         detail: str,
         *,
         path: str | None = None,
+        errors: Mapping[str, str] | None = None,
         headers: Mapping[str, str] | None = None,
     ) -> None:
         super().__init__(detail)
@@ -89,6 +91,7 @@ class ServiceError(Exception):
         self.code = code
         self.detail = detail
         self.path = path
+        self.errors = [{"path": subject, "detail": said} for subject, said in (errors or {}).items()]
         self.headers = dict(headers or {})
 
 
@@ -116,7 +119,14 @@ def answer_to(error: Exception) -> JSONResponse:
     """Return the answer to a request that failed. An error that is a bug is raised again."""
     match error:
         case ServiceError():
-            return problem(error.status, error.code, error.detail, path=error.path, headers=error.headers)
+            return problem(
+                error.status,
+                error.code,
+                error.detail,
+                path=error.path,
+                errors=error.errors,
+                headers=error.headers,
+            )
         case PullfocusError():
             status = status_of(error)
             return problem(status, error.code, error.detail, path=error.path, headers=_retry_headers(status))

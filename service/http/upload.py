@@ -16,6 +16,8 @@ from service.models.base import plain_file_name
 STAGE_SUFFIXES = (".usda", ".usdc", ".usd", ".usdz")
 SIGNATURES = {b"#usda": ".usda", b"PXR-USDC": ".usdc", b"PK\x03\x04": ".zip"}
 """First bytes of a file that is sent under a name without a suffix, as of one that a client reads from a pipe."""
+MAX_CANDIDATES = 200
+"""Root layers that a refusal lists for a choice; an archive may hold thousands of stages."""
 SIGNATURE_BYTES = max(map(len, SIGNATURES))
 
 
@@ -90,7 +92,7 @@ def choose_root(paths: Iterable[str], requested: str | None, archive: str) -> st
         archive: the archive's name, for messages.
 
     Raises:
-        ServiceError: 422, there is no such file, no stage at all, or more than one candidate.
+        ServiceError: 422, there is no such file, no stage at all, or more than one candidate: `errors` has their paths then.
     """
     known = set(paths)
     if requested:
@@ -106,5 +108,6 @@ def choose_root(paths: Iterable[str], requested: str | None, archive: str) -> st
     if len(roots) > 1:
         listed = ", ".join(roots[:8])
         detail = f"{archive} holds several stages that could be the root: {listed}; name one in the field 'root'."
-        raise ServiceError(422, "ambiguous_root", detail, path=archive)
+        candidates = {path: f"{path} could be the root layer." for path in roots[:MAX_CANDIDATES]}
+        raise ServiceError(422, "ambiguous_root", detail, path=archive, errors=candidates)
     return roots[0]

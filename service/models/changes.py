@@ -144,6 +144,24 @@ class SetPointTangents(Model):
     tangents: TangentsEdit
 
 
+class CreateCamera(Model):
+    """Create a camera from the view that a shot without one is shown through; the changes after it are made to that camera.
+
+    It has the position, direction and focus distance of that view, a Super 35 body, and a thin lens that has all of the view in
+    its picture. It is refused where the shot is shown through a camera of its own.
+    """
+
+    model_config = shown_as({"type": "createCamera", "time": 24})
+
+    type: Literal["createCamera"] = "createCamera"
+    name: PointName | None = Field(
+        default=None, description="Of its prim, at the root of the stage. Left out: `main_cam`, or a free name like it."
+    )
+    time: TimeCode | None = Field(
+        default=None, description="USD time code of the view, which holds for all time. Left out: the shot's first."
+    )
+
+
 class SetCamera(Model):
     """Set f-number, focal length, focus distance or focus mode, or mount a lens or a body of the library."""
 
@@ -306,6 +324,7 @@ Change = Annotated[
     | KeyPoint
     | UnkeyPoint
     | SetPointTangents
+    | CreateCamera
     | SetCamera
     | SetFocus
     | SetExposure

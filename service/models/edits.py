@@ -114,6 +114,7 @@ class EditResult(Model):
                 {"resource": "focus-points/driver", "etag": '"0b64bf18a0860070"'},
             ],
             "added": ["visor"],
+            "cameras": [],
             "racks": [],
             "simplified": [],
             "imported": None,
@@ -133,6 +134,7 @@ class EditResult(Model):
     history: HistoryPosition
     changed: list[ChangedResource] = Field(description="With their new tags, for `If-Match`; empty for no difference.")
     added: list[str] = Field(description="Names of the added focus points, in order.")
+    cameras: list[str] = Field(description="Prim paths of the created cameras, in order.")
     racks: list[Rack] = Field(description="The racks as authored, in order.")
     simplified: list[SimplifiedSetting] = Field(description="The simplifications, in order.")
     imported: ImportedCurve | None = Field(
@@ -158,7 +160,7 @@ class EditStep(Model):
 
 
 class EditHistory(Model):
-    """The states of the edits, oldest first."""
+    """The states of the edits, oldest first, and the cameras that there are in the present one."""
 
     model_config = shown_as(
         {
@@ -174,6 +176,7 @@ class EditHistory(Model):
                     "madeAt": "2026-11-21T08:00:09Z",
                 },
             ],
+            "cameras": ["/World/main_cam"],
         }
     )
 
@@ -182,3 +185,4 @@ class EditHistory(Model):
     undo: str | None = Field(description="Label of the edit that an undo takes back; null for none.")
     redo: str | None = Field(description="Label of the edit that a redo does again; null for none.")
     steps: list[EditStep]
+    cameras: list[str] = Field(description="Prim paths of the shot's cameras: a step may have created one.")

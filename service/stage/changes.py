@@ -22,6 +22,7 @@ from service.models.changes import (
     AddPoint,
     AlterPoint,
     Change,
+    CreateCamera,
     ImportCurve,
     KeyExposure,
     KeyPoint,
@@ -68,8 +69,20 @@ _DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt
 )
 """Columns of a focus curve, with the names over REST of the attributes that they drive."""
 
-Outcome = Rack | ImportedCurve | SimplifiedSetting | str | None
-"""Result of a change: the authored rack, the report of an import or simplification, the name of an added focus point, or None."""
+
+@dataclass(frozen=True)
+class CreatedCamera:
+    """A camera that a change created.
+
+    Attributes:
+        path: its prim path.
+    """
+
+    path: str
+
+
+Outcome = Rack | ImportedCurve | SimplifiedSetting | CreatedCamera | str | None
+"""Result of a change: the rack, the report of an import or simplification, the camera, the name of a focus point, or None."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +114,7 @@ class MeteredFrame:
 
 
 def apply_changes(camera: EditedCamera, changes: Sequence[Change]) -> list[Outcome]:
-    """Apply changes in order, within the edit that the caller has begun.
+    """Apply changes in order, within the edit that the caller has begun. Those after the creation of a camera are applied to it.
 
     Args:
         camera: the edited camera and its shot.
@@ -114,7 +127,13 @@ def apply_changes(camera: EditedCamera, changes: Sequence[Change]) -> list[Outco
     simplified = Counter(change.setting for change in changes if isinstance(change, SimplifySetting))
     if simplified and max(simplified.values()) > 1:  # each takes a while
         raise SettingsError("an edit simplifies a setting once at most", path="changes")
-    return [_apply_numbered(change, camera, number, len(changes)) for number, change in enumerate(changes, 1)]
+    outcomes: list[Outcome] = []
+    for number, change in enumerate(changes, 1):
+        outcome = _apply_numbered(change, camera, number, len(changes))
+        if isinstance(outcome, CreatedCamera):
+            camera = replace(camera, path=outcome.path)
+        outcomes.append(outcome)
+    return outcomes
 
 
 def _apply_numbered(change: Change, camera: EditedCamera, number: int, count: int) -> Outcome:
@@ -197,6 +216,11 @@ def _set_point_tangents(change: SetPointTangents, camera: EditedCamera) -> Outco
         camera.path, change.name, change.attribute, key.time, key.value, key.interpolation, key.tangents
     )
     return None
+
+
+@apply_change.register
+def _create_camera(change: CreateCamera, camera: EditedCamera) -> Outcome:
+    return CreatedCamera(camera.shot.camera.create(change.name, change.time))
 
 
 @apply_change.register

@@ -10,6 +10,7 @@ from service.edit_context import EditContext, allows, edits_tag
 from service.models.changes import (
     AddPoint,
     Change,
+    CreateCamera,
     KeySetting,
     MakeRack,
     SetCamera,
@@ -20,7 +21,7 @@ from service.models.changes import (
 )
 from service.models.curve import MAX_CURVE_FRAMES
 from service.stage.changes import EditedCamera, Outcome, apply_changes
-from service.stage.read_cameras import camera_tag
+from service.stage.read_cameras import view_tag
 from service.stage.read_points import point_names, point_tag, points_tag
 
 CAMERA, POINTS = "camera", "focus-points"
@@ -89,13 +90,13 @@ def edited_address(change: Change) -> str:
     """Address of the resource that a change is made upon."""
     if isinstance(change, AddPoint | MakeRack):
         return POINTS
-    name = getattr(change, "name", None)
+    name = None if isinstance(change, CreateCamera) else getattr(change, "name", None)
     return CAMERA if name is None else point_address(name)
 
 
 def _tag_and_words(shot: Shot, camera: str | None, address: str) -> tuple[str, str]:
     if address == CAMERA:
-        return camera_tag(shot, camera), "the camera"
+        return view_tag(shot, camera), "the camera"
     if address == POINTS:
         return points_tag(shot, camera), "the list of focus points"
     name = address.removeprefix(f"{POINTS}/")
@@ -105,7 +106,7 @@ def _tag_and_words(shot: Shot, camera: str | None, address: str) -> tuple[str, s
 def resource_tags(shot: Shot, camera: str | None) -> dict[str, str]:
     """Entity tags of a camera, of its list of focus points and of each of these, by their addresses below the shot."""
     points = {point_address(name): point_tag(shot, camera, name) for name in point_names(shot, camera)}
-    return {CAMERA: camera_tag(shot, camera), POINTS: points_tag(shot, camera)} | points
+    return {CAMERA: view_tag(shot, camera), POINTS: points_tag(shot, camera)} | points
 
 
 def checked_times(shot: Shot, changes: Sequence[Change]) -> list[float]:

@@ -6,6 +6,7 @@ from typing import Literal
 
 from render.errors import NotFoundError
 from render.model.edit_history import EditHistory as KeptHistory
+from render.shot import Shot as OpenShot
 from service.edit_context import EditContext, edits_tag
 from service.models.curve import ImportedCurve
 from service.models.edits import (
@@ -19,6 +20,7 @@ from service.models.edits import (
 )
 from service.models.shots import Shot
 from service.models.solving import Rack
+from service.stage.changes import CreatedCamera
 from service.stage.editing import apply_in_context, resource_tags
 from service.stage.opened import OpenedShot, stage_function
 from service.stage.read_state import read_state
@@ -47,6 +49,8 @@ def apply_edit(
     with opened.edit(record, context, request.label) as shot:
         before = resource_tags(shot, camera)
         outcomes = apply_in_context(shot, camera, request.changes, context, max_curve_frames)
+        created = [outcome.path for outcome in outcomes if isinstance(outcome, CreatedCamera)]
+        camera = created[-1] if created else camera
         after = resource_tags(shot, camera)
     with opened.use(record) as shot:
         state = read_state(shot, camera, request.answer, max_curve_frames) if request.answer else None
@@ -58,6 +62,7 @@ def apply_edit(
                 if before.get(address) != after.get(address)
             ],
             added=[outcome for outcome in outcomes if isinstance(outcome, str)],
+            cameras=created,
             racks=[outcome for outcome in outcomes if isinstance(outcome, Rack)],
             simplified=[outcome for outcome in outcomes if isinstance(outcome, SimplifiedSetting)],
             imported=next((outcome for outcome in reversed(outcomes) if isinstance(outcome, ImportedCurve)), None),
@@ -69,7 +74,7 @@ def apply_edit(
 def read_history(opened: OpenedShot, record: ShotRecord) -> EditHistory:
     """Read the edit history of a shot."""
     with opened.use(record) as shot:
-        return _history_model(shot.edits.history)
+        return _history_model(shot)
 
 
 @stage_function
@@ -83,7 +88,7 @@ def walk_history(
             shot.edits.undo()
         else:
             shot.edits.redo()
-        return _history_model(shot.edits.history)
+        return _history_model(shot)
 
 
 @stage_function
@@ -118,11 +123,13 @@ def _history_position(history: KeptHistory) -> HistoryPosition:
     )
 
 
-def _history_model(history: KeptHistory) -> EditHistory:
+def _history_model(shot: OpenShot) -> EditHistory:
+    history = shot.edits.history
     return EditHistory(
         revision=history.present.revision,
         now=history.now,
         undo=history.undo_label,
         redo=history.redo_label,
         steps=[EditStep.model_validate(state) for state in history.states],
+        cameras=shot.cameras(),
     )

@@ -24,6 +24,9 @@ Settings = TypeVar("Settings", bound=BaseModel)
 
 CAMERA_FIELDS = set(CameraState.model_fields) - {"path", "time", "focus_mode", "lens_name", "lens_model", "etag"}
 
+_FRAMING_TAG = tag_of("framing")
+"""Entity tag of a framing camera, which has no edits."""
+
 
 def default_camera_model(shot: Shot) -> CameraChoice:
     """Return the camera used where a request names none."""
@@ -41,7 +44,7 @@ def read_cameras(shot: Shot, time: float) -> CameraList:
             unusable.append(Finding(path=path, detail=error.detail))
     framing = shot.default_camera().framing
     if framing is not None:
-        usable.append(_camera_state(framing, None, time, "manual", tag_of("framing")))
+        usable.append(_camera_state(framing, None, time, "manual", _FRAMING_TAG))
     return CameraList(default=default_camera_model(shot), cameras=usable, unusable=unusable)
 
 
@@ -106,3 +109,13 @@ def settings_model(model: type[Settings], values: Mapping[str, Any]) -> Settings
 def camera_tag(shot: Shot, camera: str | None) -> str:
     """Return the entity tag of the edits of a camera, its focus points aside. Raises `CameraError`."""
     return tag_of("camera", *shot.camera.edited_properties(camera))
+
+
+def is_framed(shot: Shot, camera: str | None) -> bool:
+    """Whether a shot is shown by a framing camera, which is no prim, where this camera is asked for."""
+    return camera is None and shot.default_camera().framing is not None
+
+
+def view_tag(shot: Shot, camera: str | None) -> str:
+    """Return the entity tag as `camera_tag` does, or that of the framing camera. Raises `CameraError`."""
+    return _FRAMING_TAG if is_framed(shot, camera) else camera_tag(shot, camera)

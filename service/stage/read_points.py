@@ -20,7 +20,7 @@ from service.models.focus import (
     PointSharpness,
     Tangents,
 )
-from service.stage.read_cameras import camera_tag
+from service.stage.read_cameras import camera_tag, is_framed
 from usd_schemas import FocusPoint as AuthoredPoint
 from usd_schemas import Key as AuthoredKey
 from usd_schemas import LensCamera
@@ -82,7 +82,9 @@ def _sharpness_fields(placed: PlacedPoint) -> dict[str, Any]:
 
 
 def point_names(shot: Shot, camera: str | None) -> list[str]:
-    """Return the names of all focus points of a camera. Raises `CameraError`."""
+    """Return the names of all focus points of a camera; a framing camera has none. Raises `CameraError`."""
+    if is_framed(shot, camera):
+        return []
     camera_tag(shot, camera)
     path = camera or shot.default_camera().path
     return [view.name for view in LensCamera(shot.stage.GetPrimAtPath(path)).focus_points()]
@@ -90,8 +92,7 @@ def point_names(shot: Shot, camera: str | None) -> list[str]:
 
 def points_tag(shot: Shot, camera: str | None) -> str:
     """Return the entity tag of the edits of all focus points of a camera. Raises `CameraError`."""
-    framed = camera is None and shot.default_camera().framing is not None
-    return tag_of("points", *(() if framed else shot.focus.edited_properties(camera)))
+    return tag_of("points", *(() if is_framed(shot, camera) else shot.focus.edited_properties(camera)))
 
 
 def point_tag(shot: Shot, camera: str | None, name: str) -> str:

@@ -128,3 +128,62 @@ it("a download waits for the edits under way", async () => {
   await exported;
   expect([saved, editor.exporting.value]).toEqual([[1], null]);
 });
+
+/** An editor with a shot without a camera open. */
+async function framed(): Promise<{ fake: FakeService; editor: Editor }> {
+  const fake = new FakeService();
+  fake.shot = { ...SHOT, cameras: [], cameraPaths: [], defaultCamera: null };
+  const editor = new Editor(fake.service, () => undefined);
+  await editor.open("demo", null, 7);
+  await turn();
+  return { fake, editor };
+}
+
+describe("a shot without a camera", () => {
+  it("gets one from its view at the present time, which is looked through from then on", async () => {
+    const { fake, editor } = await framed();
+    expect(editor.session.value?.camera).toBeNull();
+    editor.createCamera();
+    await turn();
+    expect(fake.made).toEqual([[{ type: "createCamera", time: 7 }]]);
+    const session = editor.session.value;
+    expect([session?.camera, session?.document.hasLens, session?.playhead.time.value]).toEqual(["/main_cam", true, 7]);
+    expect([session?.document.undoLabel.value, editor.complaint.value]).toEqual(["Create a camera", null]);
+  });
+
+  it("is framed again once that is undone, and has its camera again once it is redone", async () => {
+    const { fake, editor } = await framed();
+    const read = vi.spyOn(fake, "focusPoints");
+    editor.createCamera();
+    await turn();
+    await editor.session.value?.document.undo();
+    await turn();
+    expect([editor.session.value?.camera, editor.session.value?.document.hasLens]).toEqual([null, false]);
+    const reads = read.mock.calls.length;
+    await editor.session.value?.document.catchUp();
+    expect([read.mock.calls.length, editor.complaint.value]).toEqual([reads, null]);
+    await editor.session.value?.document.redo();
+    await turn();
+    expect([editor.session.value?.camera, editor.complaint.value]).toEqual(["/main_cam", null]);
+  });
+
+  it("is looked at through the camera that somebody else has created", async () => {
+    const { fake, editor } = await framed();
+    const before = editor.session.value;
+    fake.othersDo({ type: "setCamera", values: { fStop: 4 } });
+    await editor.catchUp();
+    expect(editor.session.value).toBe(before);
+    fake.othersDo({ type: "createCamera" });
+    await editor.catchUp();
+    await turn();
+    expect(editor.session.value?.camera).toBe("/main_cam");
+  });
+
+  it("and whose camera could not be created stays as it is, with the reason", async () => {
+    const { fake, editor } = await framed();
+    fake.failing = "createCamera";
+    editor.createCamera();
+    await turn();
+    expect([editor.session.value?.camera, editor.complaint.value?.message]).toEqual([null, "No createCamera."]);
+  });
+});

@@ -23,6 +23,7 @@ export const SHOT: Shot = {
   quarantine: null,
   range: { start: 1, end: 96, framesPerSecond: 24 },
   cameras: [{ path: "/cam", aspect: 2 }],
+  cameraPaths: ["/cam"],
   defaultCamera: "/cam",
 };
 
@@ -76,7 +77,9 @@ export class FakeService implements Partial<Service> {
   /** Edits with a change of this type fail, as a whole. */
   failing: Change["type"] | null = null;
   /** State that answers have; null as where the service could not read any. */
-  state: Omit<EditResult, "history" | "simplified"> | null = null;
+  state: Omit<EditResult, "history" | "simplified" | "cameras"> | null = null;
+  /** The shot as it was sent. */
+  shot = SHOT;
   simplified: EditResult["simplified"] = [];
   /** The gesture of each edit. */
   readonly gestures: string[] = [];
@@ -114,7 +117,8 @@ export class FakeService implements Partial<Service> {
     this.made.push(changes);
     this.#comeTo([...this.done, ...changes], label);
     const nothing = { points: null, readout: null, focusSettings: null, photography: null, curve: null };
-    return { ...(this.state ?? nothing), simplified: this.simplified, history: await this.history() };
+    const answer = { ...(this.state ?? nothing), simplified: this.simplified, cameras: created(changes) };
+    return { ...answer, history: { ...(await this.history()), cameras: null } };
   }
 
   /** Somebody else makes a change. */
@@ -138,6 +142,7 @@ export class FakeService implements Partial<Service> {
       after: revision(this.#now + 1),
       undo: this.#states[this.#now]?.label ?? "",
       redo: this.#states[this.#now + 1]?.label ?? "",
+      cameras: [...this.shot.cameraPaths, ...created(this.done)],
     });
   }
 
@@ -180,7 +185,10 @@ export class FakeService implements Partial<Service> {
   }
 
   open(): Promise<Shot> {
-    return Promise.resolve(SHOT);
+    const more = created(this.done);
+    const cameras = [...this.shot.cameras, ...more.map((path) => ({ path, aspect: 2 }))];
+    const defaultCamera = more[0] ?? this.shot.defaultCamera;
+    return Promise.resolve({ ...this.shot, cameras, cameraPaths: cameras.map(({ path }) => path), defaultCamera });
   }
 
   forget(): void {
@@ -264,6 +272,11 @@ export class FakeService implements Partial<Service> {
   readout(): Promise<Readout> {
     return Promise.resolve(READOUT);
   }
+}
+
+/** Prim paths of the cameras that changes create. */
+function created(changes: Changes): string[] {
+  return changes.flatMap((change) => (change.type === "createCamera" ? [`/${change.name ?? "main_cam"}`] : []));
 }
 
 /** Lets everything that waits for nothing but its turn happen. */

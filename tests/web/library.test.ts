@@ -1,7 +1,7 @@
 import { Library } from "@/editor/library";
 import type { ShotSummary, TrashedShot } from "@/model/shot";
 import { errorOf } from "@/net/errors";
-import type { Service } from "@/net/service";
+import type { Sending, Service } from "@/net/service";
 import { SHOT } from "./fake_service";
 
 /** A service with one shot and a trash, which keeps deleted shots or not. */
@@ -54,4 +54,48 @@ it("a shot in quarantine has its reason until it is released", async () => {
   expect(library.shots.value?.[0]?.quarantine).toBe("it ends its workers");
   await library.release("demo");
   expect(library.shots.value?.[0]?.quarantine).toBeNull();
+});
+
+describe("a zip with several stages", () => {
+  /** A service that takes a zip only with a root, and what it was sent. */
+  function choosy(): { library: Library; sent: Sending[]; failing: { with: Error | null } } {
+    const [sent, failing]: [Sending[], { with: Error | null }] = [[], { with: null }];
+    const errors = ["a.usda", "b.usda"].map((path) => ({ path, detail: "It could be the root." }));
+    const service: Partial<Service> = {
+      shots: () => Promise.resolve([SHOT]),
+      upload: (sending) => {
+        sent.push(sending);
+        if (failing.with) return Promise.reject(failing.with);
+        if (sending.root !== null) return Promise.resolve(SHOT);
+        return Promise.reject(errorOf(422, { code: "ambiguous_root", detail: "It holds several.", errors }));
+      },
+    };
+    const library = new Library(service as Service, () => undefined);
+    return { library, sent, failing };
+  }
+
+  it("offers them, and is sent again with the chosen one", async () => {
+    const { library, sent } = choosy();
+    const file = new File(["zip"], "set.zip");
+    expect(await library.upload(file)).toBeNull();
+    const [upload] = library.uploads.value;
+    expect([upload?.candidates, upload?.complaint]).toEqual([["a.usda", "b.usda"], null]);
+    if (upload) expect(await library.chooseRoot(upload, "b.usda")).toBe(SHOT);
+    expect(sent).toEqual([
+      { file, root: null },
+      { file, root: "b.usda" },
+    ]);
+    expect([library.uploads.value, library.shots.value]).toEqual([[], [SHOT]]);
+  });
+
+  it("says why the chosen one was refused, and is dismissed as any other", async () => {
+    const { library, failing } = choosy();
+    await library.upload(new File(["zip"], "set.zip"));
+    const [upload] = library.uploads.value;
+    failing.with = errorOf(422, { code: "bad_stage", detail: "It is damaged." });
+    if (upload) expect(await library.chooseRoot(upload, "a.usda")).toBeNull();
+    expect(library.uploads.value[0]).toMatchObject({ candidates: [], complaint: { message: "It is damaged." } });
+    library.dismiss(upload?.id ?? -1);
+    expect(library.uploads.value).toEqual([]);
+  });
 });

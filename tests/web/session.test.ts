@@ -3,7 +3,8 @@ import { MarkerDrag } from "@/editor/marker";
 import { Session } from "@/editor/session";
 import type { Changes } from "@/model/changes";
 import type { Photography } from "@/model/photography";
-import type { FocusSettings } from "@/model/shot";
+import type { FocusSettings, Shot } from "@/model/shot";
+import { complaintOf } from "@/net/errors";
 import { FakeService, SHOT, turn } from "./fake_service";
 import { point } from "./points";
 
@@ -177,6 +178,46 @@ it("a selected point that is gone, as after an undo, has no name", async () => {
   session.document.refresh();
   await turn();
   expect([session.selected.value, session.selectedName.value]).toEqual(["far", null]);
+});
+
+describe("a click that can do nothing says why", () => {
+  /** What a click on the picture of a shot is answered. */
+  async function answers(
+    shot: Shot,
+    { noEdits = null, hits = true }: { noEdits?: string | null; hits?: boolean },
+  ): Promise<(string | null)[][]> {
+    const fake = new FakeService();
+    fake.hits = hits;
+    const failed: unknown[] = [];
+    const rights = { noEdits: signal(noEdits), noPictures: signal(null) };
+    const session = new Session(fake.service, shot, shot.defaultCamera, 1, (error) => failed.push(error), rights);
+    session.box.value = { width: 800, height: 400 };
+    await session.picks.click([0.5, 0.5], "pull");
+    expect([fake.made, session.picks.picking.value]).toEqual([[], null]);
+    return failed.map(complaintOf).map(({ message, advice, remedy }) => [message, advice, remedy]);
+  }
+
+  it.each([
+    ["where there is no camera", SHOT.cameras.slice(1), "Create one from this view."],
+    ["where none of several is looked through", SHOT.cameras, "Choose one above, or create one from this view."],
+  ])("%s", async (_, cameras, advice) => {
+    const said = await answers({ ...SHOT, cameras, defaultCamera: null }, {});
+    expect(said).toEqual([["There is no camera to focus.", advice, null]]);
+  });
+
+  it("where the key may not edit", async () => {
+    const [said] = await answers(SHOT, { noEdits: "Mara may look at shots, not edit." });
+    expect(said).toEqual([
+      "Mara may look at shots, not edit.",
+      "Whoever gave you the key can give you one that may.",
+      null,
+    ]);
+  });
+
+  it("where nothing is seen", async () => {
+    const said = await answers(SHOT, { hits: false });
+    expect(said).toEqual([["There is nothing to focus on there.", "Click on a surface.", null]]);
+  });
 });
 
 describe("a pull", () => {

@@ -8,7 +8,9 @@ from pathlib import Path
 from pxr import Sdf, Tf, Usd
 
 from render.errors import CameraError, NotFoundError
-from render.stage import CameraChoice, default_camera, list_cameras
+from render.model.camera import Camera
+from render.stage import CameraChoice, default_camera, list_cameras, read_camera
+from render.stage.camera.framing import framing_camera
 from usd_schemas import FocusPointView, LensCamera, SchemaError
 
 
@@ -40,6 +42,35 @@ class CameraLookup:
         """The camera that is used when none is named, and why; one that frames the stage does so at a time, or at the first."""
         return default_camera(self._stage, time=time, cameras=self.paths(), purposes=self._purposes, mask=self._mask)
 
+    def framing(self, time: float | None) -> Camera:
+        """The camera that frames the stage where the shot has none to be shown through.
+
+        Args:
+            time: USD time code of what is framed; None for the stage's first.
+
+        Raises:
+            CameraError: the shot is shown through a camera of its own; code ``has_camera``.
+            StageError: there is nothing to frame.
+        """
+        choice = self.default(time)
+        if choice.framing is not None:
+            return choice.framing
+        at = self._stage.GetStartTimeCode() if time is None else time
+        if not any(self._is_usable(path, at) for path in self.paths()):
+            return framing_camera(self._stage, at, purposes=self._purposes, mask=self._mask)
+        message = (
+            f"{self._file.name} is shown through its own camera {choice.path}, so there is no view to create one from"
+        )
+        raise CameraError(message, code="has_camera", path=choice.path)
+
+    def _is_usable(self, path: str, time: float) -> bool:
+        """Whether a camera's numbers make a picture."""
+        try:
+            read_camera(self._stage, path, time)
+        except CameraError:
+            return False
+        return True
+
     def path(self, camera_path: str | None) -> str:
         """Return a prim path, that of the default camera for None.
 
@@ -49,7 +80,8 @@ class CameraLookup:
         path = self.default().path if camera_path is None else camera_path
         if path is None:
             known = self.paths()
-            what = f"{len(known)} cameras: name one of {', '.join(known)}" if known else "no camera: add one in a layer"
+            none = "no camera: create one, or add one in a layer"
+            what = f"{len(known)} cameras: name one of {', '.join(known)}" if known else none
             raise CameraError(f"{self._file.name} has {what}", code="no_camera", path=str(self._file))
         return path
 

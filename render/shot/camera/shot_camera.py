@@ -6,11 +6,12 @@ from pxr import Usd, UsdGeom
 
 from render.errors import SettingsError
 from render.shot.camera.attributes import CameraAttribute, Simplified, author_settings, set_focus_mode, setting_label
+from render.shot.camera.creation import create_camera, free_path
 from render.shot.camera.lookup import CameraLookup
 from render.shot.camera.sharing import give_settings, lacks_settings
 from render.shot.edits.edit_layer import Edits
 from render.shot.lens.lens_choice import LensChoice
-from render.shot.times import check_time
+from render.shot.times import check_reading_time, check_time
 from usd_schemas import Key, LibraryBody, Mounted, mount_body, mount_lens
 
 
@@ -18,13 +19,38 @@ class ShotCamera:
     """Cameras of one shot, their focus points aside.
 
     Args:
+        stage: the shot.
         edits: where edits go.
         cameras: finds cameras by path.
     """
 
-    def __init__(self, edits: Edits, cameras: CameraLookup) -> None:
+    def __init__(self, stage: Usd.Stage, edits: Edits, cameras: CameraLookup) -> None:
+        self._stage = stage
         self._edits = edits
         self._cameras = cameras
+
+    def create(self, name: str | None = None, time: float | None = None) -> str:
+        """Create a camera from the view of the framing camera, which shows a shot that has none to be shown through.
+
+        It is a plain ``def Camera`` at the root of the stage, with a Super 35 body and a thin lens
+        (`render.shot.camera.creation`).
+
+        Args:
+            name: of the prim; None for ``main_cam``, or a free name like it.
+            time: USD time code of the view; None for the shot's first.
+
+        Returns:
+            Its prim path.
+
+        Raises:
+            CameraError: the shot has a camera to be shown through.
+            StageError: there is nothing to frame.
+            SettingsError: the name is taken or no identifier, or the time is infinite.
+        """
+        view = self._cameras.framing(None if time is None else check_reading_time(time))
+        path = free_path(self._stage, name)
+        with self._edits.transaction(f"create camera {path.name}"):
+            return str(create_camera(self._stage, path, view).prim.GetPath())
 
     def set(
         self,

@@ -60,7 +60,8 @@ async def create_shot(
         str | None,
         Form(
             max_length=1000,
-            description="Root layer within a zip. Left out: the only stage in its topmost folder that has any.",
+            description="Root layer within a zip: the path of one of its USD files. Left out: the only stage in its topmost "
+            "folder that has any; where there are several, the refusal (`ambiguous_root`) lists them in `errors`.",
             examples=["shots/night.usda"],
         ),
     ] = None,

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from service.http.archive import unpack
 from service.http.errors import ServiceError
 from service.http.settings import MEBIBYTE, Settings
-from service.http.upload import choose_root, upload_name
+from service.http.upload import MAX_CANDIDATES, choose_root, upload_name
 
 LIMITS = Settings(data=Path("unused"), max_unpacked_mb=100, max_archive_entries=20, max_archive_ratio=50)
 
@@ -187,6 +187,14 @@ def test_a_root_layer_that_cannot_be_found_is_named(paths, requested, code):
     with pytest.raises(ServiceError) as error:
         choose_root(paths, requested, "shot.zip")
     assert (error.value.status, error.value.code) == (422, code)
+
+
+def test_a_choice_of_roots_is_listed_and_not_too_long():
+    stages = [f"{number:04}.usda" for number in range(MAX_CANDIDATES + 50)]
+    with pytest.raises(ServiceError) as error:
+        choose_root([*stages, "sets/deeper.usda", "notes.txt"], None, "shot.zip")
+    assert [finding["path"] for finding in error.value.errors] == stages[:MAX_CANDIDATES]
+    assert len(error.value.detail) < 300
 
 
 @pytest.mark.parametrize(

@@ -3,18 +3,18 @@
 import { batch, computed, signal, type ReadonlySignal } from "@preact/signals";
 import { setFocusMode, type Changes } from "../model/changes";
 import { sampleAt, type Curve } from "../model/curve";
-import { NO_HISTORY, redoLabel, undoLabel } from "../model/history";
+import { NO_HISTORY, redoLabel, undoLabel, type EditHistory } from "../model/history";
 import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
 import { frameCount, sameTime } from "../model/time";
-import { HintError, isAbort } from "../net/errors";
+import { isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
 import type { EditResult, Service, Simplified } from "../net/service";
 import type { View } from "../net/view";
 import type { Fail } from "./fail";
+import { noEditsHint } from "./hints";
 import { PointsByTime } from "./points_by_time";
 
 const NO_CHANGES: Changes = [];
-const NO_EDITS_ADVICE = "Whoever gave you the key can give you one that may.";
 /** Shots of up to this many frames get their focus curve with the result of each edit; longer ones read it afterwards. */
 const MOST_CURVE_FRAMES = 500;
 
@@ -50,6 +50,8 @@ export class ShotDocument {
   readonly simplified = signal<Simplified | null>(null);
   /** Changes that the picture shows and that are not saved: those of a drag, or of an edit that is under way. */
   readonly unsaved = signal(NO_CHANGES);
+  /** The view to open in place of this one, where cameras of the shot have come or gone; then nothing is read here any more. */
+  readonly successor = signal<View | null>(null);
   /** Number of edits under way. */
   readonly pending = signal(0);
   readonly #readout = signal<(At & { readonly value: Readout }) | null>(null);
@@ -218,6 +220,8 @@ export class ShotDocument {
       const known = typeof changes === "function" ? await changes() : changes;
       const result = await this.#service.edit(this.view, { label, gesture, changes: known, time, withCurve });
       this.history.value = result.history;
+      const created = result.cameras.at(-1);
+      if (created !== undefined) this.successor.value = { ...this.view, camera: created };
       this.simplified.value = result.simplified[0] ?? null;
       return { ...result, time };
     };
@@ -239,7 +243,7 @@ export class ShotDocument {
       return Promise.resolve(false);
     this.walks.value += 1;
     const step = async (): Promise<null> => {
-      if (!isEnd()) this.history.value = await this.#service[way](this.shot.id, this.history.peek().revision);
+      if (!isEnd()) this.#takeHistory(await this.#service[way](this.shot.id, this.history.peek().revision));
       this.simplified.value = null;
       return null;
     };
@@ -258,7 +262,7 @@ export class ShotDocument {
       const history = await this.#service.history(this.shot.id);
       const isEditing = this.pending.peek() > 0 || this.dragging.peek() || this.history.peek() !== known;
       if (isEditing || history.revision === known.revision) return;
-      this.history.value = history;
+      this.#takeHistory(history);
       if (known !== NO_HISTORY) this.refresh();
     } catch (error) {
       this.#fail(error, () => void this.catchUp());
@@ -316,6 +320,7 @@ export class ShotDocument {
    * @param result of an edit, which saves reading its parts; null reads everything again.
    */
   refresh(result: TimedResult | null = null): void {
+    if (this.successor.peek()) return;
     const revision = this.revision.value + 1;
     this.#service.forget(this.shot.id);
     this.#lastEdit = result && { ...result, revision };
@@ -331,9 +336,16 @@ export class ShotDocument {
 
   /** Tells the person why they may not edit, and returns whether they may not. */
   #isRefused(): boolean {
-    const reason = this.noEdits.peek();
-    if (reason !== null) this.#fail(new HintError(reason, NO_EDITS_ADVICE), () => undefined);
-    return reason !== null;
+    const hint = noEditsHint(this.noEdits.peek());
+    if (hint) this.#fail(hint, () => undefined);
+    return hint !== null;
+  }
+
+  /** Takes a history that was read; where the shot has other cameras by now, the view is to be opened again. */
+  #takeHistory(history: EditHistory): void {
+    this.history.value = history;
+    const { cameras } = history;
+    if (cameras && cameras.join() !== this.shot.cameraPaths.join()) this.successor.value = this.view;
   }
 
   #takeReadout(value: Readout, at: At): void {

@@ -1,15 +1,16 @@
 /** The whole editor: the shots, the open one, the remembered choices, and the last error. */
 
-import { signal } from "@preact/signals";
+import { effect, signal, untracked } from "@preact/signals";
 import { isPerson } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import { NO_LIBRARIES, type Libraries } from "../model/photography";
 import type { TrashedShot } from "../model/shot";
 import { complaintOf, HintError, isAbort, ServiceError, type Complaint } from "../net/errors";
 import type { Download, Service } from "../net/service";
+import type { View } from "../net/view";
 import type { Fail } from "./fail";
 import { Identity } from "./identity";
-import { Library } from "./library";
+import { Library, type Upload } from "./library";
 import { Remembered } from "./remembered";
 import { Session } from "./session";
 
@@ -58,6 +59,13 @@ export class Editor {
     service.listen({
       onSignInNeeded: () => this.identity.ask(),
       onWaiting: (refusal) => (this.waiting.value = refusal?.message ?? null),
+    });
+    effect(() => {
+      const successor = this.session.value?.document.successor.value;
+      if (!successor) return;
+      untracked(() => {
+        this.#succeed(successor);
+      });
     });
   }
 
@@ -154,6 +162,22 @@ export class Editor {
     if (session) await this.open(session.shot.id, camera, session.playhead.time.value);
   }
 
+  /** Creates a camera from the view that a shot without one is shown in, and looks through it. */
+  createCamera(): void {
+    const session = this.session.value;
+    if (!session) return;
+    session.playhead.pause();
+    const time = session.playhead.time.value;
+    void session.document.edit("Create a camera", [{ type: "createCamera", time }]);
+  }
+
+  /** Opens a view in place of the open session, which reads nothing from then on: its camera may be gone. */
+  #succeed({ shot, camera }: View): void {
+    const session = this.session.value;
+    session?.close();
+    void this.open(shot, camera, session?.playhead.time.value);
+  }
+
   async upload(files: Iterable<File>): Promise<void> {
     const refusal = this.identity.noEdits.value;
     if (refusal !== null) {
@@ -163,6 +187,12 @@ export class Editor {
     const shots = await Promise.all([...files].map((file) => this.library.upload(file)));
     const last = shots.findLast((shot) => shot !== null);
     if (last) await this.open(last.id);
+  }
+
+  /** Sends a zip again, with one of the stages that it holds as its root, and opens it. */
+  async chooseRoot(upload: Upload, root: string): Promise<void> {
+    const shot = await this.library.chooseRoot(upload, root);
+    if (shot) await this.open(shot.id);
   }
 
   async remove(shot: string): Promise<void> {

@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import type { ShotSummary, TrashedShot } from "../model/shot";
-import { complaintOf, isAbort, type Complaint } from "../net/errors";
+import { complaintOf, isAbort, ServiceError, type Complaint } from "../net/errors";
 import type { Service } from "../net/service";
 import type { Fail } from "./fail";
 
@@ -13,6 +13,9 @@ export interface Upload {
   /** 0 to 1 of the bytes; at 1 the service is reading it. */
   readonly progress: number;
   readonly complaint: Complaint | null;
+  /** Stages of a zip of which one has to be chosen as its root, for it to be sent again. */
+  readonly candidates: readonly string[];
+  readonly file: File;
   readonly abort: AbortController;
 }
 
@@ -47,20 +50,30 @@ export class Library {
     this.#serial += 1;
     const id = this.#serial;
     const abort = new AbortController();
-    this.uploads.value = [...this.uploads.value, { id, name: file.name, progress: 0, complaint: null, abort }];
+    const upload = { id, name: file.name, progress: 0, complaint: null, candidates: [], file, abort };
+    this.uploads.value = [...this.uploads.value, upload];
+    return this.#send(upload, null);
+  }
+
+  /** Sends a zip again, with one of its candidates as root. Resolves as `upload` does. */
+  async chooseRoot(upload: Upload, root: string): Promise<ShotSummary | null> {
+    this.#change(upload.id, { progress: 0, complaint: null, candidates: [] });
+    return this.#send(upload, root);
+  }
+
+  async #send({ id, file, abort }: Upload, root: string | null): Promise<ShotSummary | null> {
+    const onProgress = (progress: number): void => {
+      this.#change(id, { progress });
+    };
     try {
-      const shot = await this.#service.upload(
-        file,
-        (progress) => {
-          this.#change(id, { progress });
-        },
-        abort.signal,
-      );
+      const shot = await this.#service.upload({ file, root }, onProgress, abort.signal);
       this.dismiss(id);
       await this.refresh();
       return shot;
     } catch (error) {
       if (isAbort(error)) this.dismiss(id);
+      else if (error instanceof ServiceError && error.code === "ambiguous_root" && error.subjects.length > 0)
+        this.#change(id, { candidates: error.subjects });
       else this.#change(id, { complaint: complaintOf(error) });
       return null;
     }

@@ -9,6 +9,7 @@ import { HintError } from "../net/errors";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
+import { noCameraHint, noEditsHint } from "./hints";
 import type { Playhead } from "./playhead";
 import type { Pulls } from "./pulls";
 
@@ -88,7 +89,9 @@ export class Picks {
     time = this.#session.playhead.time.value,
   ): Promise<void> {
     const { document, playhead, box } = this.#session;
-    if (!box.value || !document.hasLens || document.noEdits.value !== null) return Promise.resolve();
+    const hint = noEditsHint(document.noEdits.value) ?? (document.hasLens ? null : noCameraHint(document.shot));
+    if (hint) this.#fail(hint, () => undefined);
+    if (hint || !box.value) return Promise.resolve();
     playhead.pause();
     const quality = restQuality(box.value.width, box.value.height);
     this.#queue = this.#queue.then(async () => {

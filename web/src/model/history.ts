@@ -16,9 +16,18 @@ export interface EditHistory {
   readonly undo: string;
   /** Label of the edit that a redo does again. */
   readonly redo: string;
+  /** Prim paths of the cameras that the shot has in the present state; null where they were not read with it. */
+  readonly cameras: readonly string[] | null;
 }
 
-export const NO_HISTORY: EditHistory = { revision: "", before: null, after: null, undo: "", redo: "" };
+export const NO_HISTORY: EditHistory = {
+  revision: "",
+  before: null,
+  after: null,
+  undo: "",
+  redo: "",
+  cameras: null,
+};
 
 /** Label of an undo button, such as "Focus on lantern"; null for nothing to undo. */
 export function undoLabel(history: EditHistory): string | null {

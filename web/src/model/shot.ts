@@ -45,6 +45,8 @@ export interface Note {
 export interface Shot extends ShotSummary {
   readonly range: FrameRange;
   readonly cameras: readonly CameraSummary[];
+  /** Prim paths of all cameras, those whose numbers make no picture included. */
+  readonly cameraPaths: readonly string[];
   /** The default camera; null where the shot has none and a camera is made that frames it. */
   readonly defaultCamera: string | null;
 }

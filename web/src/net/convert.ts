@@ -38,6 +38,7 @@ export function toShot(json: Json["Shot"], cameras: Json["CameraList"]): Shot {
     ...toSummary(json),
     range: json.frameRange,
     cameras: cameras.cameras.flatMap(toCamera),
+    cameraPaths: json.cameras,
     defaultCamera: json.defaultCamera.path,
   };
 }
@@ -137,20 +138,22 @@ export function toPoint(json: Json["FocusPoint"]): FocusPoint {
 }
 
 export function toHistory(json: Json["EditHistory"]): EditHistory {
-  const { revision, now, steps, undo, redo } = json;
+  const { revision, now, steps, undo, redo, cameras } = json;
   return {
     revision,
     before: undo === null ? null : (steps[now - 1]?.revision ?? null),
     after: redo === null ? null : (steps[now + 1]?.revision ?? null),
     undo: undo ?? "",
     redo: redo ?? "",
+    cameras,
   };
 }
 
-export function toEditResult({ history, state, simplified }: Json["EditResult"]): EditResult {
+export function toEditResult({ history, state, simplified, cameras }: Json["EditResult"]): EditResult {
   const { exposure, film, exposureReadout } = state ?? {};
   return {
-    history: { ...history, undo: history.undo ?? "", redo: history.redo ?? "" },
+    history: { ...history, undo: history.undo ?? "", redo: history.redo ?? "", cameras: null },
+    cameras,
     points: state?.focusPoints?.focusPoints.map(toPoint) ?? null,
     readout: state?.readout ? toReadout(state.readout) : null,
     focusSettings: state?.focus ? toFocusSettings(state.focus) : null,

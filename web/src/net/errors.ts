@@ -5,12 +5,16 @@ export interface Problem {
   readonly code: string;
   readonly detail: string;
   readonly path?: string | null;
+  /** The single findings, where there are several. */
+  readonly errors?: readonly { readonly path: string; readonly detail: string }[];
 }
 
 /** The service refused a request or failed, with a reason. */
 export class ServiceError extends Error {
   readonly code: string;
   readonly path: string | null;
+  /** What the single findings are about, where there are several. */
+  readonly subjects: readonly string[];
   readonly status: number;
   /** Wait that the service asks for before another try, s; null where it asks for none. */
   readonly retryAfterS: number | null;
@@ -20,6 +24,7 @@ export class ServiceError extends Error {
     this.name = "ServiceError";
     this.code = problem.code;
     this.path = problem.path ?? null;
+    this.subjects = problem.errors?.map(({ path }) => path) ?? [];
     this.status = status;
     this.retryAfterS = retryAfterS;
   }

@@ -38,6 +38,7 @@ import type {
   PictureFormat,
   PictureOfEdits,
   PictureStates,
+  Sending,
   Service,
 } from "./service";
 import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
@@ -79,8 +80,13 @@ export class HttpService implements Service {
     return shots.map(toSummary);
   }
 
-  async upload(file: File, onProgress: (fraction: number) => void, signal: AbortSignal): Promise<ShotSummary> {
-    const attempt = (): Promise<unknown> => sendFile(`${this.#base}/v1/shots`, file, onProgress, signal);
+  async upload(
+    { file, root }: Sending,
+    onProgress: (fraction: number) => void,
+    signal: AbortSignal,
+  ): Promise<ShotSummary> {
+    const [address, fields] = [`${this.#base}/v1/shots`, root === null ? {} : { root }];
+    const attempt = (): Promise<unknown> => sendFile(address, file, fields, onProgress, signal);
     return toSummary((await this.#patience.send(attempt, false, signal)) as Json["Shot"]);
   }
 

@@ -1423,7 +1423,7 @@ export interface components {
             readonly project?: string | null;
             /**
              * Root
-             * @description Root layer within a zip. Left out: the only stage in its topmost folder that has any.
+             * @description Root layer within a zip: the path of one of its USD files. Left out: the only stage in its topmost folder that has any; where there are several, the refusal (`ambiguous_root`) lists them in `errors`.
              * @example shots/night.usda
              */
             readonly root?: string | null;
@@ -1761,6 +1761,34 @@ export interface components {
             readonly resource: string;
         };
         /**
+         * CreateCamera
+         * @description Create a camera from the view that a shot without one is shown through; the changes after it are made to that camera.
+         *
+         *     It has the position, direction and focus distance of that view, a Super 35 body, and a thin lens that has all of the view in
+         *     its picture. It is refused where the shot is shown through a camera of its own.
+         * @example {
+         *       "time": 24,
+         *       "type": "createCamera"
+         *     }
+         */
+        readonly CreateCamera: {
+            /**
+             * Name
+             * @description Of its prim, at the root of the stage. Left out: `main_cam`, or a free name like it.
+             */
+            readonly name?: string | null;
+            /**
+             * Time
+             * @description USD time code of the view, which holds for all time. Left out: the shot's first.
+             */
+            readonly time?: number | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "createCamera";
+        };
+        /**
          * CurveFinding
          * @description A finding about an imported file.
          */
@@ -1891,8 +1919,11 @@ export interface components {
         };
         /**
          * EditHistory
-         * @description The states of the edits, oldest first.
+         * @description The states of the edits, oldest first, and the cameras that there are in the present one.
          * @example {
+         *       "cameras": [
+         *         "/World/main_cam"
+         *       ],
          *       "now": 1,
          *       "revision": "e3b0c44298fc1c14",
          *       "steps": [
@@ -1911,6 +1942,11 @@ export interface components {
          *     }
          */
         readonly EditHistory: {
+            /**
+             * Cameras
+             * @description Prim paths of the shot's cameras: a step may have created one.
+             */
+            readonly cameras: readonly string[];
             /**
              * Now
              * @description Index of the present state in `steps`; those behind it were undone.
@@ -1983,7 +2019,7 @@ export interface components {
              */
             readonly camera?: string | null;
             /** Changes */
-            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
             /**
              * Gesture
              * @description Names one drag of a hand: its edits, one after the other, are one step of undo.
@@ -2004,6 +2040,7 @@ export interface components {
          *       "added": [
          *         "visor"
          *       ],
+         *       "cameras": [],
          *       "changed": [
          *         {
          *           "etag": "\"77aebf18a0860070\"",
@@ -2311,6 +2348,11 @@ export interface components {
              * @description Names of the added focus points, in order.
              */
             readonly added: readonly string[];
+            /**
+             * Cameras
+             * @description Prim paths of the created cameras, in order.
+             */
+            readonly cameras: readonly string[];
             /**
              * Changed
              * @description With their new tags, for `If-Match`; empty for no difference.
@@ -5755,7 +5797,7 @@ export interface components {
              * @description Changes that are tried in these pictures and not kept: those that an edit takes.
              * @default []
              */
-            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
             /**
              * Connections
              * @description Carries small bright things to the pixels of their blurred images, which leaves less noise.

@@ -29,6 +29,8 @@ export interface Edit {
 /** The shot after an edit, at the edit's time; a part that the service could not read is null. */
 export interface EditResult {
   readonly history: EditHistory;
+  /** Prim paths of the cameras that it created. */
+  readonly cameras: readonly string[];
   readonly points: readonly FocusPoint[] | null;
   readonly readout: Readout | null;
   readonly focusSettings: FocusSettings | null;
@@ -66,6 +68,13 @@ export interface PictureStates {
   readonly by: ReadonlyMap<number, string | null>;
 }
 
+/** A file to send. */
+export interface Sending {
+  readonly file: File;
+  /** Root layer within a zip; null where the service chooses. */
+  readonly root: string | null;
+}
+
 export interface Service {
   /** Sets who is asked for a key, and told of waits; until then requests that are refused fail. */
   listen(listener: PatienceListener): void;
@@ -75,7 +84,8 @@ export interface Service {
   signIn(key: string): Promise<Who>;
   signOut(): Promise<void>;
   shots(): Promise<ShotSummary[]>;
-  upload(file: File, onProgress: (fraction: number) => void, signal: AbortSignal): Promise<ShotSummary>;
+  /** Sends a shot. Fails with `ambiguous_root`, and the candidates as subjects, where a zip has several that could be its root. */
+  upload(sending: Sending, onProgress: (fraction: number) => void, signal: AbortSignal): Promise<ShotSummary>;
   /** Moves a shot with its edits to the trash. */
   removeShot(shot: string): Promise<void>;
   /** The deleted shots, the last one first. */

@@ -14,6 +14,7 @@ export function pointAddress(name: string): string {
 /** Address of the resource that a change needs unchanged. */
 export function addressOf(change: Change): string {
   if (change.type === "addPoint" || change.type === "rack") return POINTS;
+  if (change.type === "createCamera") return CAMERA;
   return "name" in change ? pointAddress(change.name) : CAMERA;
 }
 

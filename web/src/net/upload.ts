@@ -3,6 +3,7 @@
 import { errorOf, UnreachableError } from "./errors";
 
 /**
+ * @param fields of the form, beside the file.
  * @param onProgress called with the part of the bytes that is sent, 0 to 1.
  * @returns the answer's JSON.
  * @throws ServiceError, UnreachableError, or an AbortError.
@@ -10,6 +11,7 @@ import { errorOf, UnreachableError } from "./errors";
 export function sendFile(
   address: string,
   file: File,
+  fields: Readonly<Record<string, string>>,
   onProgress: (fraction: number) => void,
   signal: AbortSignal,
 ): Promise<unknown> {
@@ -17,6 +19,7 @@ export function sendFile(
     const request = new XMLHttpRequest();
     const form = new FormData();
     form.append("file", file);
+    for (const [name, value] of Object.entries(fields)) form.append(name, value);
     request.open("POST", address);
     request.responseType = "json";
     request.upload.onprogress = (event) => {

@@ -6,6 +6,7 @@ import { SURROUNDS, type Surround } from "../editor/remembered";
 import type { Session } from "../editor/session";
 import { primName } from "../model/shot";
 import { Account } from "./Account";
+import { CreateCamera } from "./controls/CreateCamera";
 import { Menu } from "./controls/Menu";
 import { save } from "./hooks";
 import { Icon } from "./icons";
@@ -50,7 +51,7 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
         /
       </span>
       {cameras.length === 0 ? (
-        <span class="muted">framing camera: the shot has none</span>
+        <span class="muted">{session.camera === null ? "no camera" : "no usable camera"}</span>
       ) : (
         <select
           aria-label="Camera"
@@ -58,12 +59,20 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
           value={chosen}
           onChange={(event) => void editor.lookThrough(event.currentTarget.value)}
         >
+          {chosen === "" && (
+            <option value="" disabled>
+              framing camera
+            </option>
+          )}
           {cameras.map(({ path }) => (
             <option key={path} value={path} title={path}>
               {primName(path)}
             </option>
           ))}
         </select>
+      )}
+      {(session.camera === null || cameras.length === 0) && (
+        <CreateCamera editor={editor} session={session} label="Create a camera" />
       )}
     </div>
   );

@@ -61,9 +61,23 @@ def test_the_root_of_a_zip_can_be_named(client):
     content = zipped(a_dot_usda="#usda 1.0\n", b_dot_usda=ROOM)
     refused = send(client, "set.zip", content)
     assert (refused.status_code, refused.json()["code"]) == (422, "ambiguous_root")
+    assert [candidate["path"] for candidate in refused.json()["errors"]] == ["a.usda", "b.usda"]
     sent = send(client, "set.zip", content, root="b.usda")
     assert (sent.status_code, sent.json()["root"]) == (201, "b.usda")
     client.delete(sent.headers["location"])
+
+
+@pytest.mark.parametrize(
+    "root",
+    ["../b.usda", "/etc/passwd", "/b.usda", "c.usda", "b.txt", "set", "b.usda\0", "b\r\n.usda", "${HOME}"],
+)
+def test_a_root_that_is_none_of_the_zips_stages_is_refused(client, root):
+    content = zipped(a_dot_usda="#usda 1.0\n", b_dot_usda=ROOM, b_dot_txt="notes", set__c_dot_usda=ROOM)
+    before = len(client.get("/v1/shots").json()["shots"])
+    refused = send(client, "set.zip", content, root=root)
+    assert (refused.status_code, refused.json()["code"]) == (422, "bad_root")
+    assert refused.json()["detail"].startswith("set.zip holds no USD file ")
+    assert len(client.get("/v1/shots").json()["shots"]) == before
 
 
 def test_inspect_says_what_is_there_and_what_is_not_honoured(client, room_file):

@@ -27,6 +27,7 @@ export function Shots({ editor }: { editor: Editor }): JSX.Element {
           <UploadRow
             key={upload.id}
             upload={upload}
+            onChoose={(root) => void editor.chooseRoot(upload, root)}
             onDismiss={() => {
               editor.library.dismiss(upload.id);
             }}
@@ -170,8 +171,15 @@ function Notes({ notes }: { notes: readonly Note[] }): JSX.Element {
   );
 }
 
-function UploadRow({ upload, onDismiss }: { upload: Upload; onDismiss: () => void }): JSX.Element {
-  const { name, progress, complaint } = upload;
+interface UploadRowProps {
+  readonly upload: Upload;
+  readonly onChoose: (root: string) => void;
+  readonly onDismiss: () => void;
+}
+
+function UploadRow({ upload, onChoose, onDismiss }: UploadRowProps): JSX.Element {
+  const { name, complaint, candidates } = upload;
+  const isOver = complaint !== null || candidates.length > 0;
   return (
     <li class={complaint ? "shot upload refused" : "shot upload"}>
       <div class="shot-row">
@@ -181,25 +189,48 @@ function UploadRow({ upload, onDismiss }: { upload: Upload; onDismiss: () => voi
             <span role="alert">
               {complaint.message} {complaint.advice}
             </span>
+          ) : candidates.length > 0 ? (
+            <span role="status">It holds {candidates.length} stages. Which one is the shot?</span>
           ) : (
-            <>
-              <progress aria-label={`Sending ${name}`} {...(progress < 1 ? { value: progress } : {})} max={1} />
-              <span class="muted">
-                {progress < 1 ? `Sending, ${Math.round(progress * 100)} %` : "Reading the shot…"}
-              </span>
-            </>
+            <Sent upload={upload} />
           )}
         </div>
         <button
           type="button"
           class="button icon-only quiet"
-          aria-label={complaint ? `Dismiss ${name}` : `Stop sending ${name}`}
+          aria-label={isOver ? `Dismiss ${name}` : `Stop sending ${name}`}
           onClick={onDismiss}
         >
           <Icon name="close" />
         </button>
       </div>
+      {candidates.length > 0 && (
+        <div class="roots" role="group" aria-label={`Stages of ${name}`}>
+          {candidates.map((path) => (
+            <button
+              key={path}
+              type="button"
+              class="button"
+              title={`Send ${name} again, with ${path} as its root`}
+              onClick={() => {
+                onChoose(path);
+              }}
+            >
+              {path}
+            </button>
+          ))}
+        </div>
+      )}
     </li>
+  );
+}
+
+function Sent({ upload: { name, progress } }: { upload: Upload }): JSX.Element {
+  return (
+    <>
+      <progress aria-label={`Sending ${name}`} {...(progress < 1 ? { value: progress } : {})} max={1} />
+      <span class="muted">{progress < 1 ? `Sending, ${Math.round(progress * 100)} %` : "Reading the shot…"}</span>
+    </>
   );
 }
 

@@ -4,6 +4,7 @@ import type { JSX } from "preact";
 import type { Editor } from "../../editor/editor";
 import { PANELS, type Panel } from "../../editor/remembered";
 import type { Session } from "../../editor/session";
+import { CreateCamera } from "../controls/CreateCamera";
 import { Edits } from "../controls/Edits";
 import { CameraPanel } from "./CameraPanel";
 import { FocusPanel } from "./FocusPanel";
@@ -16,10 +17,14 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
   return (
     <aside class="inspector panel" aria-label="Lens, focus and camera">
       {session && !session.document.hasLens ? (
-        <p class="muted pad-all">
-          This shot has no camera, so one was made to frame it. Add a camera to the shot to set its lens and pull its
-          focus.
-        </p>
+        <div class="pad-all">
+          <p class="muted">
+            {session.shot.cameras.length === 0
+              ? "This shot has no camera, so one was made to frame it. Create a camera from this view to set its lens and pull its focus."
+              : "None of the shot’s cameras is its main one, so all of it is framed. Choose a camera above, or create one from this view."}
+          </p>
+          <CreateCamera editor={editor} session={session} />
+        </div>
       ) : session ? (
         <>
           <Tabs editor={editor} />

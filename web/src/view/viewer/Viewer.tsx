@@ -240,7 +240,7 @@ function PictureFoot({ session }: { session: Session }): JSX.Element {
   const selected = session.selected.value;
   return (
     <footer class="picture-foot">
-      <span hidden={session.document.noEdits.value !== null}>
+      <span hidden={session.document.noEdits.value !== null || !session.document.hasLens}>
         {session.gathers.value ? (
           <>
             <b>Click</b> adds a point · <b>Shift</b> pulls focus there

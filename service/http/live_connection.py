@@ -190,11 +190,11 @@ class LiveConnection:
             cache = self._service.frame_cache
             cached = cache.get(pending.tag)
             pending.focus_tag = focus_tag(self._service, record, edits, request)
-            focus = cache.get(pending.focus_tag) if request.focus_maps else b""
-            if cached is not None and focus is not None:
+            if cached is not None:
                 self._cancel_stream()
                 self._service.metrics.frames.labels("cache").inc()
-                self._queue_item(pending, replace(_cached_picture(cached, request.rays), focus=focus))
+                focus = cache.get(pending.focus_tag) if request.focus_maps else None
+                self._queue_item(pending, replace(_cached_picture(cached, request.rays), focus=focus or b""))
                 return
         if request.moving:  # one preview is drawn, in the time that is asked for
             limits = self._service.admission.check_preview(request)

@@ -50,7 +50,8 @@ class LiveRequest(PictureQuery):
     focus_maps: bool = Field(
         default=False,
         description="Whether the first picture, except while others wait, and the final one come with a focus map. "
-        "That takes about as long as a layer.",
+        "That takes about as long as a layer. A picture that is kept comes with the map that is kept, if any; `getFocusMap` has "
+        "it in any case.",
         examples=[True],
     )
     changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES), FailFast()] = Field(

@@ -5829,7 +5829,7 @@ export interface components {
             readonly film?: string | null;
             /**
              * Focusmaps
-             * @description Whether the first picture, except while others wait, and the final one come with a focus map. That takes about as long as a layer.
+             * @description Whether the first picture, except while others wait, and the final one come with a focus map. That takes about as long as a layer. A picture that is kept comes with the map that is kept, if any; `getFocusMap` has it in any case.
              * @default false
              * @example true
              */

@@ -156,11 +156,16 @@ def test_focus_maps_come_with_the_pictures_of_a_request(service, client, room, l
     assert kept.data == pictures[-1].data
 
 
-def test_a_picture_that_is_kept_gets_its_focus_map_later(client, room, live):
+def test_a_picture_that_is_kept_is_not_drawn_again_for_its_map(service, client, room, live):
     live.request(id=1, time=8)
     assert not any(picture.focus_map for picture in live.until_final(1))
     live.request(id=2, time=8, focusMaps=True)
-    assert live.until_final(2)[-1].focus_map
+    (kept,) = live.until_final(2)
+    assert not kept.focus_map
+    focus_map = client.get(f"/v1/shots/{room}/focus-map", params={"time": 8, "width": 96, "height": 54}).content
+    live.request(id=3, time=8, focusMaps=True)
+    (kept,) = live.until_final(3)
+    assert kept.focus_map == focus_map
 
 
 def test_a_tried_focus_is_seen_in_map_and_points(client, room, live):

@@ -2,6 +2,7 @@
 camera and the grade of the demo shot.
 
 pullfocus bench live
+pullfocus bench live --focus-maps               the same with the circle of confusion of each pixel
 pullfocus bench live --before CHECKOUT          beside the same drags with another checkout's code
 
 The file is a script too: with ``--before`` it runs in a process of its own, on the modules of the other checkout, of which it
@@ -98,6 +99,7 @@ class LiveBench:
         rows: the drags.
         goals: goals and whether they are met.
         before: the drags with the code of another checkout, if one was asked for.
+        focus_maps: whether pictures came with focus maps.
     """
 
     device: str
@@ -107,6 +109,7 @@ class LiveBench:
     rows: list[DragRow]
     goals: list[Goal]
     before: list[DragRow] = field(default_factory=list)
+    focus_maps: bool = False
 
 
 class _Stand:
@@ -117,6 +120,8 @@ class _Stand:
         self._driver = ProgressiveRenderer(renderer, shot, LiveFinisher(renderer))
         self._camera = shot.default_camera().path
         self._asked = PreviewRequest(None, FRAME, plan.picture)
+        if plan.focus_maps:
+            self._asked = replace(self._asked, maps_focus=True)
         self.drags: dict[str, Change] = {
             "focus": self._focus,
             "aperture": self._aperture,
@@ -247,7 +252,8 @@ def measure(plan: LivePlan) -> LiveBench:
         rows = [stand.row(name) for name in DRAGS]
         device = renderer.graphics.renderer
     picture = plan.picture
-    return LiveBench(device, picture.width, picture.height, picture.rays, rows, _goals(rows))
+    goals = _goals(rows)
+    return LiveBench(device, picture.width, picture.height, picture.rays, rows, goals, focus_maps=plan.focus_maps)
 
 
 def measure_before(checkout: Path, typed: Sequence[str]) -> list[DragRow]:
@@ -346,7 +352,7 @@ def report(result: LiveBench) -> str:
     """The table."""
     lines = [
         f"{result.device}; the demo shot, {result.width}x{result.height}, {result.rays} rays at rest",
-        "Milliseconds from before the change until the picture is there as a JPEG.",
+        f"Milliseconds from before the change until the picture is there as a JPEG{', with its focus map' * result.focus_maps}.",
         "",
         "drag       first: median      p95   of it reading   its width   rays   at rest: first     last   left within"
         "   looks every: p95  longest   first: PSNR dB",

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from render.errors import GraphicsError
+from render.frame import FrameRenderer
 from render.lab.bench.live import DragRow, LiveBench, compare, measure_before, report
 from render.lab.bench.live_plan import DRAGS, FIRST_MS
+from render.model.focus_map import FocusMap
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, write_shot
 
 pytestmark = pytest.mark.gl
@@ -42,6 +45,29 @@ def test_every_drag_is_measured_and_rests_on_the_picture_of_record(
     assert [goal["got"] for goal in goals[:-1]] == [*firsts, max(row["look_p95_ms"] for row in found["rows"])]
     assert goals[-1]["holds"]
     assert ended.out.count("pass") + ended.out.count("FAIL") == len(goals)
+
+
+def test_focus_maps_are_measured_with_the_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(
+        "render.lab.bench.live.write_demo", lambda folder: write_shot(folder / "a.usda", SQUARE, CAMERA)
+    )
+    maps: list[FocusMap] = []
+    measure = FrameRenderer.map_focus
+
+    def kept(*arguments: Any, **named: Any) -> FocusMap:
+        maps.append(measure(*arguments, **named))
+        return maps[-1]
+
+    monkeypatch.setattr(FrameRenderer, "map_focus", kept)
+    file = tmp_path / "live.json"
+    ended = Command(capsys)("bench", "live", "--quick", "--focus-maps", "--json", file)
+    assert ended.status == 0
+    assert "with its focus map" in ended.out
+    assert json.loads(file.read_text())["focus_maps"]
+    assert len(maps) > 2 * len(DRAGS)
+    assert Command(capsys)("bench", "live", "--quick", "--focus-maps", "--before", ".").status == 2
 
 
 def test_drags_are_held_to_those_of_another_checkout() -> None:

@@ -143,8 +143,15 @@ def test_the_live_pictures_program_runs(service: str, tmp_path: Path, monkeypatc
     assert all(is_picture(picture) for picture in pictures)
 
 
+def test_the_focus_map_program_runs(service: str, capsys: pytest.CaptureFixture[str]) -> None:
+    (program,) = (program for program in programs() if "http://" in program)
+    httpx.get(f"{service}/livez", timeout=300).raise_for_status()
+    exec(program.replace(ADDRESS, service).replace("width=480", "width=64"), {})
+    assert re.fullmatch(r"\d+% of the picture is sharp\n", capsys.readouterr().out)
+
+
 def test_the_other_python_programs_run(demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (program,) = (program for program in programs() if "ws://" not in program)
+    (program,) = (program for program in programs() if "ws://" not in program and "http://" not in program)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "demo").symlink_to(demo)
     exec(program.replace("width=480, height=270", "width=64, height=36, rays=4"), {})

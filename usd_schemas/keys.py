@@ -191,7 +191,8 @@ def copy_values(source: Usd.Attribute, goal: Usd.Attribute) -> None:
         author_spline(goal, source.GetSpline())
         return
     for time in source.GetTimeSamples():
-        goal.Set(source.Get(time), time)
+        value = source.Get(time)
+        goal.Set(Sdf.ValueBlock() if value is None else value, time)
 
 
 def author_spline(attribute: Usd.Attribute, spline: Ts.Spline) -> None:

@@ -151,7 +151,7 @@ class LensCamera:
         return view
 
     def rename_focus_point(self, name: str, new_name: str) -> FocusPointView:
-        """Rename a focus point. It keeps its values and keys; it becomes the last one.
+        """Rename a focus point. It keeps its values and keys; of the points that the edit target applies it becomes the last.
 
         Args:
             name: of the point.

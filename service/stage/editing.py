@@ -13,6 +13,7 @@ from service.models.changes import (
     CreateCamera,
     KeySetting,
     MakeRack,
+    RenamePoint,
     SetCamera,
     SetExposure,
     SetFilm,
@@ -69,7 +70,7 @@ def check_context(shot: Shot, camera: str | None, changes: Sequence[Change], con
     Args:
         shot: before the edit.
         camera: prim path; None for the default camera.
-        changes: of the edit; a focus point that one of them adds is not there yet.
+        changes: of the edit; a focus point that one of them adds or renames is not there by that name yet.
         context: of the edit.
 
     Raises:
@@ -80,7 +81,7 @@ def check_context(shot: Shot, camera: str | None, changes: Sequence[Change], con
         return
     added = {
         point_address(change.point.name) for change in changes if isinstance(change, AddPoint) and change.point.name
-    }
+    } | {point_address(change.new_name) for change in changes if isinstance(change, RenamePoint)}
     for address in dict.fromkeys(edited_address(change) for change in changes):
         if address not in added:
             context.check_tag(*_tag_and_words(shot, camera, address))

@@ -44,6 +44,8 @@ def test_a_click_holds_before_and_after(page: Page, service: str) -> None:
         assert after[frame] == pytest.approx(before[frame], rel=1e-6)
     for frame in range(FRAME, HELD + 1):
         assert after[frame] == pytest.approx(focus_points(service, frame)[table]["depthM"], rel=1e-3)
+    table_m, near_m = (focus_points(service, 24)[name]["depthM"] for name in (table, NEAR))
+    assert after[24] == pytest.approx(2 / (1 / table_m + 1 / near_m), rel=1e-4)  # half of the way, as the ring turns
     assert after[66] == pytest.approx(before[66], rel=1e-6)
 
     expect(page.locator(".pull-choice")).to_contain_text(f"Focus on {table}")

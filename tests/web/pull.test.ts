@@ -1,4 +1,5 @@
 import { freshName, pulledWeights, pullSpan, weightOf, type Pull, type Weight } from "@/model/pull";
+import type { Key } from "@/model/keys";
 import { EASES, keysOf, thingName, type FocusPoint } from "@/model/shot";
 import { valueAt } from "@/model/spline";
 import { point } from "./points";
@@ -131,6 +132,50 @@ describe("a click from here, in what is there already,", () => {
   });
 });
 
+describe("a click from here, where not all points count,", () => {
+  const off = point("b", {}, { enabled: false });
+
+  it("takes a point that was off to have had no weight", () => {
+    const weights = pulled([point("a"), off], "b", 40);
+    for (const time of [1, 28]) expect(shares(weights, time)).toEqual({ a: 1, b: 0 });
+    expect(weights.get("b")?.keys.at(-1)?.value).toBe(1);
+  });
+
+  it("hands over where another point is switched on", () => {
+    const enabled = [
+      { time: 1, value: 0, interpolation: "held" as const },
+      { time: 60, value: 1, interpolation: "held" as const },
+    ];
+    const late = { ...point("b"), keys: { enabled }, settings: { ...point("b").settings, enabled: false } };
+    expect(pullSpan(null, 20, [point("a"), late], FROM, RANGE)).toMatchObject({ start: 8, arrival: 20, held: 20 });
+    expect(shares(pulled([point("a"), late], "c", 20), 60)).toEqual({ a: 0.5, b: 0.5, c: 0 });
+  });
+
+  it("goes over in a frame at least", () => {
+    const weights = pulled([point("a")], "b", 40, { ...FROM, frames: 0 });
+    for (const time of [1, 39]) expect(shares(weights, time)).toEqual({ a: 1, b: 0 });
+    expect(shares(weights, 40)).toEqual({ a: 0, b: 1 });
+  });
+});
+
+describe("the keys of a click", () => {
+  it("have handles that reach a third of the way, whatever stood there before", () => {
+    const { keys = [] } = pulled([point("a", { weight: { 1: 1, 30: 1, 96: 1 } })], "b", 40).get("a") ?? {};
+    const [first, second] = [28, 40].map((time) => keys.find((key) => key.time === time)?.tangents);
+    expect([first?.outWidth, second?.inWidth]).toEqual([4, 4]);
+  });
+
+  it("leave the curve after the next handover as it was", () => {
+    const eased = [{ ...point("near"), keys: { weight: auto([30, 1], [60, 0.5], [90, 0]) } }, point("far")];
+    const before = valueAt(keysOf(eased[0] ?? point("near"), "weight"), 67.5);
+    expect(valueAt(pulled(eased, "new", 20).get("near")?.keys ?? [], 67.5)).toBeCloseTo(before ?? NaN, 6);
+  });
+});
+
+function auto(...places: readonly (readonly [number, number])[]): Key[] {
+  return places.map(([time, value]) => ({ time, value, interpolation: "auto" }));
+}
+
 describe("a click for the whole shot", () => {
   it("takes the focus from all others, and their keys", () => {
     const weights = pulled(rack, "new", 20, SHOT_LONG);
@@ -159,6 +204,12 @@ describe("a click at this frame", () => {
     const first = withWeights([], pulled([], "a", 10, FRAME));
     const weights = pulled(first, "b", 10, FRAME);
     for (const time of all) expect(shares(weights, time).b).toBe(1);
+  });
+
+  it("leaves its share at other times to a point that had one", () => {
+    const weights = pulled([point("a"), point("b")], "b", 50, FRAME);
+    for (const time of [1, 96]) expect(shares(weights, time)).toEqual({ a: 0.5, b: 0.5 });
+    expect(shares(weights, 50).b).toBeCloseTo(1);
   });
 
   it("what was decided at other times stays", () => {
@@ -203,5 +254,7 @@ describe("names of new points", () => {
     expect(freshName("robot", ["robot", "robot_2"])).toBe("robot_3");
     expect(freshName("2nd bulb", [])).toBe("_2nd_bulb");
     expect(freshName("", ["focus"])).toBe("focus_2");
+    expect(freshName("weight", [])).toBe("weight_2");
+    expect(freshName("a".repeat(200), [])).toHaveLength(90);
   });
 });

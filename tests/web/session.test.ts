@@ -243,6 +243,20 @@ describe("a pull", () => {
     expect(session.pulls.choice.reach.value).toBe("shot");
   });
 
+  it("that is on its way can be changed again and again", async () => {
+    const { fake, session } = await opened();
+    session.playhead.goTo(40);
+    await turn();
+    session.pullTo(point("near"));
+    await turn();
+    const changes = [session.pulls.change({ reach: "shot" }), session.pulls.change({ frames: 20, reach: "from" })];
+    expect(session.pulls.last.value?.pull).toEqual({ reach: "from", frames: 20, ease: "smooth" });
+    await Promise.all(changes);
+    expect(session.pulls.last.value?.pull).toEqual({ reach: "from", frames: 20, ease: "smooth" });
+    expect(new Set(fake.gestures).size).toBe(1);
+    expect(fake.made).toHaveLength(3);
+  });
+
   it("is shown while it is aimed at", async () => {
     const { session } = await opened();
     session.playhead.goTo(40);

@@ -77,7 +77,7 @@ export class Picks {
     );
     const changes: Changes = [...document.byPoints(), { type: "addPoint", point: { name, ...anchor } }];
     const isMade = pulls
-      ? await this.#session.pulls.pull(name, time, points, changes)
+      ? await this.#session.pulls.pull(name, time, changes)
       : await document.edit(`Add ${name}`, changes);
     if (isMade) selected.value = name;
   }

@@ -87,6 +87,8 @@ export class Pictures {
   readonly #fetcher: NewestWins<NumberedRequest, LivePicture>;
   readonly #kept = new Recent<Kept>(MOST_KEPT);
   readonly #keptMaps = new KeptMaps();
+  /** Number of the request whose focus map was asked for last. */
+  #mapNumber = 0;
   /** Reads the focus map of the picture on screen, where none came with it. */
   readonly #mapReader: NewestWins<NumberedRequest, FocusMap>;
   /** The focus map that came last, and the number of its request. */
@@ -205,7 +207,9 @@ export class Pictures {
   readMap(): void {
     const [shown, current] = [this.displayed.peek(), this.#current];
     if (shown?.stage !== "final" || shown.focusMap || shown.unsaved.length > 0) return;
-    if (current?.number === shown.number) this.#mapReader.load(current);
+    if (current?.number !== shown.number || this.#mapNumber === current.number) return;
+    this.#mapNumber = current.number;
+    this.#mapReader.load(current);
   }
 
   /** A cached frame of a time, where it has the focus map that is wanted. */

@@ -16,13 +16,15 @@ export class PointEdits {
     [this.#document, this.#time, this.#selected] = [document, time, selected];
   }
 
-  /** Gives a point another name; what is no letter, digit or underscore becomes one. */
-  async rename(point: FocusPoint, typed: string): Promise<void> {
+  /** Gives a point another name, made of what is typed; resolves to whether it has another one then. */
+  async rename(point: FocusPoint, typed: string): Promise<boolean> {
     const others = this.#document.points.value.map(({ name }) => name).filter((name) => name !== point.name);
     const newName = freshName(typed.trim(), others);
-    if (newName === point.name) return;
+    if (newName === point.name) return false;
     const change = { type: "renamePoint", name: point.name, newName } as const;
-    if (await this.#document.edit(`Rename ${point.name} to ${newName}`, [change])) this.#selected.value = newName;
+    const isMade = await this.#document.edit(`Rename a point to ${newName}`, [change]);
+    if (isMade && this.#selected.value === point.name) this.#selected.value = newName;
+    return isMade;
   }
 
   setKind(point: FocusPoint, kind: PointSettings["kind"]): void {

@@ -88,9 +88,10 @@ function setWeight(name: string, now: Weight, { keys, value }: Weight, time: num
   const set = keys.filter((key) => !now.keys.some((old) => isSameKey(old, key)));
   const gone = now.keys.filter((old) => !keys.some((key) => sameTime(key.time, old.time)));
   const isAltered = keys.length === 0 && (now.keys.length > 0 || now.value !== value);
+  // Handles are cut short by keys that are beside them as they are set.
   return [
-    ...set.map((key): Change => ({ type: "keyPoint", name, attribute, key })),
     ...gone.map((key): Change => ({ type: "unkeyPoint", name, attribute, time: key.time })),
+    ...set.map((key): Change => ({ type: "keyPoint", name, attribute, key })),
     ...(isAltered ? [{ type: "alterPoint", name, values: { weight: value }, time } as const] : []),
   ];
 }

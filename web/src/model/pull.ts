@@ -65,11 +65,9 @@ export function pulledWeights(
   range: FrameRange,
 ): Map<string, Weight> {
   const found = points.find((point) => point.name === name);
-  const own = found ? weightOf(found) : NONE;
-  const others = new Map(
-    points.filter((point) => point.name !== name && counts(point)).map((point) => [point.name, weightOf(point)]),
-  );
-  const rivals = new Map([...others].filter(([, { keys, value }]) => keys.length > 0 || value > 0));
+  const own = found && counts(found) ? weightOf(found) : NONE;
+  const others = rivalsOf(name, points);
+  const rivals = new Map(others.map((point) => [point.name, weightOf(point)]));
   if (pull.reach === "frame") return pulledAt(name, time, own, rivals, range);
   if (!found && rivals.size === 0) return new Map([[name, { keys: [], value: 1 }]]);
   if (pull.reach === "shot")
@@ -77,8 +75,7 @@ export function pulledWeights(
       [name, { keys: [], value: 1 }],
       ...[...rivals.keys()].map((rival): [string, Weight] => [rival, NONE]),
     ]);
-  const handover = handoverAfter(time, rivals);
-  const span = { start: Math.max(range.start, time - pull.frames), arrival: time, ...handover };
+  const span = { start: startOf(time, pull, range), arrival: time, ...handoverAfter(time, others) };
   const before = [own, ...rivals.values()].reduce((sum, weight) => sum + weightAt(weight, span.start), 0);
   const changed = [...rivals]
     .filter(([, weight]) => hasSay(weight, span))
@@ -95,11 +92,22 @@ export function pullSpan(
   range: FrameRange,
 ): PullSpan | null {
   if (pull.reach === "frame") return { start: time, arrival: time, held: time };
-  const rivals = points.filter((point) => point.name !== name && counts(point)).map(weightOf);
-  if (pull.reach === "shot" || !rivals.some(({ keys, value }) => keys.length > 0 || value > 0))
-    return { start: range.start, arrival: range.start, held: null };
-  const { held } = handoverAfter(time, new Map(rivals.map((weight, at) => [at.toString(), weight])));
-  return { start: Math.max(range.start, time - pull.frames), arrival: time, held };
+  const rivals = rivalsOf(name, points);
+  if (pull.reach === "shot" || rivals.length === 0) return { start: range.start, arrival: range.start, held: null };
+  return { start: startOf(time, pull, range), arrival: time, held: handoverAfter(time, rivals).held };
+}
+
+/** When the focus begins to go over: no hand turns the ring in no time. */
+export function startOf(time: number, { frames }: Pull, range: FrameRange): number {
+  return Math.max(range.start, time - Math.max(frames, 1));
+}
+
+/** The other points that count at some time. */
+function rivalsOf(name: string | null, points: readonly FocusPoint[]): FocusPoint[] {
+  return points.filter(
+    (point) =>
+      point.name !== name && counts(point) && (keysOf(point, "weight").length > 0 || point.settings.weight > 0),
+  );
 }
 
 /** Times of the next handover: when the focus leaves what it is on, and when it is elsewhere; null where it stays. */
@@ -108,14 +116,21 @@ interface Handover {
   readonly next: number | null;
 }
 
-function handoverAfter(time: number, rivals: ReadonlyMap<string, Weight>): Handover {
-  const times = [...rivals.values()].flatMap(({ keys }) => keys.map((key) => key.time));
+function handoverAfter(time: number, rivals: readonly FocusPoint[]): Handover {
+  const times = rivals.flatMap((point) =>
+    [...keysOf(point, "weight"), ...keysOf(point, "enabled")].map((key) => key.time),
+  );
   const later = times.filter((at) => at > time && !sameTime(at, time)).sort((one, other) => one - other);
-  const isAs = (at: number): boolean =>
-    [...rivals.values()].every((weight) => Math.abs(weightAt(weight, at) - weightAt(weight, time)) < 1e-6);
+  const isAs = (at: number): boolean => rivals.every((point) => Math.abs(sayOf(point, at) - sayOf(point, time)) < 1e-6);
   const next = later.find((at) => !isAs(at)) ?? null;
   const held = next === null ? null : (later.findLast((at) => at < next && !sameTime(at, next)) ?? time);
   return { held, next };
+}
+
+/** Weight of a point where it is switched on, else 0. */
+function sayOf(point: FocusPoint, time: number): number {
+  const isOn = weightAt({ keys: keysOf(point, "enabled"), value: Number(point.settings.enabled) }, time) > 0;
+  return isOn ? weightAt(weightOf(point), time) : 0;
 }
 
 function weightAt({ keys, value }: Weight, time: number): number {
@@ -140,10 +155,34 @@ function bend(weight: Weight, span: PullSpan & Handover, level: number, ease: Ea
   if (held !== null && !sameTime(held, arrival)) corners.push(corner(held, level));
   const eased = isGradual ? crossed(corners, ease) : corners;
   const before = split.filter((key) => key.time < start && !sameTime(key.time, start));
-  if (next === null) return { ...weight, keys: joined(before, eased, split, start) };
+  const upTo = joined(before, eased, split, start);
+  if (next === null) return { ...weight, keys: reaching(upTo) };
   const after = split.filter((key) => key.time > next && !sameTime(key.time, next));
-  const goal = split.find((key) => sameTime(key.time, next)) ?? corner(next, last);
-  return { ...weight, keys: [...joined(before, eased, split, start), { ...goal, value: last }, ...after] };
+  return { ...weight, keys: reaching([...upTo, goalAt(split, next, last), ...after]) };
+}
+
+/** The key at a handover, which goes on as it did and is come to level. */
+function goalAt(split: readonly Key[], time: number, value: number): Key {
+  const index = split.findIndex((key) => sameTime(key.time, time));
+  const key = split[index];
+  if (!key) return corner(time, value);
+  if (key.interpolation !== "auto" && key.interpolation !== "bezier") return { ...key, value };
+  return { time, value, interpolation: "bezier", tangents: { ...tangentsAt(split, index), inSlope: 0, inWidth: 0 } };
+}
+
+/** Keys whose handles without a width reach a third of the way to their neighbours. */
+function reaching(keys: readonly Key[]): Key[] {
+  return keys.map((key, at) => {
+    const { tangents } = key;
+    if (!tangents) return key;
+    const third = (other: Key | undefined): number => (other ? Math.abs(other.time - key.time) / 3 : 0);
+    const { inWidth = 0, outWidth = 0 } = tangents;
+    const reach = {
+      inWidth: inWidth > 0 ? inWidth : third(keys[at - 1]),
+      outWidth: outWidth > 0 ? outWidth : third(keys[at + 1]),
+    };
+    return { ...key, tangents: { ...tangents, ...reach } };
+  });
 }
 
 /** Keys up to a time, and new ones from there on; the first of these goes on as the curve came. */
@@ -180,7 +219,7 @@ function withKey(keys: readonly Key[], time: number): readonly Key[] {
 
 /**
  * The weights after a pull at one frame: the point gets weight 1 there and the others 0. At the neighbouring times where another
- * point has a key, or at the ends of the shot, this point gets 0, so that the focus there stays as it was.
+ * point has a key, or at the ends of the shot, this point keeps what it had, so that the focus there stays as it was.
  */
 function pulledAt(
   name: string,
@@ -201,7 +240,8 @@ function pulledAt(
     ),
   );
   const handOver = beside.filter((at): at is number => at !== null && !keyedBetween(own.keys, at, time));
-  const set = [...handOver.map((at) => ({ time: at, value: 0 })), { time, value: 1 }];
+  const elsewhere = own.keys.length > 0 ? 0 : own.value;
+  const set = [...handOver.map((at) => ({ time: at, value: elsewhere })), { time, value: 1 }];
   const off = others.filter(([, weight]) => weightAt(weight, time) > 0);
   return new Map([
     [name, { ...own, keys: set.reduce(withValue, own.keys) }],
@@ -230,9 +270,19 @@ function keyedBetween(own: readonly Key[], edge: number, time: number): boolean 
   return own.some((key) => !sameTime(key.time, time) && key.time >= low - 1e-4 && key.time <= high + 1e-4);
 }
 
-/** A name for a new focus point that none has: the target's own, made an identifier, or with the first number that is free: `lamp_2`. */
-export function freshName(target: string, taken: readonly string[]): string {
-  const stem = target.replace(/[^A-Za-z0-9_]/g, "_").replace(/^(?=\d)/, "_") || "focus";
+/** Names of the values of points, which no point may have. */
+const RESERVED = [
+  ...["target", "face", "fanTriangle", "barycentric", "instance", "topology", "offset", "kind", "blur", "weight"],
+  ...["falloff", "enabled", "surfaceOffset", "extent"],
+];
+/** Longest stem of a name: with its number it is within what the service takes. */
+const MOST_LETTERS = 90;
+
+/** A name for a focus point that none has: the target's own, made an identifier, or with the first number that is free: `lamp_2`. */
+export function freshName(target: string, others: readonly string[]): string {
+  const taken = [...others, ...RESERVED];
+  const letters = target.replace(/[^A-Za-z0-9_]/g, "_").replace(/^(?=\d)/, "_");
+  const stem = letters.slice(0, MOST_LETTERS) || "focus";
   if (!taken.includes(stem)) return stem;
   for (let number = 2; ; number += 1) {
     const name = `${stem}_${number.toString()}`;

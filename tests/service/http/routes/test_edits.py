@@ -97,6 +97,14 @@ def test_a_point_is_renamed_with_its_keys_and_undone(client, shot):
     changed = {one["resource"]: one["etag"] for one in after["changed"]}
     assert changed["focus-points/near"] is None
     assert changed["focus-points/robot"] == renamed["robot"]["etag"]
+    match = {"If-Match": renamed["robot"]["etag"]}
+    again = [
+        {"type": "renamePoint", "name": "robot", "newName": "pip"},
+        {"type": "alterPoint", "name": "pip", "values": {"weight": 0.5}, "time": 3},
+    ]
+    assert edit(client, shot, *again, headers=match).status_code == 200
+    assert edit(client, shot, {"type": "renamePoint", "name": "far", "newName": "x"}, headers=match).status_code == 412
+    client.post(f"{shot}/edits/undo")
     client.post(f"{shot}/edits/undo")
     undone = client.get(f"{shot}/focus-points", params={"time": 3}).json()["focusPoints"]
     assert {point["name"] for point in undone} == {"near", "far"}

@@ -39,7 +39,7 @@ export function ModeSettings({
         hint="As wide open as holds all points sharp"
         onEdit={(on) => (on ? "Points set the f-number" : "The f-number by hand")}
       />
-      <More name="Follow" summary={summaryOfFollow(settings)}>
+      <More name="Smoothing and lag" summary={summaryOfFollow(settings)}>
         <Follow {...props} />
       </More>
       <More name="Which points count" summary={summaryOfCounting(settings)}>
@@ -113,7 +113,7 @@ const OCCLUDED_NAMES: Readonly<Record<Occluded, string>> = {
   ignore: "do not count",
 };
 
-/** Which points have a say, and what counts as sharp. */
+/** Which points count, and what is sharp. */
 function Counting({ session, settings }: FocusSettingsProps): JSX.Element {
   return (
     <>
@@ -170,7 +170,7 @@ function summaryOfFollow({ smoothingS, lagS, deadZoneMm, nearPriority }: FocusSe
     deadZoneMm > 0 && `dead zone ${trim(deadZoneMm, 3)} mm`,
     nearPriority > 0 && "near first",
   ].filter((part) => part !== false);
-  return parts.join(", ") || "at once";
+  return parts.join(", ") || "none";
 }
 
 function summaryOfCounting({ offScreen, occluded, circleOfConfusionMm }: FocusSettings): string {

@@ -25,9 +25,14 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
           maxLength={100}
           defaultValue={point.name}
           title="Enter renames the point; its keys stay"
+          onKeyDown={({ key, currentTarget }) => {
+            if (key === "Escape") currentTarget.value = point.name;
+          }}
           onChange={({ currentTarget }) => {
-            if (currentTarget.value.trim() !== "") void session.pointEdits.rename(point, currentTarget.value);
-            else currentTarget.value = point.name;
+            const typed = currentTarget.value.trim() || point.name;
+            void session.pointEdits.rename(point, typed).then((isRenamed) => {
+              if (!isRenamed) currentTarget.value = point.name;
+            });
           }}
         />
       </label>

@@ -47,7 +47,7 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
       />
       <TransportButton
         icon="on"
-        label="One frame on"
+        label="One frame forward"
         keys="→"
         act={() => {
           playhead.step(1);

@@ -55,7 +55,7 @@ export function PullChoice({ session }: { session: Session }): JSX.Element {
             format={formatFrame}
             parse={(text) => {
               const typed = parseQuantity(text, "");
-              return typed !== null && typed >= 0 && typed <= MOST_FRAMES ? typed : null;
+              return typed !== null && typed >= 1 && typed <= MOST_FRAMES ? typed : null;
             }}
             example="12"
             onTyped={(typed) => {

@@ -112,7 +112,8 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       data-revision={shown?.revision}
       onPointerDown={(event) => {
         const isPull = event.button === 0 && intentOf(event, session.gathers.value) === "pull";
-        session.pulls.aiming.value = isPull && session.document.hasLens && session.document.noEdits.value === null;
+        const canPull = session.document.hasLens && session.document.noEdits.value === null;
+        session.pulls.aiming.value = isPull && canPull && session.picks.picking.value === null;
       }}
       onPointerLeave={() => (session.pulls.aiming.value = false)}
       onPointerCancel={() => (session.pulls.aiming.value = false)}
@@ -140,7 +141,7 @@ function placeOf(event: MouseEvent): [number, number] {
   return [(event.clientX - frame.left) / frame.width, (event.clientY - frame.top) / frame.height];
 }
 
-/** Shift turns around what a click does to the other points: takes the focus from them, or lets them keep their say. */
+/** Whether a click pulls the focus, adds a point to the others, or moves the selected one; Shift turns the first two around. */
 function intentOf(event: MouseEvent, gathers: boolean): ClickIntent {
   if (event.altKey) return "move";
   return event.shiftKey === gathers ? "pull" : "add";

@@ -54,8 +54,10 @@ def limits(model, name):
 def test_rest_has_the_settings_of_a_focus_point_and_no_others():
     declared = {item.field_name: item for item in rest_settings("focusPoint")}
     assert set(POINT_SETTINGS) - {item.name for item in declared.values()} == {"topology"}
-    computed = ["name", "position_m", "depth_m", "screen", "visible_in_frame", "state", "share", "coc_mm", "problem"]
-    assert list(FocusPoint.model_fields) == ["name", *declared, *computed[1:], "keys", "etag"]
+    placed = ["position_m", "depth_m", "screen", "visible_in_frame", "state", "share"]
+    sharpness = ["coc_mm", "focus_distance_m", "sharp"]
+    computed = [*placed, *sharpness, "problem"]
+    assert list(FocusPoint.model_fields) == ["name", *declared, *computed, "keys", "etag"]
     assert FocusPointCreate.model_fields.keys() - {"name"} == declared.keys()
     assert list(FocusPointEdit.model_fields) == list(declared)
     for model in (Anchor, FocusPoint, FocusPointCreate, FocusPointEdit):

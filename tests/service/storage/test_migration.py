@@ -64,7 +64,7 @@ def test_every_shot_edit_and_undo_is_there_after(data):
             history = client.get(f"{at}/edits/history").json()
             if len(then["states"]) == 1:  # never edited: its one state is made when it is opened
                 history["steps"][0]["madeAt"] = then["history"]["steps"][0]["madeAt"]
-            assert history == then["history"]
+            assert {key: history[key] for key in then["history"]} == then["history"]
             while client.post(f"{at}/edits/undo").status_code == 200:
                 pass
             states = [client.get(f"{at}/edits").text]

@@ -4,22 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from service.models.base import Model, PrimPath, TimeCode, shown_as
-
-
-class FocusMapQuery(Model):
-    """A picture whose sharpness is asked for."""
-
-    is_text = True
-
-    camera: PrimPath | None = Field(
-        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/main_cam"]
-    )
-    time: TimeCode = Field(description="USD time code.", examples=[24])
-    width: int = Field(default=960, ge=1, le=8192, description="px", examples=[960])
-    height: int | None = Field(
-        default=None, ge=1, le=8192, description="px; from the camera's film gate when left out.", examples=[540]
-    )
+from service.models.base import Model, shown_as
 
 
 class FocusMapHead(Model):

@@ -11,8 +11,8 @@ from service.models.base import Model, PrimPath, TimeCode, shown_as
 from service.models.engines import ENGINE_HELP, EngineName
 
 
-class PictureQuery(Model):
-    """A frame and how it is rendered."""
+class SizedFrame(Model):
+    """A frame seen by a camera, and the size of its picture."""
 
     is_text = True
 
@@ -24,6 +24,11 @@ class PictureQuery(Model):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out.", examples=[540]
     )
+
+
+class PictureQuery(SizedFrame):
+    """A frame and how it is rendered."""
+
     engine: EngineName = Field(default=FrameSettings.engine, description=ENGINE_HELP, examples=[FrameSettings.engine])
     rays: int = Field(default=100, ge=1, description="Lens rays for each pixel.", examples=[100])
     adaptive: bool = Field(

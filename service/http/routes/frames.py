@@ -15,8 +15,7 @@ from service.http.frame_requests import focus_tag, frame_request, tag_of_frame
 from service.http.routes.parameters import CameraQuery, ShotId, problems
 from service.http.service import Service, ServiceDep
 from service.models.focus import Pick
-from service.models.focus_maps import FocusMapQuery
-from service.models.frames import FrameQuery, PictureQuery, PictureStates
+from service.models.frames import FrameQuery, PictureQuery, PictureStates, SizedFrame
 from service.models.shots import PickRequest
 from service.picture.calls import focus_maps as focus_map_calls
 from service.picture.calls import frames as frame_calls
@@ -94,7 +93,7 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
 async def get_focus_map(
     service: ServiceDep,
     shot: ShotId,
-    query: Annotated[FocusMapQuery, Query()],
+    query: Annotated[SizedFrame, Query()],
     if_none_match: Annotated[str | None, Header(examples=['"e3b0c44298fc1c14"'])] = None,
 ) -> Response:
     """Measure how sharp each pixel of a frame is: its circle of confusion and its depth, as the AOVs `coc` and `depth`.

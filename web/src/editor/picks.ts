@@ -1,6 +1,6 @@
 /** Clicks on the picture, and points that are dropped on it: what is there is picked, and becomes or gets a focus point. */
 
-import { signal, type ReadonlySignal, type Signal } from "@preact/signals";
+import { computed, signal, type ReadonlySignal, type Signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
 import { freshName } from "../model/pull";
 import { restQuality } from "../model/quality";
@@ -13,8 +13,9 @@ import { noCameraHint, noEditsHint } from "./hints";
 import type { Playhead } from "./playhead";
 import type { Pulls } from "./pulls";
 
-/** Gesture of a click on the picture. */
-export type ClickIntent = "pull" | "add" | "move";
+/** What a click on the picture does: it pulls the focus, adds a point to the others, or moves the selected one. */
+export const TOOLS = ["pull", "add", "move"] as const;
+export type Tool = (typeof TOOLS)[number];
 
 /** In the picture, 0 to 1 from its top left corner. */
 export type Place = readonly [number, number];
@@ -29,11 +30,21 @@ interface Picked {
   /** Name of the selected focus point. */
   readonly selected: Signal<string | null>;
   readonly selectedPoint: ReadonlySignal<FocusPoint | null>;
+  /** Whether the points are many that are to be sharp at once. */
+  readonly gathers: ReadonlySignal<boolean>;
 }
 
 export class Picks {
   /** Place of the pick under way. */
   readonly picking = signal<Place | null>(null);
+  /** What a click without Shift and Alt does: what was chosen where that can be done, else what the focus mode suggests. */
+  readonly tool = computed<Tool>(() => {
+    const chosen = this.#chosen.value;
+    const canMove = this.#session.selectedPoint.value !== null;
+    if (chosen !== null && (chosen !== "move" || canMove)) return chosen;
+    return this.#session.gathers.value ? "add" : "pull";
+  });
+  readonly #chosen = signal<Tool | null>(null);
 
   readonly #service: Service;
   readonly #session: Picked;
@@ -44,12 +55,23 @@ export class Picks {
     [this.#service, this.#session, this.#fail] = [service, session, fail];
   }
 
+  choose(tool: Tool): void {
+    this.#chosen.value = tool;
+  }
+
+  /** What a click with these keys held does: Alt moves, and Shift pulls in place of adding, and adds in place of pulling. */
+  toolWith({ shiftKey, altKey }: Pick<MouseEvent, "shiftKey" | "altKey">): Tool {
+    if (altKey) return "move";
+    if (!shiftKey) return this.tool.value;
+    return this.tool.value === "pull" ? "add" : "pull";
+  }
+
   /** A click at a place; one that comes during a pick does nothing. */
-  async click(at: Place, intent: ClickIntent): Promise<void> {
+  async click(at: Place, tool: Tool): Promise<void> {
     if (this.picking.value) return;
-    const moved = intent === "move" ? this.#session.selectedPoint.value : null;
+    const moved = tool === "move" ? this.#session.selectedPoint.value : null;
     if (moved) await this.move(moved.name, at);
-    else await this.#pick(at, (anchor, time) => this.#add(anchor, time, intent !== "add"));
+    else await this.#pick(at, (anchor, time) => this.#add(anchor, time, tool !== "add"));
   }
 
   /**

@@ -39,6 +39,7 @@ import { ShotDocument, type Drag } from "./document";
 import { CacheFiller } from "./cache_filler";
 import { Downloads } from "./downloads";
 import { Corrections } from "./corrections";
+import { Crosshair } from "./crosshair";
 import { KeyEditing } from "./key_editing";
 import { CameraPhotography } from "./photography";
 import type { Fail } from "./fail";
@@ -81,6 +82,9 @@ export class Session {
   readonly motion = signal(1);
   /** Where the pointer is on the picture, 0 to 1 from its top left corner; null where it is elsewhere. */
   readonly pointer = signal<Place | null>(null);
+  readonly crosshair = new Crosshair();
+  /** Where the sharpness of the picture is read: at the crosshair, or without it at the pointer. */
+  readonly probed = computed(() => (this.crosshair.isHeld.value ? this.crosshair.at.value : this.pointer.value));
   /** Whether pictures come with focus maps. */
   readonly focusMaps = signal(false);
   /** Device pixels that the picture has on screen. */

@@ -10,7 +10,7 @@ import { limitOf } from "../sharp_limit";
 import { stopsInWords } from "./FocusOverlay";
 
 export function Probe({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
-  const at = session.pointer.value;
+  const at = session.probed.value;
   const shown = session.pictures.displayed.value;
   const limitMm = limitOf(editor, session);
   const { probe, unit, delivery } = editor.remembered;
@@ -23,6 +23,7 @@ export function Probe({ editor, session }: { editor: Editor; session: Session })
   return (
     <p
       class={`probe${side}`}
+      role={session.crosshair.isHeld.value ? "status" : undefined}
       style={{ left: `${100 * x}%`, top: `${100 * y}%` }}
       data-depth-m={depthM}
       data-coc-mm={cocMm}

@@ -29,13 +29,9 @@ export function PullChoice({ session }: { session: Session }): JSX.Element {
   return (
     <span class="pull-choice" role="group" aria-label="What a click means">
       <span role="status">
-        {last ? (
+        {last && (
           <>
             Focus on <b>{last.name}</b>
-          </>
-        ) : (
-          <>
-            <b>Click</b> pulls focus there
           </>
         )}
       </span>

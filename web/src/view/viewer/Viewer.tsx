@@ -5,17 +5,17 @@ import type { JSX } from "preact";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Displayed } from "../../editor/pictures";
-import type { ClickIntent } from "../../editor/picks";
 import type { Session } from "../../editor/session";
 import { letterbox, MOTION_MOMENTS } from "../../model/quality";
 import { formatFrame } from "../../model/time";
+import { Aim } from "./Aim";
 import { Guides, MeterSpot } from "./Guides";
 import { usePixelRatio, useSize } from "../hooks";
 import { Icon } from "../icons";
 import { FocusOverlay, hasOverlay, useFocusMaps } from "./FocusOverlay";
 import { Markers, Picking } from "./Markers";
 import { Probe } from "./Probe";
-import { PullChoice } from "./PullChoice";
+import { PictureFoot } from "./PictureFoot";
 import { UploadButton } from "../dialogs/Shots";
 import { isLate, Wanted } from "./Wanted";
 
@@ -79,6 +79,7 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
         <Guides editor={editor} session={session} />
         <MeterSpot editor={editor} session={session} />
         {editor.remembered.markers.value === "on" && <Markers editor={editor} session={session} />}
+        <Aim session={session} />
         <Probe editor={editor} session={session} />
         <Picking session={session} />
       </div>
@@ -111,15 +112,15 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       data-time={shown?.time}
       data-revision={shown?.revision}
       onPointerDown={(event) => {
-        const isPull = event.button === 0 && intentOf(event, session.gathers.value) === "pull";
+        const isPull = event.button === 0 && session.picks.toolWith(event) === "pull";
         const canPull = session.document.hasLens && session.document.noEdits.value === null;
         session.pulls.aiming.value = isPull && canPull && session.picks.picking.value === null;
       }}
       onPointerLeave={() => (session.pulls.aiming.value = false)}
       onPointerCancel={() => (session.pulls.aiming.value = false)}
       onClick={(event) => {
-        const intent = intentOf(event, session.gathers.value);
-        void session.picks.click(placeOf(event), intent).finally(() => (session.pulls.aiming.value = false));
+        const tool = session.picks.toolWith(event);
+        void session.picks.click(placeOf(event), tool).finally(() => (session.pulls.aiming.value = false));
       }}
     />
   );
@@ -139,12 +140,6 @@ function draw({ bitmap, quality: { width, height } }: Displayed, canvas: HTMLCan
 function placeOf(event: MouseEvent): [number, number] {
   const frame = (event.currentTarget as Element).getBoundingClientRect();
   return [(event.clientX - frame.left) / frame.width, (event.clientY - frame.top) / frame.height];
-}
-
-/** Whether a click pulls the focus, adds a point to the others, or moves the selected one; Shift turns the first two around. */
-function intentOf(event: MouseEvent, gathers: boolean): ClickIntent {
-  if (event.altKey) return "move";
-  return event.shiftKey === gathers ? "pull" : "add";
 }
 
 /** Edges on device pixels, so that a picture of that many pixels is shown one to one. */
@@ -211,56 +206,5 @@ function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
         <Icon name="close" />
       </button>
     </div>
-  );
-}
-
-/** Size, rays and time of the picture on screen. */
-function PictureFacts({ shown }: { shown: Displayed }): JSX.Element {
-  const { width, height, stage, rays, share, tookMs, quality } = shown;
-  const facts = [`${width} × ${height}`];
-  if (rays > 0) facts.push(`${rays} rays`);
-  if (stage === "final" && quality.motion > 1) facts.push(`${quality.motion} moments`);
-  if (stage === "refining" && share > 0) facts.push(`${Math.round(100 * share)} %`);
-  facts.push(tookMs < 1000 ? `${Math.round(tookMs)} ms` : `${(tookMs / 1000).toFixed(1)} s`);
-  return (
-    <>
-      {facts.join(" · ")}{" "}
-      <i class="stage" data-stage={stage} title={STAGES[stage]} aria-label={STAGES[stage]} role="img" />
-    </>
-  );
-}
-
-const STAGES: Readonly<Record<Displayed["stage"], string>> = {
-  preview: "Quick preview",
-  refining: "Getting better",
-  final: "Exact: the picture that a file would hold",
-};
-
-function PictureFoot({ session }: { session: Session }): JSX.Element {
-  const shown = session.pictures.displayed.value;
-  const selected = session.selected.value;
-  return (
-    <footer class="picture-foot">
-      <span hidden={session.document.noEdits.value !== null || !session.document.hasLens}>
-        {session.gathers.value ? (
-          <>
-            <b>Click</b> adds a point · <b>Shift</b> pulls focus there
-          </>
-        ) : (
-          <>
-            <PullChoice session={session} /> · <b>Shift</b> adds a point
-          </>
-        )}
-        {selected !== null && (
-          <>
-            {" "}
-            · <b>Alt</b> moves {selected}
-          </>
-        )}
-      </span>
-      <span class="numbers" aria-live="off">
-        {shown && <PictureFacts shown={shown} />}
-      </span>
-    </footer>
   );
 }

@@ -1,0 +1,78 @@
+/** The line below the picture: what a click does, and what the picture is. */
+
+import type { JSX } from "preact";
+import type { Displayed } from "../../editor/pictures";
+import { TOOLS, type Tool } from "../../editor/picks";
+import type { Session } from "../../editor/session";
+import { PullChoice } from "./PullChoice";
+
+export function PictureFoot({ session }: { session: Session }): JSX.Element {
+  const shown = session.pictures.displayed.value;
+  const canEdit = session.document.noEdits.value === null && session.document.hasLens;
+  return (
+    <footer class="picture-foot">
+      {canEdit && <Tools session={session} />}
+      {canEdit && session.picks.tool.value === "pull" && <PullChoice session={session} />}
+      <span class="numbers" aria-live="off">
+        {shown && <PictureFacts shown={shown} />}
+      </span>
+    </footer>
+  );
+}
+
+/** What a click on the picture does; the title of each tool has the keys that do so for one click. */
+function Tools({ session: { picks, selectedName, gathers } }: { session: Session }): JSX.Element {
+  const selected = selectedName.value;
+  const names: Readonly<Record<Tool, string>> = {
+    pull: "Pull focus",
+    add: "Add a point",
+    move: selected === null ? "Move a point" : `Move ${selected}`,
+  };
+  const titles: Readonly<Record<Tool, string>> = {
+    pull: `A click pulls the focus there (Alt 1${gathers.value ? "; once with Shift" : ""})`,
+    add: `A click adds a focus point there (Alt 2${gathers.value ? "" : "; once with Shift"})`,
+    move: selected === null ? "Select a point to move it" : `A click moves ${selected} there (Alt 3; once with Alt)`,
+  };
+  return (
+    <div class="group tools" role="radiogroup" aria-label="What a click does">
+      {TOOLS.map((tool) => (
+        <button
+          key={tool}
+          type="button"
+          class="button small"
+          role="radio"
+          aria-checked={picks.tool.value === tool}
+          title={titles[tool]}
+          disabled={tool === "move" && selected === null}
+          onClick={() => {
+            picks.choose(tool);
+          }}
+        >
+          {names[tool]}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+/** Size, rays and time of the picture on screen. */
+function PictureFacts({ shown }: { shown: Displayed }): JSX.Element {
+  const { width, height, stage, rays, share, tookMs, quality } = shown;
+  const facts = [`${width} × ${height}`];
+  if (rays > 0) facts.push(`${rays} rays`);
+  if (stage === "final" && quality.motion > 1) facts.push(`${quality.motion} moments`);
+  if (stage === "refining" && share > 0) facts.push(`${Math.round(100 * share)} %`);
+  facts.push(tookMs < 1000 ? `${Math.round(tookMs)} ms` : `${(tookMs / 1000).toFixed(1)} s`);
+  return (
+    <>
+      {facts.join(" · ")}{" "}
+      <i class="stage" data-stage={stage} title={STAGES[stage]} aria-label={STAGES[stage]} role="img" />
+    </>
+  );
+}
+
+const STAGES: Readonly<Record<Displayed["stage"], string>> = {
+  preview: "Quick preview",
+  refining: "Getting better",
+  final: "Exact: the picture that a file would hold",
+};

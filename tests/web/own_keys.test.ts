@@ -9,8 +9,8 @@ const [BUTTON, SELECT, PAGE] = [matching("button"), matching("select"), matching
 const CHECKBOX = matching("input", "input[type=checkbox]");
 const SLIDER = matching("input", "input[type=range]");
 
-function uses(target: Pick<Element, "matches">, key: string, ctrlKey = false): boolean {
-  return usesKey(controlOf(target), { key, ctrlKey, metaKey: false });
+function uses(target: Pick<Element, "matches">, key: string, ctrlKey = false, isByKeyboard = true): boolean {
+  return usesKey(controlOf(target), { key, ctrlKey, metaKey: false }, isByKeyboard);
 }
 
 describe("keys that are shortcuts elsewhere", () => {
@@ -29,6 +29,12 @@ describe("keys that are shortcuts elsewhere", () => {
       expect(uses(target, " ")).toBe(true);
       for (const key of ["k", "Delete", "[", "ArrowLeft"]) expect(uses(target, key)).toBe(false);
     }
+  });
+
+  it("play by Space on what the pointer has clicked", () => {
+    for (const target of [CHECKBOX, BUTTON, SELECT, matching("[role=radio]")])
+      expect(uses(target, " ", false, false)).toBe(false);
+    expect(uses(matching("input"), " ", false, false)).toBe(true);
   });
 
   it("go to sliders where they move them", () => {

@@ -8,6 +8,7 @@ import { listenToKeys } from "./view/keyboard";
 import "./view/style/base.css";
 import "./view/style/layout.css";
 import "./view/style/controls.css";
+import "./view/style/menus.css";
 import "./view/style/camera.css";
 import "./view/style/viewer.css";
 import "./view/style/timeline.css";

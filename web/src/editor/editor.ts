@@ -43,6 +43,10 @@ export class Editor {
   /** What is waited for, as the service says it; null where nothing is. */
   readonly waiting = signal<string | null>(null);
   readonly helpOpen = signal(false);
+  /** Whether the list of all commands is open. */
+  readonly paletteOpen = signal(false);
+  /** How often a file of a shot was asked for; the page opens the browser's dialog then. */
+  readonly fileRequests = signal(0);
   /** Name of the download under way. */
   readonly exporting = signal<string | null>(null);
 

@@ -1,13 +1,14 @@
-/** What can be done with the selected keys: one table for the menu and the keyboard. */
+/** What can be done with the selected keys. */
 
 import type { KeyShape } from "../model/key_lanes";
 import type { KeyEditing } from "./key_editing";
 
 export interface KeyAction {
   readonly label: string;
-  /** Shortcut, as it is shown; empty for none. */
-  readonly keys: string;
-  readonly isPossible: (keys: KeyEditing) => boolean;
+  /** Chords of the keyboard. */
+  readonly keys: readonly string[];
+  /** Why it can do nothing now; null where it can. */
+  readonly refusal: (keys: KeyEditing) => string | null;
   readonly act: (keys: KeyEditing) => void;
 }
 
@@ -20,50 +21,55 @@ export const SHAPES: Readonly<Record<KeyShape, string>> = {
   bezier: "Handles",
 };
 
+const NO_KEYS = "No keys are selected.";
 const hasSome = (keys: KeyEditing): boolean => keys.selectedStacks.value.length > 0;
-const mayEdit = (keys: KeyEditing): boolean => keys.noEdits === null;
+const needsSome = (keys: KeyEditing): string | null => (hasSome(keys) ? null : NO_KEYS);
+const mayEditSome = (keys: KeyEditing): string | null => keys.noEdits ?? needsSome(keys);
 
-export const COPY: KeyAction = {
+const COPY: KeyAction = {
   label: "Copy",
-  keys: "Ctrl C",
-  isPossible: hasSome,
+  keys: ["Ctrl C"],
+  refusal: needsSome,
   act: (keys) => {
     keys.copy();
   },
 };
-export const PASTE: KeyAction = {
+const PASTE: KeyAction = {
   label: "Paste at the playhead",
-  keys: "Ctrl V",
-  isPossible: (keys) => mayEdit(keys) && keys.copied.value.length > 0,
+  keys: ["Ctrl V"],
+  refusal: (keys) => keys.noEdits ?? (keys.copied.value.length > 0 ? null : "No keys are copied."),
   act: (keys) => void keys.paste(),
 };
-export const SELECT_LANES: KeyAction = {
+const SELECT_LANES: KeyAction = {
   label: "Select all of the lane",
-  keys: "Ctrl A",
-  isPossible: hasSome,
+  keys: ["Ctrl A"],
+  refusal: needsSome,
   act: (keys) => {
     keys.selectLanes();
   },
 };
-export const REMOVE: KeyAction = {
+const REMOVE: KeyAction = {
   label: "Remove",
-  keys: "Delete",
-  isPossible: (keys) => mayEdit(keys) && hasSome(keys),
+  keys: ["Delete", "Backspace"],
+  refusal: mayEditSome,
   act: (keys) => void keys.remove(),
 };
 const MIRROR: KeyAction = {
   label: "Mirror in time",
-  keys: "",
-  isPossible: (keys) => mayEdit(keys) && new Set(keys.selectedStacks.value.map(({ time }) => time)).size > 1,
+  keys: ["Shift M"],
+  refusal: (keys) => {
+    const times = new Set(keys.selectedStacks.value.map(({ time }) => time));
+    return mayEditSome(keys) ?? (times.size > 1 ? null : "All selected keys are at one time.");
+  },
   act: (keys) => {
     keys.mirror();
   },
 };
 
-const SHAPE_ACTIONS = Object.entries(SHAPES).map(([shape, label]): KeyAction => ({
+const SHAPE_ACTIONS = Object.entries(SHAPES).map(([shape, label], at): KeyAction => ({
   label,
-  keys: "",
-  isPossible: (keys) => mayEdit(keys) && hasSome(keys),
+  keys: [`${at + 1}`],
+  refusal: mayEditSome,
   act: (keys) => {
     keys.shape(shape as KeyShape);
   },

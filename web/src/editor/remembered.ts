@@ -20,6 +20,14 @@ export class Remembered {
   readonly markers = remembered<"on" | "off">("markers", "on", ["on", "off"]);
   /** Which part of the panel on the right is open. */
   readonly panel = remembered<Panel>("panel", "focus", PANELS);
+  /** Whether the list of shots, the settings beside the picture, and the curve and keys below it are shown. */
+  readonly shotsPanel = remembered<"on" | "off">("shotsPanel", "on", ["on", "off"]);
+  readonly settingsPanel = remembered<"on" | "off">("settingsPanel", "on", ["on", "off"]);
+  readonly curvePanel = remembered<"on" | "off">("curvePanel", "on", ["on", "off"]);
+  /** Widths of the panels beside the picture, and height of the curve, px; 0 as the page has them by itself. */
+  readonly shotsWidth = numberOf(remembered<string>("shotsWidth", "0", null), 0);
+  readonly settingsWidth = numberOf(remembered<string>("settingsWidth", "0", null), 0);
+  readonly curveHeight = numberOf(remembered<string>("curveHeight", "0", null), 0);
   /** Whether pictures at rest have motion blur. */
   readonly motion = remembered<"on" | "off">("motion", "off", ["on", "off"]);
   /** What is drawn over the picture of how sharp things are. */

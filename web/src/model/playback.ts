@@ -2,6 +2,9 @@
 
 import { frameCount, snapToFrame, type FrameRange } from "./time";
 
+/** All frames are played, or every so manieth. */
+export const EVERY: readonly number[] = [1, 2, 3, 4, 6, 8];
+
 export const REPEATS = ["loop", "pingPong", "once"] as const;
 /** What follows the last frame: the first one, the way back, or nothing. */
 export type Repeat = (typeof REPEATS)[number];

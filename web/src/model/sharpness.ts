@@ -73,6 +73,17 @@ export function judge({ depthM, cocMm, focusDistanceM }: PointSharpness, limitMm
   return { isSharp: cocMm <= limitMm, offsetM: depthM - focusDistanceM, cocMm };
 }
 
+/** The one with the largest circle of confusion of the points that are to be sharp; null where none has any. */
+export function softest<Point extends Pick<FocusPoint, "settings">>(
+  points: readonly Point[],
+  sharpnessOf: (point: Point) => PointSharpness,
+): Point | null {
+  const wanted = points.filter(({ settings }) => settings.enabled && settings.kind === "sharp");
+  const circle = (point: Point): number => sharpnessOf(point).cocMm ?? -1;
+  const largest = Math.max(...wanted.map(circle));
+  return wanted.find((point) => circle(point) === largest && largest >= 0) ?? null;
+}
+
 /** Points that count for the focus and are to be sharp, and are not. */
 export interface Missed {
   readonly point: FocusPoint;

@@ -4,10 +4,11 @@ import type { ComponentChildren, JSX } from "preact";
 import { useState } from "preact/hooks";
 import type { Editor } from "../editor/editor";
 import { Help } from "./dialogs/Help";
+import { Palette } from "./dialogs/Palette";
 import { Inspector } from "./panels/Inspector";
 import { SignIn } from "./dialogs/SignIn";
 import { SheetDialog } from "./dialogs/SheetDialog";
-import { Shots } from "./dialogs/Shots";
+import { ShotFiles, Shots } from "./dialogs/Shots";
 import { Timeline } from "./timeline/Timeline";
 import { TopBar } from "./TopBar";
 import { Viewer } from "./viewer/Viewer";
@@ -22,6 +23,8 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
       <Inspector editor={editor} />
       <Timeline editor={editor} />
       <Help editor={editor} />
+      <Palette editor={editor} />
+      <ShotFiles editor={editor} />
       <SheetDialog editor={editor} />
       <SignIn editor={editor} />
     </DropTarget>

@@ -8,8 +8,10 @@ import { primName } from "../model/shot";
 import { Account } from "./Account";
 import { CreateCamera } from "./controls/CreateCamera";
 import { Menu } from "./controls/Menu";
+import { DOWNLOADS } from "./commands/shot";
 import { save } from "./hooks";
 import { Icon } from "./icons";
+import { MenuBar } from "./menus/MenuBar";
 import { SharpnessMenu } from "./viewer/SharpnessMenu";
 
 export function TopBar({ editor }: { editor: Editor }): JSX.Element {
@@ -20,6 +22,7 @@ export function TopBar({ editor }: { editor: Editor }): JSX.Element {
         <Icon name="mark" />
         Pullfocus
       </h1>
+      <MenuBar editor={editor} />
       {session && <CameraChoice editor={editor} session={session} />}
       <div class="spacer" />
       {session && <UndoButtons session={session} />}
@@ -176,16 +179,16 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
       }
     >
       {(close) =>
-        items(session).map(({ group, what, make }, at, all) => (
+        DOWNLOADS.map(({ group, what, refusal, make }, at, all) => (
           <Fragment key={what}>
             {group !== all[at - 1]?.group && <h3>{group}</h3>}
             <button
               type="button"
-              disabled={group === FRAME && session.pictures.refusal !== null}
-              title={group === FRAME ? (session.pictures.refusal ?? undefined) : undefined}
+              disabled={refusal(session) !== null}
+              title={refusal(session) ?? undefined}
               onClick={() => {
                 close();
-                void editor.export(what, make, save);
+                void editor.export(what, () => make(session), save);
               }}
             >
               {what}
@@ -195,25 +198,4 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
       }
     </Menu>
   );
-}
-
-const FRAME = "This frame";
-
-interface Item {
-  readonly group: string;
-  readonly what: string;
-  readonly make: () => ReturnType<Session["downloads"]["edits"]>;
-}
-
-function items({ downloads }: Session): Item[] {
-  return [
-    { group: "Focus curve", what: "USD layer, spline (.usda)", make: () => downloads.curve("usda") },
-    { group: "Focus curve", what: "JSON", make: () => downloads.curve("json") },
-    { group: "Focus curve", what: "Spreadsheet (.csv)", make: () => downloads.curve("csv") },
-    { group: "Focus curve", what: "Editorial, OpenTimelineIO (.otio)", make: () => downloads.curve("otio") },
-    { group: "Focus curve", what: "Set, OpenTrackIO (.json)", make: () => downloads.curve("opentrackio") },
-    { group: "Edits", what: "Edit layer (.usda)", make: () => downloads.edits() },
-    { group: FRAME, what: "Graded (.png)", make: () => downloads.frame("png") },
-    { group: FRAME, what: "Scene-linear (.exr)", make: () => downloads.frame("exr") },
-  ];
 }

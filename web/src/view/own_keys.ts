@@ -18,20 +18,25 @@ export function controlOf(target: Pick<Element, "matches">): Control | null {
   return SELECTORS.find(([, selector]) => target.matches(selector))?.[0] ?? null;
 }
 
-/** Whether a control uses a key itself. */
-export function usesKey(control: Control | null, { key, ctrlKey, metaKey }: KeyStroke): boolean {
+/**
+ * Whether a control uses a key itself.
+ *
+ * @param isByKeyboard whether the keyboard has brought the focus there: Space presses a button then. After a click of the pointer it
+ *   plays, as it does everywhere else.
+ */
+export function usesKey(control: Control | null, { key, ctrlKey, metaKey }: KeyStroke, isByKeyboard: boolean): boolean {
   switch (control) {
     case "text":
       return true;
     case "select": // it goes to the option that begins with a letter
-      return !ctrlKey && !metaKey;
+      return !ctrlKey && !metaKey && (key !== " " || isByKeyboard);
     case "slider":
       return ARROWS.includes(key) || key === "Home" || key === "End";
     case "radio":
-      return key === " " || ARROWS.includes(key);
+      return (key === " " && isByKeyboard) || ARROWS.includes(key);
     case "checkbox":
     case "button":
-      return key === " ";
+      return key === " " && isByKeyboard;
     case null:
       return false;
   }

@@ -1,7 +1,9 @@
 /** A button that opens a list below it. */
 
 import type { ComponentChildren, JSX } from "preact";
+import type { Placement } from "@floating-ui/dom";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { useFloating } from "../floating";
 
 interface MenuProps {
   /** Id of the list. */
@@ -13,15 +15,20 @@ interface MenuProps {
   readonly disabled?: boolean;
   /** Content of the button. */
   readonly head: ComponentChildren;
+  /** Where the list is. */
+  readonly placement?: Placement;
   readonly onOpen?: () => void;
   /** Content of the list; it is given what closes the list. */
   readonly children: (close: () => void) => ComponentChildren;
 }
 
-export function Menu({ name, label, title, kind, disabled = false, head, onOpen, children }: MenuProps): JSX.Element {
+export function Menu(props: MenuProps): JSX.Element {
+  const { name, label, title, kind, disabled = false, head, placement = "bottom-end", onOpen, children } = props;
   const [open, setOpen] = useState(false);
   const ref = useRef<HTMLDivElement>(null);
   const button = useRef<HTMLButtonElement>(null);
+  const list = useRef<HTMLDivElement>(null);
+  useFloating(button, list, placement, open);
   useEffect(() => {
     if (!open) return;
     const outside = (event: Event): void => {
@@ -56,7 +63,7 @@ export function Menu({ name, label, title, kind, disabled = false, head, onOpen,
         {head}
       </button>
       {open && (
-        <div id={name} class="menu-list" role="group" aria-label={label}>
+        <div ref={list} id={name} class="menu-list" role="group" aria-label={label}>
           {children(() => {
             setOpen(false);
           })}

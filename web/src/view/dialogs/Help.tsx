@@ -1,9 +1,11 @@
-/** The keys of the page, in a dialog. */
+/** The keys and gestures of the page, in a dialog. */
 
 import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
-import { SHORTCUTS } from "../keyboard";
+import { MENUS } from "../commands/command";
+import { GESTURES } from "../commands/gestures";
+import { commandsOf, shownKeys } from "../commands/table";
 
 export function Help({ editor }: { editor: Editor }): JSX.Element {
   const ref = useRef<HTMLDialogElement>(null);
@@ -17,10 +19,35 @@ export function Help({ editor }: { editor: Editor }): JSX.Element {
   };
   return (
     <dialog ref={ref} class="help" aria-labelledby="help-title" onClose={close}>
-      <h2 id="help-title">Keys and clicks</h2>
+      {open && (
+        <>
+          <h2 id="help-title">Keys and clicks</h2>
+          <div class="help-lists" tabIndex={0} role="group" aria-label="Keys and clicks">
+            <List title="Clicks and drags" rows={GESTURES.map(({ gesture, does }) => [gesture, does])} />
+            {MENUS.map((menu) => (
+              <List
+                key={menu}
+                title={menu}
+                rows={commandsOf(menu).map((command) => [shownKeys(command), command.name])}
+              />
+            ))}
+          </div>
+          <button type="button" class="button" onClick={close}>
+            Close
+          </button>
+        </>
+      )}
+    </dialog>
+  );
+}
+
+function List({ title, rows }: { title: string; rows: readonly (readonly [string, string])[] }): JSX.Element {
+  return (
+    <section>
+      <h3>{title}</h3>
       <dl>
-        {SHORTCUTS.map(({ keys, does }) => (
-          <div key={keys}>
+        {rows.map(([keys, does]) => (
+          <div key={does}>
             <dt>
               <kbd>{keys}</kbd>
             </dt>
@@ -28,9 +55,6 @@ export function Help({ editor }: { editor: Editor }): JSX.Element {
           </div>
         ))}
       </dl>
-      <button type="button" class="button" onClick={close}>
-        Close
-      </button>
-    </dialog>
+    </section>
   );
 }

@@ -1,7 +1,8 @@
 /** The shots, on the left: open one, send one, remove one. */
 
 import type { JSX } from "preact";
-import { useRef, useState } from "preact/hooks";
+import { effect } from "@preact/signals";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Upload } from "../../editor/library";
 import type { Note, ShotSummary } from "../../model/shot";
@@ -43,35 +44,46 @@ export function Shots({ editor }: { editor: Editor }): JSX.Element {
 }
 
 export function UploadButton({ editor, label }: { editor: Editor; label?: string }): JSX.Element {
-  const input = useRef<HTMLInputElement>(null);
   const refusal = editor.identity.noEdits.value;
   return (
-    <>
-      <button
-        type="button"
-        class={label ? "button primary" : "button icon-only"}
-        aria-label="Add a shot"
-        title={refusal ?? "Add a shot"}
-        disabled={refusal !== null}
-        onClick={() => input.current?.click()}
-      >
-        <Icon name="plus" />
-        {label}
-      </button>
-      <input
-        ref={input}
-        type="file"
-        accept={ACCEPTED}
-        multiple
-        hidden
-        aria-label="File of a shot"
-        onChange={(event) => {
-          const files = [...(event.currentTarget.files ?? [])];
-          event.currentTarget.value = ""; // so that the same file can be sent again
-          void editor.upload(files);
-        }}
-      />
-    </>
+    <button
+      type="button"
+      class={label ? "button primary" : "button icon-only"}
+      aria-label="Add a shot"
+      title={refusal ?? "Add a shot (Ctrl O)"}
+      disabled={refusal !== null}
+      onClick={() => (editor.fileRequests.value += 1)}
+    >
+      <Icon name="plus" />
+      {label}
+    </button>
+  );
+}
+
+/** The browser's dialog for the files of shots; it opens when one is asked for. */
+export function ShotFiles({ editor }: { editor: Editor }): JSX.Element {
+  const input = useRef<HTMLInputElement>(null);
+  useEffect(
+    () =>
+      effect(() => {
+        if (editor.fileRequests.value > 0) input.current?.click();
+      }),
+    [editor],
+  );
+  return (
+    <input
+      ref={input}
+      type="file"
+      accept={ACCEPTED}
+      multiple
+      hidden
+      aria-label="File of a shot"
+      onChange={(event) => {
+        const files = [...(event.currentTarget.files ?? [])];
+        event.currentTarget.value = ""; // so that the same file can be sent again
+        void editor.upload(files);
+      }}
+    />
   );
 }
 

@@ -5,7 +5,7 @@ import type { CacheFiller } from "../../editor/cache_filler";
 import { MOST_BYTES } from "../../editor/frame_cache";
 import type { Playhead } from "../../editor/playhead";
 import type { Session } from "../../editor/session";
-import { REPEATS, type Repeat } from "../../model/playback";
+import { EVERY, REPEATS, type Repeat } from "../../model/playback";
 import type { CacheEngine } from "../../model/quality";
 import { formatFrame } from "../../model/time";
 import { Menu } from "../controls/Menu";
@@ -17,8 +17,6 @@ const REPEAT_NAMES: Readonly<Record<Repeat, string>> = {
   pingPong: "Back and forth",
   once: "Once",
 };
-
-const EVERY = [1, 2, 3, 4, 6, 8];
 
 const ENGINE_NAMES: Readonly<Record<CacheEngine, string>> = {
   lens: "drawn through the lens",
@@ -37,7 +35,7 @@ export function Playback({ session }: { session: Session }): JSX.Element {
   const { playhead } = session;
   return (
     <>
-      <Menu name="playback" label="Playback" head={HEAD}>
+      <Menu name="playback" label="Playback" placement="top-start" head={HEAD}>
         {() => (
           <div class="playback">
             <Limits playhead={playhead} />

@@ -19,7 +19,7 @@ export function Timeline({ editor }: { editor: Editor }): JSX.Element {
   return (
     <section class="timeline" aria-label="Timeline">
       {session ? (
-        <Tracks session={session} unit={editor.remembered.unit.value} />
+        <Tracks editor={editor} session={session} unit={editor.remembered.unit.value} />
       ) : (
         <p class="muted pad-all">The focus curve of a shot shows here.</p>
       )}
@@ -27,7 +27,7 @@ export function Timeline({ editor }: { editor: Editor }): JSX.Element {
   );
 }
 
-function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+function Tracks({ editor, session, unit }: { editor: Editor; session: Session; unit: LengthUnit }): JSX.Element {
   const box = useRef<HTMLDivElement>(null);
   const { width } = useSize(box);
   const [menu, setMenu] = useState<MenuPlace | null>(null);
@@ -72,7 +72,7 @@ function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.
           </>
         )}
       </div>
-      {menu && <KeyMenu session={session} place={menu} close={closeMenu} />}
+      {menu && <KeyMenu editor={editor} place={menu} close={closeMenu} />}
     </>
   );
 }

@@ -1,0 +1,138 @@
+/** Commands of shots and cameras, of downloads, and of undo. */
+
+import type { Editor } from "../../editor/editor";
+import type { Session } from "../../editor/session";
+import { isPerson } from "../../model/identity";
+import { save } from "../hooks";
+import { always, onShot, type Command } from "./command";
+
+/** Opens the shot that is so many places further in the list. */
+function openNext(editor: Editor, by: 1 | -1): void {
+  const shots = editor.library.shots.value ?? [];
+  const at = shots.findIndex(({ id }) => id === editor.session.value?.shot.id);
+  const next = shots.at((at + by) % shots.length);
+  if (next) void editor.open(next.id);
+}
+
+function severalShots({ editor }: { editor: Editor }): string | null {
+  return (editor.library.shots.value?.length ?? 0) > 1 ? null : "There is no other shot.";
+}
+
+/** A file that is made of the open shot, and the heading that it has in the menu of downloads. */
+export interface DownloadItem {
+  readonly group: string;
+  readonly what: string;
+  readonly keys: string;
+  readonly refusal: (session: Session) => string | null;
+  readonly make: (session: Session) => ReturnType<Session["downloads"]["edits"]>;
+}
+
+const none = (): null => null;
+const noPicture = ({ pictures }: Session): string | null => pictures.refusal;
+
+const CURVE = "Focus curve";
+const FRAME = "This frame";
+
+export const DOWNLOADS: readonly DownloadItem[] = [
+  item(CURVE, "USD layer, spline (.usda)", "Ctrl S", none, ({ downloads }) => downloads.curve("usda")),
+  item(CURVE, "JSON", "Alt J", none, ({ downloads }) => downloads.curve("json")),
+  item(CURVE, "Spreadsheet (.csv)", "Alt C", none, ({ downloads }) => downloads.curve("csv")),
+  item(CURVE, "Editorial, OpenTimelineIO (.otio)", "Alt O", none, ({ downloads }) => downloads.curve("otio")),
+  item(CURVE, "Set, OpenTrackIO (.json)", "Alt T", none, ({ downloads }) => downloads.curve("opentrackio")),
+  item("Edits", "Edit layer (.usda)", "Ctrl Shift S", none, ({ downloads }) => downloads.edits()),
+  item(FRAME, "Graded (.png)", "Ctrl E", noPicture, ({ downloads }) => downloads.frame("png")),
+  item(FRAME, "Scene-linear (.exr)", "Ctrl Shift E", noPicture, ({ downloads }) => downloads.frame("exr")),
+];
+
+function item(
+  group: string,
+  what: string,
+  keys: string,
+  refusal: DownloadItem["refusal"],
+  make: DownloadItem["make"],
+): DownloadItem {
+  return { group, what, keys, refusal, make };
+}
+
+const SHOTS: readonly Command[] = [
+  always("Shot", {
+    name: "Add a shot…",
+    keys: ["Ctrl O"],
+    refusal: ({ editor }) => editor.identity.noEdits.value,
+    act: ({ editor }) => {
+      editor.fileRequests.value += 1;
+    },
+  }),
+  always("Shot", {
+    name: "Next shot",
+    keys: ["Alt PageDown"],
+    refusal: severalShots,
+    act: ({ editor }) => {
+      openNext(editor, 1);
+    },
+  }),
+  always("Shot", {
+    name: "Previous shot",
+    keys: ["Alt PageUp"],
+    refusal: severalShots,
+    act: ({ editor }) => {
+      openNext(editor, -1);
+    },
+  }),
+  onShot("Shot", {
+    name: "Next camera",
+    keys: ["Shift C"],
+    refusal: ({ shot, camera }) =>
+      shot.cameras.some(({ path }) => path !== camera) ? null : "There is no other camera.",
+    act: ({ shot, camera }, { editor }) => {
+      const at = shot.cameras.findIndex(({ path }) => path === camera);
+      const next = shot.cameras[(at + 1) % shot.cameras.length];
+      if (next) void editor.lookThrough(next.path);
+    },
+  }),
+  onShot("Shot", {
+    name: "Create a camera from this view",
+    keys: ["Shift N"],
+    refusal: ({ document, camera }) =>
+      document.noEdits.value ?? (camera === null ? null : "The shot is seen through a camera already."),
+    act: (_, { editor }) => {
+      editor.createCamera();
+    },
+  }),
+];
+
+const FILES = DOWNLOADS.map(({ group, what, keys, refusal, make }) =>
+  onShot("Shot", {
+    name: `Download: ${group.toLowerCase()}, ${what}`,
+    keys: [keys],
+    refusal: (session, { editor }) => (editor.exporting.value === null ? refusal(session) : "A file is being made."),
+    act: (session, { editor }) => void editor.export(what, () => make(session), save),
+  }),
+);
+
+const LEAVING = always("Shot", {
+  name: "Sign out",
+  keys: ["Alt Q"],
+  refusal: ({ editor: { identity } }) =>
+    identity.who.value && isPerson(identity.who.value) ? null : "Nobody is signed in.",
+  act: ({ editor }) => void editor.signOut(),
+});
+
+const UNDO: readonly Command[] = [
+  onShot("Edit", {
+    name: "Undo",
+    keys: ["Ctrl Z"],
+    refusal: ({ document }) =>
+      document.noEdits.value ?? (document.undoLabel.value === null ? "There is nothing to undo." : null),
+    act: ({ document }) => void document.undo(),
+  }),
+  onShot("Edit", {
+    name: "Redo",
+    keys: ["Ctrl Shift Z", "Ctrl Y"],
+    refusal: ({ document }) =>
+      document.noEdits.value ?? (document.redoLabel.value === null ? "There is nothing to redo." : null),
+    act: ({ document }) => void document.redo(),
+  }),
+];
+
+export const SHOT_COMMANDS: readonly Command[] = [...SHOTS, ...FILES, LEAVING, ...UNDO];

@@ -1,0 +1,118 @@
+/** Commands of what is shown and how. */
+
+import type { Signal } from "@preact/signals";
+import { SURROUNDS, type Remembered } from "../../editor/remembered";
+import { LOOKS, type Look } from "../../model/sharpness";
+import { always, nextOf, onShot, type Command } from "./command";
+
+type Switch = "markers" | "focusLines" | "probe" | "motion" | "shotsPanel" | "settingsPanel" | "curvePanel";
+
+function toggle(remembered: Remembered, name: Switch): void {
+  const choice: Signal<"on" | "off"> = remembered[name];
+  choice.value = choice.value === "on" ? "off" : "on";
+}
+
+function onSwitch(name: string, keys: readonly string[], choice: Switch): Command {
+  return always("View", {
+    name,
+    keys,
+    isOn: ({ editor }) => editor.remembered[choice].value === "on",
+    act: ({ editor }) => {
+      toggle(editor.remembered, choice);
+    },
+  });
+}
+
+const LOOK_NAMES: Readonly<Record<Look, string>> = {
+  none: "No colours of sharpness",
+  peaking: "Peaking",
+  falseColour: "False colour of focus",
+};
+
+const SHARPNESS: readonly Command[] = [
+  always("View", {
+    name: "Next colours of sharpness",
+    keys: ["P"],
+    act: ({ editor: { remembered } }) => {
+      remembered.look.value = nextOf(LOOKS, remembered.look.value);
+    },
+  }),
+  ...LOOKS.map((look, at) =>
+    always("View", {
+      name: LOOK_NAMES[look],
+      keys: [`Shift ${at + 1}`],
+      isOn: ({ editor }) => editor.remembered.look.value === look,
+      act: ({ editor }) => {
+        editor.remembered.look.value = look;
+      },
+    }),
+  ),
+  onSwitch("Lines of focus and its limits", ["Shift P"], "focusLines"),
+  onSwitch("Probe at the pointer", ["Q"], "probe"),
+  onSwitch("Focus points on the picture", ["M"], "markers"),
+  onSwitch("Motion blur", ["B"], "motion"),
+];
+
+const PANELS: readonly Command[] = [
+  always("View", {
+    name: "Lens & focus, or camera & film",
+    keys: ["C"],
+    act: ({ editor: { remembered } }) => {
+      remembered.panel.value = remembered.panel.value === "camera" ? "focus" : "camera";
+      remembered.settingsPanel.value = "on";
+    },
+  }),
+  onSwitch("Shots", ["Shift 7"], "shotsPanel"),
+  onSwitch("Settings", ["Shift 8"], "settingsPanel"),
+  onSwitch("Curve and keys", ["Shift 9"], "curvePanel"),
+  onShot("View", {
+    name: "Next curve",
+    keys: ["T"],
+    refusal: ({ keys }) => (keys.curves.value.length === 0 ? "Only the focus has a curve." : null),
+    act: ({ keys }) => {
+      const ids = [null, ...keys.curves.value.map(({ id }) => id)];
+      keys.graphed.value = nextOf(ids, keys.graph.value?.saved.id ?? null);
+    },
+  }),
+];
+
+const LOOKS_OF_THE_PAGE: readonly Command[] = [
+  always("View", {
+    name: "Next framing guide",
+    keys: ["G"],
+    act: ({ editor }) => {
+      const names = ["", ...editor.libraries.value.shapes.map(({ name }) => name)];
+      editor.remembered.guide.value = nextOf(names, editor.remembered.guide.value);
+    },
+  }),
+  always("View", {
+    name: "Next surround of the picture",
+    keys: ["Shift B"],
+    act: ({ editor: { remembered } }) => {
+      remembered.surround.value = nextOf(SURROUNDS, remembered.surround.value);
+    },
+  }),
+  always("View", {
+    name: "Metres, or feet and inches",
+    keys: ["U"],
+    act: ({ editor: { remembered } }) => {
+      remembered.unit.value = remembered.unit.value === "m" ? "ft" : "m";
+    },
+  }),
+  always("View", {
+    name: "All commands",
+    keys: ["Ctrl K"],
+    act: ({ editor }) => {
+      editor.paletteOpen.value = true;
+    },
+  }),
+  always("View", {
+    name: "Keys and clicks",
+    keys: ["?"],
+    act: ({ editor }) => {
+      editor.helpOpen.value = true;
+    },
+  }),
+];
+
+export const VIEW_COMMANDS: readonly Command[] = [...SHARPNESS, ...PANELS, ...LOOKS_OF_THE_PAGE];

@@ -12,6 +12,8 @@ import "./view/style/menus.css";
 import "./view/style/camera.css";
 import "./view/style/viewer.css";
 import "./view/style/timeline.css";
+import "./view/style/narrow.css";
+import "./view/style/touch.css";
 
 const editor = new Editor(new HttpService(), () => {
   location.reload();

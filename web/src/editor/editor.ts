@@ -10,6 +10,7 @@ import type { Download, Service } from "../net/service";
 import type { View } from "../net/view";
 import type { Fail } from "./fail";
 import { Identity } from "./identity";
+import { Layout } from "./layout";
 import { Library, type Upload } from "./library";
 import { Remembered } from "./remembered";
 import { Session } from "./session";
@@ -30,6 +31,7 @@ export class Editor {
   readonly identity: Identity;
   readonly library: Library;
   readonly remembered = new Remembered();
+  readonly layout = new Layout(this.remembered);
   readonly session = signal<Session | null>(null);
   /** The lens library; empty until it is there. */
   readonly lenses = signal<readonly LensSummary[]>([]);
@@ -132,6 +134,7 @@ export class Editor {
   /** Opens a shot; the one that was open stays until the new one is there. */
   async open(shot: string, camera: string | null = null, time: number | null = null): Promise<void> {
     this.complaint.value = null;
+    this.layout.drawer.value = false;
     await this.#open(shot, camera, time);
   }
 

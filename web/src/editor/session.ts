@@ -83,6 +83,8 @@ export class Session {
   /** Where the pointer is on the picture, 0 to 1 from its top left corner; null where it is elsewhere. */
   readonly pointer = signal<Place | null>(null);
   readonly crosshair = new Crosshair();
+  /** What a finger has in place of Shift and Alt on keys: it selects several, and drags without snapping. */
+  readonly touch = { several: signal(false), free: signal(false) };
   /** Where the sharpness of the picture is read: at the crosshair, or without it at the pointer. */
   readonly probed = computed(() => (this.crosshair.isHeld.value ? this.crosshair.at.value : this.pointer.value));
   /** Whether pictures come with focus maps. */

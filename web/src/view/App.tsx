@@ -1,8 +1,9 @@
 /** The page: one component for each region of the screen. */
 
 import type { ComponentChildren, JSX } from "preact";
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import type { Editor } from "../editor/editor";
+import { FOLDABLE, type Layout } from "../editor/layout";
 import { Help } from "./dialogs/Help";
 import { Palette } from "./dialogs/Palette";
 import { Inspector } from "./panels/Inspector";
@@ -15,12 +16,15 @@ import { Viewer } from "./viewer/Viewer";
 
 export function App({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
+  const { layout } = editor;
+  useNarrow(layout);
   return (
-    <DropTarget onFiles={(files) => void editor.upload(files)}>
+    <DropTarget layout={layout} onFiles={(files) => void editor.upload(files)}>
       <TopBar editor={editor} />
-      <Shots editor={editor} />
+      {layout.isShown("shots") && <Shots editor={editor} />}
+      {layout.isNarrow.value && layout.drawer.value && <Veil layout={layout} />}
       <Viewer editor={editor} key={session?.shot.id ?? ""} />
-      <Inspector editor={editor} />
+      {layout.isShown("settings") && <Inspector editor={editor} />}
       <Timeline editor={editor} />
       <Help editor={editor} />
       <Palette editor={editor} />
@@ -31,19 +35,62 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
   );
 }
 
+/** Width of the window below which the list of shots covers the picture, px; that of the style sheet. */
+const NARROW_PX = 900;
+
+function useNarrow(layout: Layout): void {
+  useEffect(() => {
+    const query = matchMedia(`(max-width: ${NARROW_PX - 1}px)`);
+    const changed = (): void => {
+      layout.isNarrow.value = query.matches;
+    };
+    changed();
+    query.addEventListener("change", changed);
+    return () => {
+      query.removeEventListener("change", changed);
+    };
+  }, [layout]);
+}
+
+/** What is beside the list of shots where it covers the picture; a click there, or Escape, takes the list away. */
+function Veil({ layout }: { layout: Layout }): JSX.Element {
+  useEffect(() => {
+    const pressed = (event: KeyboardEvent): void => {
+      if (event.key !== "Escape" || event.defaultPrevented) return;
+      event.preventDefault();
+      layout.drawer.value = false;
+    };
+    addEventListener("keydown", pressed, { capture: true });
+    return () => {
+      removeEventListener("keydown", pressed, { capture: true });
+    };
+  }, [layout]);
+  return <div class="veil" onClick={() => (layout.drawer.value = false)} />;
+}
+
 /** The whole window takes files. */
 function DropTarget({
+  layout,
   onFiles,
   children,
 }: {
+  layout: Layout;
   onFiles: (files: File[]) => void;
   children: ComponentChildren;
 }): JSX.Element {
   const [over, setOver] = useState(false);
+  const { shots, settings, curve } = layout.sizes;
+  const sizes = {
+    ...(shots.value > 0 && { "--shots": `${shots.value}px` }),
+    ...(settings.value > 0 && { "--settings": `${settings.value}px` }),
+    ...(curve.value > 0 && { "--curve": `${curve.value}px` }),
+  };
+  const folded = FOLDABLE.filter((panel) => !layout.isShown(panel)).map((panel) => ` no-${panel}`);
   const holdsFiles = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
   return (
     <div
-      class="app"
+      class={`app${folded.join("")}`}
+      style={sizes}
       onDragOver={(event) => {
         if (!holdsFiles(event)) return;
         event.preventDefault();

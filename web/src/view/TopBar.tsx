@@ -2,6 +2,7 @@
 
 import { Fragment, type JSX } from "preact";
 import type { Editor } from "../editor/editor";
+import { FOLDABLE } from "../editor/layout";
 import { SURROUNDS, type Surround } from "../editor/remembered";
 import type { Session } from "../editor/session";
 import { primName } from "../model/shot";
@@ -9,6 +10,7 @@ import { Account } from "./Account";
 import { CreateCamera } from "./controls/CreateCamera";
 import { Menu } from "./controls/Menu";
 import { DOWNLOADS } from "./commands/shot";
+import { PANEL_NAMES } from "./commands/view";
 import { save } from "./hooks";
 import { Icon } from "./icons";
 import { MenuBar } from "./menus/MenuBar";
@@ -25,6 +27,7 @@ export function TopBar({ editor }: { editor: Editor }): JSX.Element {
       <MenuBar editor={editor} />
       {session && <CameraChoice editor={editor} session={session} />}
       <div class="spacer" />
+      <Panels editor={editor} />
       {session && <UndoButtons session={session} />}
       <Appearance editor={editor} />
       {session && <Downloads editor={editor} session={session} />}
@@ -87,7 +90,7 @@ function UndoButtons({ session }: { session: Session }): JSX.Element {
   const undoLabel = undo === null ? "Nothing to undo" : `Undo: ${undo}`;
   const redoLabel = redo === null ? "Nothing to redo" : `Redo: ${redo}`;
   return (
-    <div class="group">
+    <div class="group" role="group" aria-label="Undo and redo">
       <button
         type="button"
         class="button icon-only"
@@ -108,6 +111,29 @@ function UndoButtons({ session }: { session: Session }): JSX.Element {
       >
         <Icon name="redo" />
       </button>
+    </div>
+  );
+}
+
+/** Shows and folds the panels around the picture. */
+function Panels({ editor: { layout } }: { editor: Editor }): JSX.Element {
+  return (
+    <div class="group panels" role="group" aria-label="Panels">
+      {FOLDABLE.map((panel, at) => (
+        <button
+          key={panel}
+          type="button"
+          class={`button icon-only of-${panel}`}
+          aria-pressed={layout.isShown(panel)}
+          aria-label={PANEL_NAMES[panel]}
+          title={`${PANEL_NAMES[panel]} (Shift ${at + 7})`}
+          onClick={() => {
+            layout.toggle(panel);
+          }}
+        >
+          <Icon name={panel} />
+        </button>
+      ))}
     </div>
   );
 }

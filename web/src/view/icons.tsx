@@ -14,6 +14,9 @@ const PATHS = {
 const STROKES = {
   mark: "M1.5 5V1.5H5M11 1.5h3.5V5M14.5 11v3.5H11M5 14.5H1.5V11M10.6 8a2.6 2.6 0 1 1-5.2 0a2.6 2.6 0 1 1 5.2 0",
   plus: "M8 3v10M3 8h10",
+  shots: "M2 3h12v10H2zM6 3v10",
+  settings: "M2 3h12v10H2zM10 3v10",
+  curve: "M2 3h12v10H2zM2 9h12",
   menu: "M2.5 4.5h11M2.5 8h11M2.5 11.5h11",
   close: "M4 4l8 8M12 4l-8 8",
   undo: "M6 3L3 6l3 3M3 6h6.5a3.5 3.5 0 0 1 0 7H6",

@@ -1,11 +1,12 @@
 /** Commands of what is shown and how. */
 
 import type { Signal } from "@preact/signals";
+import { FOLDABLE, type Foldable } from "../../editor/layout";
 import { SURROUNDS, type Remembered } from "../../editor/remembered";
 import { LOOKS, type Look } from "../../model/sharpness";
 import { always, nextOf, onShot, type Command } from "./command";
 
-type Switch = "markers" | "focusLines" | "probe" | "motion" | "shotsPanel" | "settingsPanel" | "curvePanel";
+type Switch = "markers" | "focusLines" | "probe" | "motion";
 
 function toggle(remembered: Remembered, name: Switch): void {
   const choice: Signal<"on" | "off"> = remembered[name];
@@ -53,18 +54,31 @@ const SHARPNESS: readonly Command[] = [
   onSwitch("Motion blur", ["B"], "motion"),
 ];
 
+export const PANEL_NAMES: Readonly<Record<Foldable, string>> = {
+  shots: "Shots",
+  settings: "Settings",
+  curve: "Curve and keys",
+};
+
 const PANELS: readonly Command[] = [
   always("View", {
     name: "Lens & focus, or camera & film",
     keys: ["C"],
-    act: ({ editor: { remembered } }) => {
+    act: ({ editor: { remembered, layout } }) => {
       remembered.panel.value = remembered.panel.value === "camera" ? "focus" : "camera";
-      remembered.settingsPanel.value = "on";
+      layout.show("settings", true);
     },
   }),
-  onSwitch("Shots", ["Shift 7"], "shotsPanel"),
-  onSwitch("Settings", ["Shift 8"], "settingsPanel"),
-  onSwitch("Curve and keys", ["Shift 9"], "curvePanel"),
+  ...FOLDABLE.map((panel, at) =>
+    always("View", {
+      name: PANEL_NAMES[panel],
+      keys: [`Shift ${at + 7}`],
+      isOn: ({ editor }) => editor.layout.isShown(panel),
+      act: ({ editor }) => {
+        editor.layout.toggle(panel);
+      },
+    }),
+  ),
   onShot("View", {
     name: "Next curve",
     keys: ["T"],

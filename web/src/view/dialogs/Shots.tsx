@@ -6,6 +6,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Upload } from "../../editor/library";
 import type { Note, ShotSummary } from "../../model/shot";
+import { Splitter } from "../controls/Splitter";
 import { Icon } from "../icons";
 import { Trash } from "./Trash";
 
@@ -13,33 +14,37 @@ const ACCEPTED = ".usd,.usda,.usdc,.usdz,.zip";
 
 export function Shots({ editor }: { editor: Editor }): JSX.Element {
   const shots = editor.library.shots.value;
+  const side = useRef<HTMLDivElement>(null);
   return (
-    <nav class="shots panel" aria-label="Shots">
-      <div class="panel-head">
-        <h2>Shots</h2>
-        <UploadButton editor={editor} />
-      </div>
-      {shots === null && <p class="muted pad">Listing the shots…</p>}
-      <ul class="shot-list">
-        {shots?.map((shot) => (
-          <ShotRow key={shot.id} editor={editor} shot={shot} />
-        ))}
-        {editor.library.uploads.value.map((upload) => (
-          <UploadRow
-            key={upload.id}
-            upload={upload}
-            onChoose={(root) => void editor.chooseRoot(upload, root)}
-            onDismiss={() => {
-              editor.library.dismiss(upload.id);
-            }}
-          />
-        ))}
-      </ul>
-      <Trash editor={editor} />
-      <p class="drop-hint" hidden={editor.identity.noEdits.value !== null}>
-        Drop a .usda, .usdc or .usdz file anywhere, or a .zip of a shot with what it references.
-      </p>
-    </nav>
+    <div ref={side} class="side shots">
+      <Splitter layout={editor.layout} panel="shots" label="Width of the shots" of={side} />
+      <nav class="panel" aria-label="Shots">
+        <div class="panel-head">
+          <h2>Shots</h2>
+          <UploadButton editor={editor} />
+        </div>
+        {shots === null && <p class="muted pad">Listing the shots…</p>}
+        <ul class="shot-list">
+          {shots?.map((shot) => (
+            <ShotRow key={shot.id} editor={editor} shot={shot} />
+          ))}
+          {editor.library.uploads.value.map((upload) => (
+            <UploadRow
+              key={upload.id}
+              upload={upload}
+              onChoose={(root) => void editor.chooseRoot(upload, root)}
+              onDismiss={() => {
+                editor.library.dismiss(upload.id);
+              }}
+            />
+          ))}
+        </ul>
+        <Trash editor={editor} />
+        <p class="drop-hint" hidden={editor.identity.noEdits.value !== null}>
+          Drop a .usda, .usdc or .usdz file anywhere, or a .zip of a shot with what it references.
+        </p>
+      </nav>
+    </div>
   );
 }
 

@@ -1,11 +1,13 @@
 /** The panel on the right: the lens, what it holds sharp, how its focus is found, and the focus points; or the camera. */
 
 import type { JSX } from "preact";
+import { useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import { PANELS, type Panel } from "../../editor/remembered";
 import type { Session } from "../../editor/session";
 import { CreateCamera } from "../controls/CreateCamera";
 import { Edits } from "../controls/Edits";
+import { Splitter } from "../controls/Splitter";
 import { CameraPanel } from "./CameraPanel";
 import { FocusPanel } from "./FocusPanel";
 import { FocusPoints } from "./FocusPoints";
@@ -14,39 +16,43 @@ import { LensPanel } from "./LensPanel";
 export function Inspector({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
   const unit = editor.remembered.unit.value;
+  const side = useRef<HTMLDivElement>(null);
   return (
-    <aside class="inspector panel" aria-label="Lens, focus and camera">
-      {session && !session.document.hasLens ? (
-        <div class="pad-all">
-          <p class="muted">
-            {session.shot.cameras.length === 0
-              ? "This shot has no camera, so one was made to frame it. Create a camera from this view to set its lens and pull its focus."
-              : "None of the shot’s cameras is its main one, so all of it is framed. Choose a camera above, or create one from this view."}
-          </p>
-          <CreateCamera editor={editor} session={session} />
-        </div>
-      ) : session ? (
-        <>
-          <Tabs editor={editor} />
-          <ReadOnly session={session} />
-          {editor.remembered.panel.value === "camera" ? (
-            <div role="tabpanel" id="panel-camera" aria-labelledby="tab-camera">
-              <CameraPanel editor={editor} session={session} />
-            </div>
-          ) : (
-            <div role="tabpanel" id="panel-focus" aria-labelledby="tab-focus">
-              <LensPanel editor={editor} session={session} unit={unit} />
-              <Edits session={session}>
-                <FocusPanel editor={editor} session={session} />
-              </Edits>
-              <FocusPoints editor={editor} session={session} />
-            </div>
-          )}
-        </>
-      ) : (
-        <p class="muted pad-all">The lens and the focus points of a shot show here.</p>
-      )}
-    </aside>
+    <div ref={side} class="side inspector">
+      <Splitter layout={editor.layout} panel="settings" label="Width of the settings" of={side} />
+      <aside class="panel" aria-label="Lens, focus and camera">
+        {session && !session.document.hasLens ? (
+          <div class="pad-all">
+            <p class="muted">
+              {session.shot.cameras.length === 0
+                ? "This shot has no camera, so one was made to frame it. Create a camera from this view to set its lens and pull its focus."
+                : "None of the shot’s cameras is its main one, so all of it is framed. Choose a camera above, or create one from this view."}
+            </p>
+            <CreateCamera editor={editor} session={session} />
+          </div>
+        ) : session ? (
+          <>
+            <Tabs editor={editor} />
+            <ReadOnly session={session} />
+            {editor.remembered.panel.value === "camera" ? (
+              <div role="tabpanel" id="panel-camera" aria-labelledby="tab-camera">
+                <CameraPanel editor={editor} session={session} />
+              </div>
+            ) : (
+              <div role="tabpanel" id="panel-focus" aria-labelledby="tab-focus">
+                <LensPanel editor={editor} session={session} unit={unit} />
+                <Edits session={session}>
+                  <FocusPanel editor={editor} session={session} />
+                </Edits>
+                <FocusPoints editor={editor} session={session} />
+              </div>
+            )}
+          </>
+        ) : (
+          <p class="muted pad-all">The lens and the focus points of a shot show here.</p>
+        )}
+      </aside>
+    </div>
   );
 }
 

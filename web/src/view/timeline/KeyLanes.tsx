@@ -96,7 +96,7 @@ function selectInBox(
           .map((key) => key.dataset.stack),
       );
       const stacks = session.keys.lanes.value.flatMap((lane) => lane.stacks.filter(({ id }) => inside.has(id)));
-      session.keys.select(stacks, down.shiftKey);
+      session.keys.select(stacks, down.shiftKey || session.touch.several.value);
     },
   );
 }

@@ -5,6 +5,7 @@ import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks"
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import type { LengthUnit } from "../../model/distance";
+import { Splitter } from "../controls/Splitter";
 import { CurveChart } from "./CurveChart";
 import { followPointer, useSize } from "../hooks";
 import { KeyLanes } from "./KeyLanes";
@@ -29,6 +30,7 @@ export function Timeline({ editor }: { editor: Editor }): JSX.Element {
 
 function Tracks({ editor, session, unit }: { editor: Editor; session: Session; unit: LengthUnit }): JSX.Element {
   const box = useRef<HTMLDivElement>(null);
+  const chart = useRef<HTMLDivElement>(null);
   const { width } = useSize(box);
   const [menu, setMenu] = useState<MenuPlace | null>(null);
   const closeMenu = useCallback(() => {
@@ -51,6 +53,9 @@ function Tracks({ editor, session, unit }: { editor: Editor; session: Session; u
   };
   return (
     <>
+      {editor.layout.isShown("curve") && (
+        <Splitter layout={editor.layout} panel="curve" label="Height of the curve" of={chart} />
+      )}
       <Transport session={session} unit={unit} />
       <div
         class="tracks"
@@ -66,8 +71,14 @@ function Tracks({ editor, session, unit }: { editor: Editor; session: Session; u
         {width > 0 && (
           <>
             <Scrubber session={session} axis={axis} onScrub={scrub} />
-            <Chart session={session} axis={axis} unit={unit} onScrub={scrub} />
-            <KeyLanes session={session} axis={axis} />
+            {editor.layout.isShown("curve") && (
+              <>
+                <div ref={chart}>
+                  <Chart session={session} axis={axis} unit={unit} onScrub={scrub} />
+                </div>
+                <KeyLanes session={session} axis={axis} />
+              </>
+            )}
             <Playhead session={session} axis={axis} />
           </>
         )}

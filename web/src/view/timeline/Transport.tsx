@@ -69,6 +69,7 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
       <Playback session={session} />
       <CurveChoice session={session} />
       <WholeShot session={session} />
+      <TouchKeys session={session} />
       <div class="spacer" />
       <Reading session={session} unit={unit} />
     </div>
@@ -130,6 +131,53 @@ function WholeShot({ session: { timeView } }: { session: Session }): JSX.Element
     >
       Whole shot
     </button>
+  );
+}
+
+/** For fingers, which have no Shift, no Alt and no wheel. */
+function TouchKeys({ session: { touch, timeView } }: { session: Session }): JSX.Element {
+  const { several, free } = touch;
+  return (
+    <div class="group touch-keys" role="group" aria-label="Keys by touch">
+      <button
+        type="button"
+        class="button"
+        aria-pressed={several.value}
+        title="A touch selects one more key, or one fewer"
+        onClick={() => (several.value = !several.value)}
+      >
+        Several
+      </button>
+      <button
+        type="button"
+        class="button"
+        aria-pressed={free.value}
+        title="Keys are dragged without snapping, and handles turn alone"
+        onClick={() => (free.value = !free.value)}
+      >
+        Free
+      </button>
+      <button
+        type="button"
+        class="button"
+        aria-label="Show less of the time"
+        onClick={() => {
+          timeView.zoom(1 / 1.5);
+        }}
+      >
+        +
+      </button>
+      <button
+        type="button"
+        class="button"
+        aria-label="Show more of the time"
+        onClick={() => {
+          timeView.zoom(1.5);
+        }}
+      >
+        −
+      </button>
+    </div>
   );
 }
 

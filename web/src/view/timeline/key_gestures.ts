@@ -96,7 +96,8 @@ function dragKey(session: Session, options: GestureOptions, down: PointerEvent):
   const { stack, isRaised } = options;
   // What is typed elsewhere is entered first: it is for the keys that are selected until now.
   (down.currentTarget as HTMLElement).focus();
-  const adds = down.shiftKey;
+  const { several, free } = session.touch;
+  const adds = down.shiftKey || several.value;
   const selectIt = (): void => {
     if (!keys.selected.value.has(stack.id)) keys.select([stack], adds);
   };
@@ -104,7 +105,7 @@ function dragKey(session: Session, options: GestureOptions, down: PointerEvent):
   const way = (event: PointerEvent): Way => ({
     right: event.clientX - down.clientX,
     down: event.clientY - down.clientY,
-    isFree: event.altKey,
+    isFree: event.altKey || free.value,
     isStraight: event.shiftKey,
   });
   const isDragged = ({ right, down }: Way): boolean =>

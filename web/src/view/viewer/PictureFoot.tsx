@@ -25,8 +25,8 @@ function Tools({ session: { picks, selectedName, gathers } }: { session: Session
   const selected = selectedName.value;
   const names: Readonly<Record<Tool, string>> = {
     pull: "Pull focus",
-    add: "Add a point",
-    move: selected === null ? "Move a point" : `Move ${selected}`,
+    add: "Add point",
+    move: selected === null ? "Move point" : `Move ${selected}`,
   };
   const titles: Readonly<Record<Tool, string>> = {
     pull: `A click pulls the focus there (Alt 1${gathers.value ? "; once with Shift" : ""})`,

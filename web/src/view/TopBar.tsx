@@ -207,7 +207,7 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
       {(close) =>
         DOWNLOADS.map(({ group, what, refusal, make }, at, all) => (
           <Fragment key={what}>
-            {group !== all[at - 1]?.group && <h3>{group}</h3>}
+            {group !== all[at - 1]?.group && <p class="menu-heading">{group}</p>}
             <button
               type="button"
               disabled={refusal(session) !== null}

@@ -14,11 +14,11 @@ const ACCEPTED = ".usd,.usda,.usdc,.usdz,.zip";
 
 export function Shots({ editor }: { editor: Editor }): JSX.Element {
   const shots = editor.library.shots.value;
-  const side = useRef<HTMLDivElement>(null);
+  const side = useRef<HTMLElement>(null);
   return (
-    <div ref={side} class="side shots">
+    <nav ref={side} class="side shots" aria-label="Shots">
       <Splitter layout={editor.layout} panel="shots" label="Width of the shots" of={side} />
-      <nav class="panel" aria-label="Shots">
+      <div class="panel">
         <div class="panel-head">
           <h2>Shots</h2>
           <UploadButton editor={editor} />
@@ -43,8 +43,8 @@ export function Shots({ editor }: { editor: Editor }): JSX.Element {
         <p class="drop-hint" hidden={editor.identity.noEdits.value !== null}>
           Drop a .usda, .usdc or .usdz file anywhere, or a .zip of a shot with what it references.
         </p>
-      </nav>
-    </div>
+      </div>
+    </nav>
   );
 }
 

@@ -16,11 +16,11 @@ import { LensPanel } from "./LensPanel";
 export function Inspector({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
   const unit = editor.remembered.unit.value;
-  const side = useRef<HTMLDivElement>(null);
+  const side = useRef<HTMLElement>(null);
   return (
-    <div ref={side} class="side inspector">
+    <aside ref={side} class="side inspector" aria-label="Lens, focus and camera">
       <Splitter layout={editor.layout} panel="settings" label="Width of the settings" of={side} />
-      <aside class="panel" aria-label="Lens, focus and camera">
+      <div class="panel">
         {session && !session.document.hasLens ? (
           <div class="pad-all">
             <p class="muted">
@@ -51,8 +51,8 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
         ) : (
           <p class="muted pad-all">The lens and the focus points of a shot show here.</p>
         )}
-      </aside>
-    </div>
+      </div>
+    </aside>
   );
 }
 

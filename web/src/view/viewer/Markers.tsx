@@ -87,7 +87,6 @@ function Marker({ editor, session, point }: MarkerProps): JSX.Element {
       class={`marker${selected ? " selected" : ""}${active ? "" : " idle"}`}
       style={place(dragged ?? point.screen ?? [0, 0])}
       aria-pressed={selected}
-      aria-label={`Focus point ${point.name}, ${depth}${said ? `, ${said}` : ""}`}
       onClick={() => (session.selected.value = point.name)}
       onPointerDown={onPointerDown}
     >
@@ -100,11 +99,22 @@ function Marker({ editor, session, point }: MarkerProps): JSX.Element {
         </g>
       </svg>
       <span class="tag">
+        <span class="visually-hidden">Focus point </span>
         {point.name}
-        <small>{depth}</small>
-        {verdict && <small class={verdict.isSharp ? "sharp" : "soft"}>{said}</small>}
+        {depth && <Aside kind="">{depth}</Aside>}
+        {verdict && said && <Aside kind={verdict.isSharp ? "sharp" : "soft"}>{said}</Aside>}
       </span>
     </button>
+  );
+}
+
+/** What stands beside the name, read aloud after a pause. */
+function Aside({ kind, children }: { kind: string; children: string }): JSX.Element {
+  return (
+    <>
+      <span class="visually-hidden">, </span>
+      <small class={kind}>{children}</small>
+    </>
   );
 }
 

@@ -35,7 +35,7 @@ class FocusPointView:
         Raises:
             SchemaError: its target is authored as an attribute.
         """
-        return binding.read(FocusPoint, self.prim, time, self._prefix, name=self.name, target=self._targets())
+        return binding.read(FocusPoint, self.prim, time, self._prefix, name=self.name, **self._related())
 
     def read_over(self, times: Sequence[float]) -> tuple[FocusPoint, ...]:
         """Read the point at several time codes.
@@ -43,29 +43,33 @@ class FocusPointView:
         Raises:
             SchemaError: its target is authored as an attribute.
         """
-        return binding.read_over(FocusPoint, self.prim, times, self._prefix, name=self.name, target=self._targets())
+        return binding.read_over(FocusPoint, self.prim, times, self._prefix, name=self.name, **self._related())
 
     def author(self, point: FocusPoint, time: Time = None) -> None:
         """Author what differs from what the point says; ``point.name`` does not matter.
 
         Args:
             point: what it shall say.
-            time: USD time code of the keys; None for values that do not change over time. Target, kind and topology are
-                the same at all times.
+            time: USD time code of the keys; None for values that do not change over time. Target, part, kind and topology
+                are the same at all times.
 
         Raises:
             SchemaError: a value is not allowed, or it would be hidden by keys; nothing is authored then.
         """
-        paths = _target_paths(point)
+        targets, parts = _target_paths(point), _part_paths(point)
         binding.author(point, self.prim, time, self._prefix)
-        if self._targets() != point.target:
-            self.target_relationship().SetTargets(paths)
+        if self._paths(self.target_relationship()) != point.target:
+            self.target_relationship().SetTargets(targets)
+        if self._related()["part"] != point.part:
+            self.part_relationship().SetTargets(parts)
 
     def author_all(self, point: FocusPoint) -> None:
         """Author every value of a new point, over whatever weaker layers say of a point that once had its name."""
-        paths = _target_paths(point)
+        targets, parts = _target_paths(point), _part_paths(point)
         binding.author_all(point, self.prim, self._prefix)
-        self.target_relationship().SetTargets(paths)
+        self.target_relationship().SetTargets(targets)
+        if parts or self.part_relationship().HasAuthoredTargets():
+            self.part_relationship().SetTargets(parts)
 
     def keys(self, attribute: str) -> list[Key]:
         """Keys of one attribute, by the name of the `FocusPoint` field or of the USD property."""
@@ -94,12 +98,24 @@ class FocusPointView:
         """The relationship that names the target."""
         return self.prim.GetRelationship(f"{self._prefix}target")
 
-    def _targets(self) -> tuple[str, ...]:
+    def part_relationship(self) -> Usd.Relationship:
+        """The relationship that names the prim whose bounds the point follows."""
+        return self.prim.GetRelationship(f"{self._prefix}part")
+
+    def relationships(self) -> list[Usd.Relationship]:
+        """All relationships of the point."""
+        return [self.target_relationship(), self.part_relationship()]
+
+    def _related(self) -> dict[str, Any]:
+        """The fields that are relationships."""
+        parts = self._paths(self.part_relationship())
+        return {"target": self._paths(self.target_relationship()), "part": parts[0] if parts else ""}
+
+    def _paths(self, relationship: Usd.Relationship) -> tuple[str, ...]:
         try:
-            return tuple(str(path) for path in self.target_relationship().GetTargets())
+            return tuple(str(path) for path in relationship.GetTargets())
         except Tf.ErrorException as error:
-            path = self.prim.GetPath().AppendProperty(f"{self._prefix}target")
-            raise SchemaError(f"{path} must be a relationship to a prim, got an attribute") from error
+            raise SchemaError(f"{relationship.GetPath()} must be a relationship to a prim, got an attribute") from error
 
     @property
     def _prefix(self) -> str:
@@ -115,18 +131,30 @@ class FocusPointView:
 
 
 def _target_paths(point: FocusPoint) -> list[Sdf.Path]:
-    """The target as paths; one, or two for a PointInstancer and its prototype's mesh.
+    """The target as paths; one, or two for a PointInstancer and its prototype's mesh. A point with a part may have none.
 
     Raises:
         SchemaError: there are more or fewer, or one is no absolute prim path.
     """
-    if len(point.target) not in (1, 2):
+    if len(point.target) not in ((0, 1, 2) if point.part else (1, 2)):
         raise SchemaError(
             f"focus point {point.name!r} needs one target path, or a PointInstancer's and its prototype's, "
             f"got {len(point.target)}"
         )
-    paths = [Sdf.Path(text) if Sdf.Path.IsValidPathString(text) else Sdf.Path.emptyPath for text in point.target]
-    for text, path in zip(point.target, paths, strict=True):
-        if not (path.IsPrimPath() and path.IsAbsolutePath()):
-            raise SchemaError(f"the target of focus point {point.name!r} must be an absolute prim path, got {text!r}")
-    return paths
+    return [_prim_path(point, "target", text) for text in point.target]
+
+
+def _part_paths(point: FocusPoint) -> list[Sdf.Path]:
+    """The part as paths; one or none.
+
+    Raises:
+        SchemaError: it is no absolute prim path.
+    """
+    return [_prim_path(point, "part", point.part)] if point.part else []
+
+
+def _prim_path(point: FocusPoint, what: str, text: str) -> Sdf.Path:
+    path = Sdf.Path(text) if Sdf.Path.IsValidPathString(text) else Sdf.Path.emptyPath
+    if not (path.IsPrimPath() and path.IsAbsolutePath()):
+        raise SchemaError(f"the {what} of focus point {point.name!r} must be an absolute prim path, got {text!r}")
+    return path

@@ -36,10 +36,11 @@ def topology_under(stage: Usd.Stage, point: FocusPoint) -> str:
 def topology_change(stage: Usd.Stage, point: FocusPoint) -> str | None:
     """One sentence where the faces are no longer those on which a focus point was placed, so that its own may mean another place.
 
-    A target that is gone or nowhere is another matter, and a point that was placed without a fingerprint has nothing to compare.
+    A target that is gone or nowhere is another matter, and a point that was placed without a fingerprint has nothing to compare;
+    nor does the place of a point that follows the bounds of a part depend on any face.
     """
     target = _target(stage, point)
-    if not point.topology or point.face < 0 or target is None:
+    if not point.topology or point.face < 0 or point.part or target is None:
         return None
     placed = f"focus point {point.name} was placed on {target.GetPath()} with topology {point.topology}"
     if not target.IsA(UsdGeom.Mesh):

@@ -174,7 +174,7 @@ class LensCamera:
             SchemaError: the camera has none of that name.
         """
         view = self.focus_point(name)
-        for attribute in [*view.attributes(), view.target_relationship()]:
+        for attribute in [*view.attributes(), *view.relationships()]:
             self.prim.RemoveProperty(attribute.GetName())
         self.prim.RemoveAPI(FOCUS_POINT, name)
 

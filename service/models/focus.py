@@ -33,6 +33,8 @@ KEY_EXAMPLE: JsonDict = {"time": 24.0, "value": 1.0, "interpolation": "linear", 
 POINT_EXAMPLE: JsonDict = ANCHOR_EXAMPLE | {
     "name": "pip",
     "offset": [0.0, 0.0, 0.0],
+    "part": "",
+    "boundsPoint": [0.5, 0.5, 0.5],
     "kind": "sharp",
     "blurMm": 0.0,
     "weight": 1.0,

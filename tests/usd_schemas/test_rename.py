@@ -20,7 +20,9 @@ def stage() -> Usd.Stage:
 @pytest.fixture
 def camera(stage: Usd.Stage) -> LensCamera:
     camera = LensCamera(UsdGeom.Camera.Define(stage, "/cam").GetPrim())
-    point = FocusPoint("pip", target=("/World/Pip",), face=3, barycentric=(0.2, 0.3, 0.5), weight=0.5, kind="soft")
+    anchor = {"target": ("/World/Pip/Head",), "face": 3, "barycentric": (0.2, 0.3, 0.5)}
+    subject = {"part": "/World/Pip", "bounds_point": (0.5, 0.9, 0.5)}
+    point = FocusPoint("pip", **anchor, **subject, weight=0.5, kind="soft")
     view = camera.add_focus_point("pip", point)
     view.set_key("weight", 10, 1.0, "bezier", Tangents(0.0, 2.0, -0.1, 3.0))
     view.set_key("weight", 20, 0.25, "auto")

@@ -198,6 +198,49 @@ def test_a_target_that_cannot_be_followed_is_named(stage: Usd.Stage, targets: li
     assert message in problem.message
 
 
+def follow(stage: Usd.Stage, *parts: str, place: tuple[float, float, float] = (0.5, 0.5, 0.5)) -> None:
+    view = camera_of(stage).focus_point("hero")
+    view.part_relationship().SetTargets(parts)
+    stage.GetPrimAtPath("/cam").GetAttribute("focusPoint:hero:boundsPoint").Set(place)
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        (["/gone"], "focus point hero follows the bounds of /gone, which is not there"),
+        (["/quad", "/trees"], "focus point hero follows the bounds of one part, got 2"),
+    ],
+)
+def test_a_part_that_cannot_be_followed_is_named(stage: Usd.Stage, parts: list[str], message: str) -> None:
+    follow(stage, *parts)
+    problem = the_problem(stage)
+    assert (problem.rule, problem.path, problem.severity) == (
+        "FocusPointParts",
+        "/cam.focusPoint:hero:part",
+        "error",
+    )
+    assert message in problem.message
+
+
+def test_a_place_far_out_of_bounds_is_noticed(stage: Usd.Stage) -> None:
+    follow(stage, "/quad", place=(-0.5, 2.0, 0.5))
+    assert validate(stage) == []
+    follow(stage, "/quad", place=(0.5, 0.5, 2.5))
+    problem = the_problem(stage)
+    assert (problem.rule, problem.severity) == ("FocusPointPlaces", "warning")
+    assert "from 0 to 1, or at most 1 outside, got (0.5, 0.5, 2.5)" in problem.message
+    follow(stage, place=(0.5, 0.5, 2.5))
+    assert validate(stage) == []
+
+
+def test_of_a_point_that_follows_a_part_the_target_is_free(stage: Usd.Stage) -> None:
+    put("focusPoint:hero:face", 12)(stage)
+    UsdGeom.Mesh.Get(stage, "/quad").GetFaceVertexIndicesAttr().Set([3, 2, 1, 0])
+    camera_of(stage).focus_point("hero").target_relationship().SetTargets(["/gone"])
+    follow(stage, "/trees")
+    assert validate(stage) == []
+
+
 def test_a_re_export_with_other_faces_is_noticed(stage: Usd.Stage) -> None:
     mesh = UsdGeom.Mesh.Get(stage, "/quad")
     mesh.GetPointsAttr().Set([(5, 5, 5)] * 4)

@@ -194,6 +194,25 @@ def test_an_instancer_target_has_two_paths(camera: LensCamera) -> None:
     assert camera.add_focus_point("leaf", point).read() == point
 
 
+def test_a_focus_point_follows_a_part_or_its_target(stage: Usd.Stage, camera: LensCamera) -> None:
+    view = camera.add_focus_point("hero", HERO)
+    assert not view.part_relationship().HasAuthoredTargets()
+    subject = replace(HERO, part="/World/Hero", bounds_point=(0.25, 0.5, 0.75))
+    view.author(subject)
+    assert view.read() == subject
+    assert view.read_over([1, 2]) == (subject, subject)
+    stage.SetEditTarget(stage.GetSessionLayer())
+    view.author(HERO)
+    assert view.read() == HERO
+    camera.remove_focus_point("hero")
+    assert camera.add_focus_point("hero", HERO).read() == HERO, "the part of the layer below does not come back"
+
+
+def test_a_point_that_follows_a_part_needs_no_target(camera: LensCamera) -> None:
+    subject = FocusPoint("hero", part="/World/Hero")
+    assert camera.add_focus_point("hero", subject).read() == subject
+
+
 def test_an_edit_of_a_focus_point_changes_what_it_says_alone(stage: Usd.Stage, camera: LensCamera) -> None:
     view = camera.add_focus_point("hero", HERO)
     stage.SetEditTarget(stage.GetSessionLayer())
@@ -224,6 +243,10 @@ def test_a_refused_edit_leaves_no_trace(
     ("act", "message"),
     [
         (lambda camera: camera.add_focus_point("9lives", HERO), "must be an identifier"),
+        (
+            lambda camera: camera.add_focus_point("x", replace(HERO, part="Hero")),
+            "the part of focus point 'hero' must be an absolute prim path, got 'Hero'",
+        ),
         (lambda camera: camera.add_focus_point("a:b", HERO), "must be an identifier"),
         (lambda camera: camera.add_focus_point("weight", HERO), "not an allowed instance name"),
         (lambda camera: camera.add_focus_point("hero", HERO), "already has a focus point named 'hero'"),

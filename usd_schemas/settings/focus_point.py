@@ -12,6 +12,8 @@ from usd_schemas.settings.setting import Bounds, Slider, Triple, relationship, s
 FocusPointKind = Literal["sharp", "soft"]
 MAX_INDEX = 2**31 - 1
 """The largest int of USD."""
+MOST_BOUNDS_SIZES = 1000.0
+"""Farthest that a point may lie from the bounds that it follows, in their sizes."""
 
 
 @schema_group("Focus Point", rest="focusPoint")
@@ -70,9 +72,30 @@ class FocusPoint:
         "offset",
         (0.0, 0.0, 0.0),
         "Offset",
-        "Moves the point off the surface, in the target's own space.",
+        "Moves the point off the surface, in the target's own space, or off its place in the bounds, in the part's.",
         unit="scene units",
         bounds=Bounds(-1e9, 1e9),
+    )
+    part: str = relationship(
+        "part",
+        "Part",
+        "Prim whose bounds the point follows, at `boundsPoint`, in place of its target's surface: a mesh, a group, a whole "
+        "character.",
+        "Empty: the point stays on its target. The bounds hold what is visible of the prim, of the purposes default and "
+        "render, in the prim's own space at the time.",
+        default="",
+        unit="none, a prim path",
+        bounds=Bounds(length=2000),
+    )
+    bounds_point: Triple = setting(
+        "boundsPoint",
+        (0.5, 0.5, 0.5),
+        "Place in the Bounds",
+        "Where the point is in the bounds of its `part`, along each axis of the part's own space: 0 is their least corner, "
+        "1 their greatest, 0.5 their middle.",
+        "Numbers outside 0 to 1 lie outside the bounds.",
+        unit="none, ratios",
+        bounds=Bounds(-MOST_BOUNDS_SIZES, MOST_BOUNDS_SIZES),
     )
     kind: FocusPointKind = setting(
         "kind",

@@ -297,10 +297,10 @@ def setting(usd: str, default: Any, label: str, help: str, more: str = "", **dec
     )
 
 
-def relationship(usd: str, label: str, help: str, more: str = "", **declared: Any) -> Any:
-    """Declare a relationship to other prims as a dataclass field."""
-    declaration = Setting(usd, (), label, help, more, relationship=True, **declared)
-    return field(default=(), metadata={"setting": declaration})
+def relationship(usd: str, label: str, help: str, more: str = "", *, default: Any = (), **declared: Any) -> Any:
+    """Declare a relationship to other prims as a dataclass field: paths, or with the default ``""`` one path or none."""
+    declaration = Setting(usd, default, label, help, more, relationship=True, **declared)
+    return field(default=default, metadata={"setting": declaration})
 
 
 def group(kind: type, prefix: str | None = None) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from pxr import Sdf, Usd, UsdGeom, Vt
+from pxr import Sdf, Tf, Usd, UsdGeom, Vt
 
 from usd_schemas.errors import SchemaError
 from usd_schemas.focus_point import FocusPointView
@@ -16,6 +16,7 @@ from usd_schemas.values import is_animated, read_value
 from usd_schemas.view import LensCamera
 
 _TOLERANCE = 1e-6  # of barycentric coordinates, which tools may have written in single precision
+_FAR = 1.0  # sizes of the bounds: a bent mesh may stand out of its bounds at rest
 
 
 def focus_mode(prim: Usd.Prim) -> Iterator[Fault]:
@@ -34,8 +35,11 @@ def targets(prim: Usd.Prim) -> Iterator[Fault]:
         try:
             paths = view.read().target
         except SchemaError as problem:
-            yield Fault(prim.GetPath().AppendProperty(f"focusPoint:{view.name}:target"), str(problem))
+            at_fault = next((one for one in view.relationships() if not _has_targets(one)), relationship)
+            yield Fault(at_fault.GetPath(), str(problem))
             continue
+        if view.read().part:
+            continue  # the place of the point depends on that alone
         if len(paths) not in (1, 2):
             yield Fault(
                 relationship.GetPath(),
@@ -57,12 +61,54 @@ def targets(prim: Usd.Prim) -> Iterator[Fault]:
                 )
 
 
+def _has_targets(relationship: Usd.Relationship) -> bool:
+    """Whether a relationship can be read, and is not authored as an attribute."""
+    try:
+        relationship.GetTargets()
+    except Tf.ErrorException:
+        return False
+    return True
+
+
+def parts(prim: Usd.Prim) -> Iterator[Fault]:
+    """The part whose bounds a focus point follows is one prim that is there."""
+    for view in LensCamera(prim).focus_points():
+        try:
+            part = view.read().part
+        except SchemaError:
+            continue  # which the rule of targets says
+        path, paths = view.part_relationship().GetPath(), view.part_relationship().GetTargets()
+        found = prim.GetStage().GetPrimAtPath(part) if part else None
+        if len(paths) > 1:
+            yield Fault(path, f"focus point {view.name} follows the bounds of one part, got {len(paths)}")
+        elif part and not found:
+            yield Fault(path, f"focus point {view.name} follows the bounds of {part}, which is not there")
+
+
+def places_in_bounds(prim: Usd.Prim) -> Iterator[Fault]:
+    """A focus point that follows bounds lies in them, or not far away."""
+    for view in LensCamera(prim).focus_points():
+        relationship = view.part_relationship()
+        if not _has_targets(relationship) or not relationship.GetTargets():
+            continue
+        attribute = prim.GetAttribute(f"focusPoint:{view.name}:boundsPoint")
+        for where, place in authored_values(attribute):
+            if not all(-_FAR <= ratio <= 1 + _FAR for ratio in place):
+                yield Fault(
+                    attribute.GetPath(),
+                    f"the place of focus point {view.name}{where} in the bounds that it follows is expected from 0 to 1, "
+                    f"or at most {_FAR:g} outside, got {place}",
+                )
+
+
 def anchors(prim: Usd.Prim) -> Iterator[Fault]:
     """Face, triangle and instance of each focus point exist on its target."""
     for view in LensCamera(prim).focus_points():
         try:
             point = view.read(_first_time(view))
         except SchemaError:
+            continue
+        if point.part:
             continue
         yield from _instance_fault(view, point)
         mesh = _mesh(prim.GetStage(), point)
@@ -173,6 +219,8 @@ def _normalise(stage: Usd.Stage, path: Sdf.Path) -> None:
 FOCUS_RULES = (
     Rule("FocusMode", focus_mode.__doc__ or "", "warning", "camera", focus_mode),
     Rule("FocusPointTargets", targets.__doc__ or "", "error", "camera", targets),
+    Rule("FocusPointParts", parts.__doc__ or "", "error", "camera", parts),
+    Rule("FocusPointPlaces", places_in_bounds.__doc__ or "", "warning", "camera", places_in_bounds),
     Rule("FocusPointAnchors", anchors.__doc__ or "", "error", "camera", anchors),
     Rule("FocusPointTopology", topology.__doc__ or "", "warning", "camera", topology),
     Rule(

@@ -1,4 +1,5 @@
-"""World positions of focus points: a point sticks to its face as the face moves, deforms or is instanced."""
+"""World positions of focus points: a point sticks to its face as the face moves, deforms or is instanced, or to its place in
+the bounds of a part."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ from pxr import Sdf, Usd, UsdGeom
 from render.errors import InputError, NotFoundError, StageError
 from render.model.arrays import DoubleArray
 from render.stage.anchors.anchor_surfaces import AnchorSurface
+from render.stage.anchors.part_bounds import Box, Boxes, PartBounds
 from render.stage.assembly.inventory import InstancerLink
 from render.stage.assembly.poses import InstanceReader, pose_of_instance, world_pose
 from render.stage.findings import FindingLog
@@ -29,14 +31,15 @@ def anchor_position(stage: Usd.Stage, focus_point: FocusPoint, time: float) -> D
     Args:
         stage: the stage.
         focus_point: its target is one path (a mesh, an implicit prim, or any xformable prim, whose origin is meant), or two (a
-            point instancer and the prototype's mesh, whose number is ``instance``).
+            point instancer and the prototype's mesh, whose number is ``instance``). One with a part follows the part's bounds
+            instead.
         time: USD time code.
 
     Returns:
         ``(3,)`` float64 metres in the world, Y-up.
 
     Raises:
-        NotFoundError: the target, its face or its instance does not exist at this time.
+        NotFoundError: the target, its face or its instance does not exist at this time; or the part does not, or has no bounds.
         StageError: a transform is not finite.
     """
     return AnchorReader(stage).position(focus_point, time)
@@ -72,6 +75,30 @@ class AnchorReader:
         with read_quietly(self._stage):
             moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log), time)
             return moment.world(focus_point, moment.local(focus_point))
+
+    def place_in_bounds(self, focus_point: FocusPoint, position_m: DoubleArray, time: float) -> DoubleArray:
+        """Place in the bounds of a focus point's part at which it has a position.
+
+        Args:
+            focus_point: follows a part; its own place in the bounds does not matter, its offset does.
+            position_m: ``(3,)`` metres in the world.
+            time: USD time code.
+
+        Returns:
+            ``(3,)`` as ``boundsPoint``; 0.5 along an axis along which the bounds have no size.
+
+        Raises:
+            NotFoundError: the part or its instance does not exist at this time, or it has no bounds.
+            StageError: a transform is not finite, or flattens space.
+        """
+        with read_quietly(self._stage):
+            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log), time)
+            least, most = moment.bounds(focus_point)
+            local = moment.local_of_world(focus_point, position_m)
+        size = most - least
+        has_size = size > _FLAT * size.max()
+        along = local - np.array(focus_point.offset, np.float64) - least
+        return np.where(has_size, along / np.where(has_size, size, 1.0), 0.5)
 
     def positions(self, focus_points: Sequence[FocusPoint], times: Sequence[float]) -> DoubleArray:
         """Where focus points that say the same at all times are over some times.
@@ -121,6 +148,10 @@ class AnchorReader:
         return positions_m, problems
 
 
+_FLAT = 1e-9
+"""Bounds whose size along an axis is within this share of their largest have no size along it."""
+
+
 class _Sources:
     """Sources shared by all times of one request."""
 
@@ -129,14 +160,18 @@ class _Sources:
         self.world = world_from_stage(stage)
         self.still_poses: dict[Hashable, DoubleArray] = {}
         self._surfaces: dict[str, AnchorSurface] = {}
+        self._boxes = Boxes(skeletons, log)
+        self._bounds: dict[str, PartBounds] = {}
         self._chains: dict[tuple[str, str], list[tuple[InstancerLink, ...]]] = {}
 
     def prim(self, focus_point: FocusPoint) -> Usd.Prim:
-        """Prim that a focus point is attached to.
+        """Prim that a focus point is attached to: its part, or else its target.
 
         Raises:
-            NotFoundError: the target is not a prim with a place in the world.
+            NotFoundError: the target is not a prim with a place in the world, or the part does not exist.
         """
+        if focus_point.part:
+            return self._part(focus_point)
         path = focus_point.target[-1] if focus_point.target else ""
         prim = self.stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
         if not prim or not prim.IsActive() or not UsdGeom.Xformable(prim):
@@ -147,6 +182,25 @@ class _Sources:
                 path=path or None,
             )
         return prim
+
+    def _part(self, focus_point: FocusPoint) -> Usd.Prim:
+        path = focus_point.part
+        prim = self.stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+        if prim and prim.IsActive():
+            return prim
+        why = "is deactivated" if prim else "is not there"
+        raise NotFoundError(
+            f"focus point {focus_point.name} follows the bounds of {path}, which {why}",
+            code="anchor_not_found",
+            path=path,
+        )
+
+    def bounds(self, prim: Usd.Prim) -> PartBounds:
+        """The prim's bounds."""
+        path = str(prim.GetPath())
+        if path not in self._bounds:
+            self._bounds[path] = PartBounds(prim, self._boxes)
+        return self._bounds[path]
 
     def surface(self, prim: Usd.Prim) -> AnchorSurface:
         """The prim's surface."""
@@ -173,14 +227,20 @@ class _AnchorContext:
         self._transforms = UsdGeom.XformCache(self._time)
         self._instances = InstanceReader(self._time, FindingLog())
         self._poses: dict[Hashable, DoubleArray] = {}
+        self._bounds: dict[str, Box | None] = {}
 
     def local(self, focus_point: FocusPoint) -> DoubleArray:
-        """``(3,)`` the place in the target's own space and units: on its triangle, or its origin where no face is named.
+        """``(3,)`` the place in the target's own space and units: on its triangle, or its origin where no face is named. Of a
+        point with a part, the place in the part's bounds, in the part's own space.
 
         Raises:
-            NotFoundError: the target or its triangle does not exist.
+            NotFoundError: the target or its triangle does not exist, or the part or its bounds.
             StageError: the target's polygons cannot be used.
         """
+        if focus_point.part:
+            least, most = self.bounds(focus_point)
+            inside = least + np.array(focus_point.bounds_point, np.float64) * (most - least)
+            return np.asarray(inside + np.array(focus_point.offset, np.float64))
         prim = self._sources.prim(focus_point)
         surface = self._sources.surface(prim)
         try:
@@ -189,6 +249,41 @@ class _AnchorContext:
         except BadGeometry as problem:
             raise StageError(f"focus point {focus_point.name} is on {prim.GetPath()}, but {problem}") from problem
         return np.array(focus_point.barycentric, np.float64) @ corners + np.array(focus_point.offset, np.float64)
+
+    def bounds(self, focus_point: FocusPoint) -> Box:
+        """Least and greatest corner of the bounds of a focus point's part, in the part's own space and units.
+
+        Raises:
+            NotFoundError: the part does not exist, or has no bounds.
+        """
+        prim = self._sources.prim(focus_point)
+        path = str(prim.GetPath())
+        if path not in self._bounds:
+            self._bounds[path] = self._sources.bounds(prim).at(self._time, self._transforms)
+        bounds = self._bounds[path]
+        if bounds is None:
+            raise NotFoundError(
+                f"focus point {focus_point.name} follows the bounds of {path}, which has none at time "
+                f"{self._time.GetValue():g}: there is nothing to be seen of it",
+                code="anchor_not_found",
+                path=path,
+            )
+        return bounds
+
+    def local_of_world(self, focus_point: FocusPoint, position_m: DoubleArray) -> DoubleArray:
+        """``(3,)`` a place in the world, in metres, brought to the space and units of what a focus point is attached to.
+
+        Raises:
+            NotFoundError: the instance does not exist.
+            StageError: a transform is not finite, or flattens space.
+        """
+        pose = self._pose(focus_point)
+        try:
+            return np.asarray(np.linalg.solve(pose[:3, :3], position_m - pose[:3, 3]), np.float64)
+        except np.linalg.LinAlgError as problem:
+            path = self._sources.prim(focus_point).GetPath()
+            detail = f"focus point {focus_point.name} cannot follow the bounds of {path}, whose transform is flat"
+            raise StageError(f"{detail} at time {self._time.GetValue():g}") from problem
 
     def world(self, focus_point: FocusPoint, local: DoubleArray) -> DoubleArray:
         """``(3,)`` metres: a place in the target's own space, brought to the world.
@@ -201,16 +296,22 @@ class _AnchorContext:
         return np.asarray(pose[:3, :3] @ local + pose[:3, 3])
 
     def _pose(self, focus_point: FocusPoint) -> DoubleArray:
-        key = (focus_point.target, focus_point.instance)
+        key = (focus_point.target, focus_point.instance, focus_point.part)
         known = self._sources.still_poses.get(key, self._poses.get(key))
         if known is None:
             prim = self._sources.prim(focus_point)
-            if len(focus_point.target) > 1:
+            if self._is_instanced(focus_point, prim):
                 known = self._poses[key] = self._instance_pose(focus_point, prim)
             else:
                 known = world_pose(prim, self._transforms, self._sources.world)
                 (self._poses if _moves(prim) else self._sources.still_poses)[key] = known
         return known
+
+    def _is_instanced(self, focus_point: FocusPoint, prim: Usd.Prim) -> bool:
+        """Whether a prim is an instancer's: as the target of two paths is, but only such parts as are below its prototypes."""
+        if len(focus_point.target) < 2:
+            return False
+        return not focus_point.part or bool(self._sources.chains(focus_point.target[0], prim))
 
     def _instance_pose(self, focus_point: FocusPoint, prim: Usd.Prim) -> DoubleArray:
         for chain in self._sources.chains(focus_point.target[0], prim):

@@ -134,15 +134,16 @@ def test_a_light_that_cannot_be_read_is_off_and_the_others_shine(
     assert _drawn(stage)[1]["/bad"].startswith("light /bad is off: ")
 
 
-def test_a_focus_point_whose_target_is_an_attribute_is_named() -> None:
+@pytest.mark.parametrize("name", ["target", "part"])
+def test_a_focus_point_whose_target_is_an_attribute_is_named(name: str) -> None:
     stage = new_stage()
     prim = UsdGeom.Camera.Define(stage, "/cam").GetPrim()
     prim.AddAppliedSchema("FocusAPI")
     prim.AddAppliedSchema("FocusPointAPI:p")
-    _override(prim, "focusPoint:p:target", T.String, "x")
-    with pytest.raises(SchemaError, match=r"/cam\.focusPoint:p:target must be a relationship"):
+    _override(prim, f"focusPoint:p:{name}", T.String, "x")
+    with pytest.raises(SchemaError, match=rf"/cam\.focusPoint:p:{name} must be a relationship"):
         LensCamera(prim).focus_point("p").read()
-    assert [p.path for p in validate(stage) if "must be a relationship" in p.message] == ["/cam.focusPoint:p:target"]
+    assert [p.path for p in validate(stage) if "must be a relationship" in p.message] == [f"/cam.focusPoint:p:{name}"]
 
 
 def _tower(stage: Usd.Stage, levels: int, width: int) -> None:

@@ -273,7 +273,7 @@ function keyedBetween(own: readonly Key[], edge: number, time: number): boolean 
 /** Names of the values of points, which no point may have. */
 const RESERVED = [
   ...["target", "face", "fanTriangle", "barycentric", "instance", "topology", "offset", "kind", "blur", "weight"],
-  ...["falloff", "enabled", "surfaceOffset", "extent"],
+  ...["falloff", "enabled", "surfaceOffset", "extent", "part", "boundsPoint"],
 ];
 /** Longest stem of a name: with its number it is within what the service takes. */
 const MOST_LETTERS = 90;

@@ -2271,6 +2271,11 @@ export interface components {
          *                 0.5
          *               ],
          *               "blurMm": 0,
+         *               "boundsPoint": [
+         *                 0.5,
+         *                 0.5,
+         *                 0.5
+         *               ],
          *               "cocMm": 0,
          *               "depthM": 3.42,
          *               "enabled": true,
@@ -2297,6 +2302,7 @@ export interface components {
          *                 0,
          *                 0
          *               ],
+         *               "part": "",
          *               "positionM": [
          *                 0.4,
          *                 1.6,
@@ -3935,6 +3941,11 @@ export interface components {
          *         0.5
          *       ],
          *       "blurMm": 0,
+         *       "boundsPoint": [
+         *         0.5,
+         *         0.5,
+         *         0.5
+         *       ],
          *       "cocMm": 0,
          *       "depthM": 3.42,
          *       "enabled": true,
@@ -3961,6 +3972,7 @@ export interface components {
          *         0,
          *         0
          *       ],
+         *       "part": "",
          *       "positionM": [
          *         0.4,
          *         1.6,
@@ -3997,6 +4009,15 @@ export interface components {
              * @description Wanted diameter of the circle of confusion at the target: for a soft point what it shall have, for a sharp point what it may have at most where the points also set the stop.
              */
             readonly blurMm: number;
+            /**
+             * Boundspoint
+             * @description Where the point is in the bounds of its `part`, along each axis of the part's own space: 0 is their least corner, 1 their greatest, 0.5 their middle. Numbers outside 0 to 1 lie outside the bounds.
+             */
+            readonly boundsPoint: readonly [
+                number,
+                number,
+                number
+            ];
             /**
              * Cocmm
              * @description Diameter of its circle of confusion on the film; null behind the camera.
@@ -4064,13 +4085,18 @@ export interface components {
             readonly name: string;
             /**
              * Offset
-             * @description Moves the point off the surface, in the target's own space. In scene units.
+             * @description Moves the point off the surface, in the target's own space, or off its place in the bounds, in the part's. In scene units.
              */
             readonly offset: readonly [
                 number,
                 number,
                 number
             ];
+            /**
+             * Part
+             * @description Prim whose bounds the point follows, at `boundsPoint`, in place of its target's surface: a mesh, a group, a whole character. Empty: the point stays on its target. The bounds hold what is visible of the prim, of the purposes default and render, in the prim's own space at the time.
+             */
+            readonly part: string;
             /**
              * Positionm
              * @description In the world: metres, +Y up; null without a place.
@@ -4170,6 +4196,20 @@ export interface components {
              */
             readonly blurMm?: number;
             /**
+             * Boundspoint
+             * @description Where the point is in the bounds of its `part`, along each axis of the part's own space: 0 is their least corner, 1 their greatest, 0.5 their middle. Numbers outside 0 to 1 lie outside the bounds.
+             * @default [
+             *       0.5,
+             *       0.5,
+             *       0.5
+             *     ]
+             */
+            readonly boundsPoint?: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
              * Enabled
              * @description Whether the point counts at all. Keys hold their value until the next.
              * @default true
@@ -4219,7 +4259,7 @@ export interface components {
             readonly name?: string | null;
             /**
              * Offset
-             * @description Moves the point off the surface, in the target's own space. In scene units.
+             * @description Moves the point off the surface, in the target's own space, or off its place in the bounds, in the part's. In scene units.
              * @default [
              *       0,
              *       0,
@@ -4231,6 +4271,12 @@ export interface components {
                 number,
                 number
             ];
+            /**
+             * Part
+             * @description Prim whose bounds the point follows, at `boundsPoint`, in place of its target's surface: a mesh, a group, a whole character. Empty: the point stays on its target. The bounds hold what is visible of the prim, of the purposes default and render, in the prim's own space at the time.
+             * @default
+             */
+            readonly part?: string;
             /**
              * Surfaceoffset
              * @description For a soft point with no `blur`: how far behind the target along the view axis the focal surface lies there; negative lies before it. In scene units.
@@ -4273,6 +4319,15 @@ export interface components {
              */
             readonly blurMm?: number | null;
             /**
+             * Boundspoint
+             * @description Where the point is in the bounds of its `part`, along each axis of the part's own space: 0 is their least corner, 1 their greatest, 0.5 their middle. Numbers outside 0 to 1 lie outside the bounds.
+             */
+            readonly boundsPoint?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
              * Enabled
              * @description Whether the point counts at all. Keys hold their value until the next.
              */
@@ -4309,13 +4364,18 @@ export interface components {
             readonly kind?: ("sharp" | "soft") | null;
             /**
              * Offset
-             * @description Moves the point off the surface, in the target's own space. In scene units.
+             * @description Moves the point off the surface, in the target's own space, or off its place in the bounds, in the part's. In scene units.
              */
             readonly offset?: readonly [
                 number,
                 number,
                 number
             ] | null;
+            /**
+             * Part
+             * @description Prim whose bounds the point follows, at `boundsPoint`, in place of its target's surface: a mesh, a group, a whole character. Empty: the point stays on its target. The bounds hold what is visible of the prim, of the purposes default and render, in the prim's own space at the time.
+             */
+            readonly part?: string | null;
             /**
              * Surfaceoffset
              * @description For a soft point with no `blur`: how far behind the target along the view axis the focal surface lies there; negative lies before it. In scene units.
@@ -4345,6 +4405,11 @@ export interface components {
          *             0.5
          *           ],
          *           "blurMm": 0,
+         *           "boundsPoint": [
+         *             0.5,
+         *             0.5,
+         *             0.5
+         *           ],
          *           "cocMm": 0,
          *           "depthM": 3.42,
          *           "enabled": true,
@@ -4371,6 +4436,7 @@ export interface components {
          *             0,
          *             0
          *           ],
+         *           "part": "",
          *           "positionM": [
          *             0.4,
          *             1.6,

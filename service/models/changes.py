@@ -11,7 +11,17 @@ from typing import Annotated, Literal, Self
 
 from pydantic import FailFast, Field, model_validator
 
-from service.models.base import MAX_POINT_NAME, FileContent, FileName, Model, PointName, Ratio, TimeCode, shown_as
+from service.models.base import (
+    MAX_POINT_NAME,
+    FileContent,
+    FileName,
+    Model,
+    PointName,
+    PrimPath,
+    Ratio,
+    TimeCode,
+    shown_as,
+)
 from service.models.cameras import CameraEdit
 from service.models.curve import MAX_CURVE_FRAMES
 from service.models.exposure import ExposureKeyed, ExposureSettingsEdit
@@ -51,7 +61,11 @@ class AddPoint(Model):
 
 
 class MovePoint(Model):
-    """Move a focus point to an anchor, or to the surface that is seen at a place of the picture."""
+    """Move a focus point to an anchor, or to the surface that is seen at a place of the picture.
+
+    A point that follows the bounds of a part goes on to follow them where the new target is at or below the part, and follows the
+    new surface elsewhere.
+    """
 
     model_config = shown_as({"type": "movePoint", "name": "pip", "place": [0.43, 0.55], "time": 24})
 
@@ -70,6 +84,22 @@ class MovePoint(Model):
         if (self.anchor is None) == (self.place is None):
             raise ValueError("a focus point moves to an anchor or to a place, expected one of the two")
         return self
+
+
+class FollowPart(Model):
+    """Let a focus point follow the bounds of a part, such as a whole character, in place of its surface.
+
+    The point stays where it is at the time: `boundsPoint` becomes its place in the bounds there.
+    """
+
+    model_config = shown_as({"type": "followPart", "name": "visor", "part": "/World/Cast/Mara", "time": 24})
+
+    type: Literal["followPart"] = "followPart"
+    name: PointNameInShot = Field(description=_POINT)
+    part: PrimPath | None = Field(
+        description="Prim path: usually of a prim above the point's target. null: back to the place on the target's surface."
+    )
+    time: TimeCode = Field(description="USD time code at which the point stays where it is.")
 
 
 class AlterPoint(Model):
@@ -318,6 +348,7 @@ class MountLensFile(Model):
 Change = Annotated[
     AddPoint
     | MovePoint
+    | FollowPart
     | AlterPoint
     | RenamePoint
     | RemovePoint

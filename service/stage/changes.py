@@ -23,6 +23,7 @@ from service.models.changes import (
     AlterPoint,
     Change,
     CreateCamera,
+    FollowPart,
     ImportCurve,
     KeyExposure,
     KeyPoint,
@@ -170,7 +171,13 @@ def _move_point(change: MovePoint, camera: EditedCamera) -> Outcome:
     if change.anchor is None:
         raise SettingsError(f"focus point {change.name!r} moves to a place that has no anchor yet", path=change.name)
     fields = point_fields(FocusPointEdit(**change.anchor.model_dump()))
-    camera.shot.focus.update_point(camera.path, change.name, time=change.time, **fields)
+    camera.shot.focus.move_point(camera.path, change.name, change.time, **fields)
+    return None
+
+
+@apply_change.register
+def _follow_part(change: FollowPart, camera: EditedCamera) -> Outcome:
+    camera.shot.focus.follow_part(camera.path, change.name, change.part, change.time)
     return None
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from pxr import Usd
+import numpy as np
+from pxr import Sdf, Usd
 
 from render.errors import NotFoundError, SettingsError
 from render.focus import FocusCurve
@@ -26,11 +27,15 @@ from render.stage import AnchorReader
 from usd_schemas import FocusData, FocusPoint, FocusPointView, Interpolation, Key, Tangents, TiltShiftData
 from usd_schemas.curves import EXACT
 from usd_schemas.racks import WeightRack
+from usd_schemas.settings.focus_point import MOST_BOUNDS_SIZES
 from usd_schemas.settings.tables import FOCUS_SETTINGS
 from usd_schemas.topology import topology_under
 
 if TYPE_CHECKING:  # pictures do without readers of curves
     from render.focus.files import ReadCurve
+
+_SAME_PLACE_M = 1e-3
+"""Farthest that a point may be off as it begins to follow a part: only bounds without depth take it off at all."""
 
 FOCUS_POINTS = "focusPoint:"
 """Prefix of the names of all properties of focus points."""
@@ -174,7 +179,9 @@ class ShotFocus:
         unknown = set(changes) - (set(FocusPoint.__dataclass_fields__) - {"name"})
         if unknown:
             raise SettingsError(f"focus points have no {', '.join(sorted(unknown))} to change", code="bad_field")
-        keyed = {field for field in changes if time is not None and field != "target" and view.keys(field)}
+        keyed = {
+            field for field in changes if time is not None and field not in ("target", "part") and view.keys(field)
+        }
         with self._edits.transaction(f"set {', '.join(changes)} of focus point {name}"):
             if keyed:
                 view.author(replace(view.read(time), **{field: changes[field] for field in keyed}), time)
@@ -182,6 +189,78 @@ class ShotFocus:
             if changes.keys() & {"target", "face", "fan_triangle"} and "topology" not in changes:
                 _record_topology(view, time)
         return view.read(time)
+
+    def follow_part(self, camera_path: str | None, name: str, part: str | None, time: float) -> FocusPoint:
+        """Let a focus point follow the bounds of a part, from where it is at a time, or its target's surface again.
+
+        Args:
+            camera_path: of a camera.
+            name: of the focus point.
+            part: path of a prim whose bounds are followed, usually one above the target, such as a whole character. None goes
+                back to the place on the target.
+            time: USD time code at which the point stays where it is.
+
+        Returns:
+            The point as it is afterwards, at the time.
+
+        Raises:
+            NotFoundError: the camera has no such point; or the point has no place at the time, or the part is not there or has no
+                bounds then.
+            SettingsError: the part's path is no absolute prim path, or the point is out of reach of the part's bounds.
+        """
+        point = self._cameras.editable_point(camera_path, name).read(check_time(time))
+        fields: dict[str, Any] = {"part": part or ""}
+        if part:
+            fields["bounds_point"] = self._place_in_bounds(point, part, time)
+        with self._edits.transaction(f"let focus point {name} follow {part or 'its surface'}"):
+            return self.update_point(camera_path, name, time=time, **fields)
+
+    def move_point(self, camera_path: str | None, name: str, time: float, **anchor: Any) -> FocusPoint:
+        """Move a focus point to another place on a surface.
+
+        A point that follows the bounds of a part goes on to follow them where the new target is at or below the part; elsewhere
+        it follows the new surface.
+
+        Args:
+            camera_path: of a camera.
+            name: of the focus point.
+            time: USD time code of the move.
+            anchor: target, face, triangle, barycentric coordinates and instance, by the names of `FocusPoint`'s fields.
+
+        Returns:
+            The point as it is afterwards, at the time.
+
+        Raises:
+            NotFoundError: the camera has no such point, or the part that is followed has no bounds at the time.
+            SettingsError: a value is not allowed.
+        """
+        part = self._cameras.editable_point(camera_path, name).read().part
+        if not part:
+            return self.update_point(camera_path, name, time=time, **anchor)
+        with self._edits.transaction(f"move focus point {name}"):
+            moved = self.update_point(camera_path, name, time=time, part="", **anchor)
+            stays = any(Sdf.Path(path).HasPrefix(Sdf.Path(part)) for path in moved.target)
+            return self.follow_part(camera_path, name, part, time) if stays else moved
+
+    def _place_in_bounds(self, point: FocusPoint, part: str, time: float) -> tuple[float, float, float]:
+        """Place in a part's bounds at which a focus point is where it already is."""
+        if not (Sdf.Path.IsValidPathString(part) and Sdf.Path(part).IsPrimPath() and Sdf.Path(part).IsAbsolutePath()):
+            raise SettingsError(
+                f"focus point {point.name} can follow the bounds of a prim, by its absolute path, got {part!r}",
+                code="bad_part",
+                path=part,
+            )
+        followed, position_m = replace(point, part=part), self._anchors.position(point, time)
+        x, y, z = self._anchors.place_in_bounds(followed, position_m, time).tolist()
+        followed = replace(followed, bounds_point=(x, y, z))
+        off_m = np.linalg.norm(self._anchors.position(followed, time) - position_m)
+        if not (max(map(abs, (x, y, z))) <= MOST_BOUNDS_SIZES and off_m < _SAME_PLACE_M):
+            raise SettingsError(
+                f"focus point {point.name} is out of reach of the bounds of {part}: follow a part that it is on",
+                code="bad_part",
+                path=part,
+            )
+        return x, y, z
 
     def rename_point(self, camera_path: str | None, name: str, new_name: str) -> None:
         """Rename a focus point, which keeps its values and keys.

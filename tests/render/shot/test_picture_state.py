@@ -14,6 +14,7 @@ from render.model.content import digest_of
 from render.shot import Shot
 from render.shot.picture_state import picture_states
 from tests.render.kits.focus_shot import CAMERA, FAR, FRAMES, NEAR, write_shot
+from usd_schemas import FocusPoint
 
 TIMES = [float(frame) for frame in FRAMES]
 
@@ -80,6 +81,17 @@ def test_a_point_changes_nothing_where_the_focus_is_set_by_hand(shot: Shot) -> N
         prim.CreateRelationship("focusPoint:hero:target").SetTargets([NEAR])
 
     assert changed(shot, add) == []
+
+
+def test_a_point_that_follows_a_part_changes_what_it_focuses(shot: Shot) -> None:
+    point = {"target": (FAR,), "face": 0, "barycentric": (0.5, 0.0, 0.5)}
+    shot.focus.add_point(CAMERA, "far", FocusPoint("far", **point))
+
+    def follow() -> None:
+        shot.focus.update_point(CAMERA, "far", part="/World", bounds_point=(0.5, 0.5, 0.0))
+
+    assert changed(shot, follow) == [], "the least depth of both cards is that of the far one"
+    assert changed(shot, lambda: shot.focus.update_point(CAMERA, "far", bounds_point=(0.5, 0.5, 0.5))) == [*FRAMES]
 
 
 def test_what_a_meter_exposes_depends_on_all_edits(shot: Shot) -> None:

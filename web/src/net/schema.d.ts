@@ -2019,7 +2019,7 @@ export interface components {
              */
             readonly camera?: string | null;
             /** Changes */
-            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["FollowPart"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
             /**
              * Gesture
              * @description Names one drag of a hand: its edits, one after the other, are one step of undo.
@@ -4756,6 +4756,40 @@ export interface components {
             readonly time?: number | null;
         };
         /**
+         * FollowPart
+         * @description Let a focus point follow the bounds of a part, such as a whole character, in place of its surface.
+         *
+         *     The point stays where it is at the time: `boundsPoint` becomes its place in the bounds there.
+         * @example {
+         *       "name": "visor",
+         *       "part": "/World/Cast/Mara",
+         *       "time": 24,
+         *       "type": "followPart"
+         *     }
+         */
+        readonly FollowPart: {
+            /**
+             * Name
+             * @description Name of the focus point.
+             */
+            readonly name: string;
+            /**
+             * Part
+             * @description Prim path: usually of a prim above the point's target. null: back to the place on the target's surface.
+             */
+            readonly part: string | null;
+            /**
+             * Time
+             * @description USD time code at which the point stays where it is.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "followPart";
+        };
+        /**
          * FrameRange
          * @description Frame range of a shot, in USD time codes; `start` and `end` are both in it.
          */
@@ -5863,7 +5897,7 @@ export interface components {
              * @description Changes that are tried in these pictures and not kept: those that an edit takes.
              * @default []
              */
-            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["FollowPart"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
             /**
              * Connections
              * @description Carries small bright things to the pixels of their blurred images, which leaves less noise.
@@ -6453,6 +6487,9 @@ export interface components {
         /**
          * MovePoint
          * @description Move a focus point to an anchor, or to the surface that is seen at a place of the picture.
+         *
+         *     A point that follows the bounds of a part goes on to follow them where the new target is at or below the part, and follows the
+         *     new surface elsewhere.
          * @example {
          *       "name": "pip",
          *       "place": [

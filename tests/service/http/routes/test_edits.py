@@ -110,10 +110,64 @@ def test_a_point_is_renamed_with_its_keys_and_undone(client, shot):
     assert {point["name"] for point in undone} == {"near", "far"}
 
 
+def near_point(client, shot: str) -> dict[str, Any]:
+    return client.get(f"{shot}/focus-points/near", params={"time": 3}).json()
+
+
+def test_a_point_follows_a_part_from_where_it_is_and_is_undone(client, shot):
+    edited(client, shot, *TWO_POINTS)
+    before = near_point(client, shot)
+    assert (before["part"], before["boundsPoint"]) == ("", [0.5, 0.5, 0.5])
+    follow = {"type": "followPart", "name": "near", "part": "/World", "time": 3}
+    changed = {one["resource"]: one["etag"] for one in edited(client, shot, follow)["changed"]}
+    subject = near_point(client, shot)
+    assert subject["part"] == "/World"
+    assert subject["boundsPoint"] == pytest.approx([0.7 / 4, 1.38 / 3, 1], abs=1e-6)
+    for name in ("positionM", "screen"):
+        assert subject[name] == pytest.approx(before[name], abs=1e-6)
+    assert (subject["target"], subject["face"], subject["barycentric"]) == (NEAR["target"], 0, NEAR["barycentric"])
+    assert changed == {"focus-points": changed["focus-points"], "focus-points/near": subject["etag"]}
+    seen = {"If-Match": before["etag"]}
+    assert edit(client, shot, follow | {"part": None}, headers=seen).status_code == 412
+    edited(client, shot, follow | {"part": None})
+    back = near_point(client, shot)
+    kept = {"etag": "", "boundsPoint": [], "share": 0}
+    assert back | kept == before | kept
+    client.post(f"{shot}/edits/undo")
+    assert near_point(client, shot)["part"] == "/World"
+    client.post(f"{shot}/edits/undo")
+    assert near_point(client, shot) == before
+
+
+def test_a_point_is_added_with_a_part_and_reads_as_plain_usd(client, shot):
+    subject = {"part": "/World/far", "boundsPoint": [0.5, 1.0, 0.5]}
+    edited(client, shot, {"type": "addPoint", "point": NEAR | subject | {"name": "near"}})
+    point = near_point(client, shot)
+    assert point["positionM"] == pytest.approx([1.5, 1.5, -8])
+    text = layer(client, shot)
+    assert "rel focusPoint:near:part = </World/far>" in text
+    assert "double3 focusPoint:near:boundsPoint = (0.5, 1, 0.5)" in text
+    gone = {"type": "alterPoint", "name": "near", "values": {"part": "/World/gone"}, "time": 3}
+    edited(client, shot, gone)
+    point = near_point(client, shot)
+    assert point["positionM"] is None
+    assert point["problem"] == "focus point near follows the bounds of /World/gone, which is not there"
+    edited(client, shot, gone | {"values": {"part": ""}})
+    assert near_point(client, shot)["positionM"][2] == pytest.approx(-3)
+
+
 @pytest.mark.parametrize(
     ("change", "status", "code"),
     [
         ({"type": "removePoint", "name": "nobody"}, 404, "not_found"),
+        ({"type": "followPart", "name": "nobody", "part": "/World", "time": 3}, 404, "not_found"),
+        ({"type": "followPart", "name": "near", "part": "/World/gone", "time": 3}, 404, "anchor_not_found"),
+        ({"type": "followPart", "name": "near", "part": "/World/cam", "time": 3}, 404, "anchor_not_found"),
+        ({"type": "followPart", "name": "near", "part": "/World/far", "time": 3}, 422, "bad_part"),
+        ({"type": "followPart", "name": "near", "part": "/World/near.points", "time": 3}, 422, "bad_part"),
+        ({"type": "followPart", "name": "near", "part": "near", "time": 3}, 422, "invalid_request"),
+        ({"type": "alterPoint", "name": "near", "values": {"part": "near"}, "time": 3}, 422, None),
+        ({"type": "alterPoint", "name": "near", "values": {"boundsPoint": [0, 0, 2000]}, "time": 3}, 422, None),
         ({"type": "renamePoint", "name": "nobody", "newName": "somebody"}, 404, "not_found"),
         ({"type": "renamePoint", "name": "near", "newName": "far"}, 422, "name_taken"),
         ({"type": "renamePoint", "name": "near", "newName": "a b"}, 422, "invalid_request"),

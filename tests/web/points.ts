@@ -11,6 +11,7 @@ export function point(name: string, keys: Keys = {}, settings: Partial<FocusPoin
   return {
     name,
     anchor: { target: [`/World/${name}`], face: 0, fanTriangle: 0, barycentric: [1, 0, 0], instance: -1 },
+    part: "",
     settings: {
       enabled: true,
       weight: 1,

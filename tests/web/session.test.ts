@@ -275,3 +275,14 @@ describe("a name", () => {
     expect(session.selected.value).toBe("near_2");
   });
 });
+
+describe("a subject", () => {
+  it("follows a part from now on, or its surface again, in one edit", async () => {
+    const { fake, session } = await opened();
+    session.playhead.goTo(40);
+    await session.pointEdits.follow(point("far"), "/World");
+    await session.pointEdits.follow({ ...point("far"), part: "/World" }, "");
+    const change = { type: "followPart", name: "far", time: 40 };
+    expect(fake.made).toEqual([[{ ...change, part: "/World" }], [{ ...change, part: null }]]);
+  });
+});

@@ -3,7 +3,7 @@
 import type { ReadonlySignal, Signal } from "@preact/signals";
 import { setAttribute, setKind } from "../model/changes";
 import { freshName } from "../model/pull";
-import type { Ease, FocusPoint, PointSettings } from "../model/shot";
+import { primName, type Ease, type FocusPoint, type PointSettings } from "../model/shot";
 import type { ShotDocument } from "./document";
 
 export class PointEdits {
@@ -25,6 +25,13 @@ export class PointEdits {
     const isMade = await this.#document.edit(`Rename a point to ${newName}`, [change]);
     if (isMade && this.#selected.value === point.name) this.#selected.value = newName;
     return isMade;
+  }
+
+  /** Lets a point follow the bounds of a part from where it is now, or its surface again; resolves to whether it does. */
+  follow(point: FocusPoint, part: string): Promise<boolean> {
+    const label = part === "" ? `Put ${point.name} on its surface` : `Let ${point.name} follow ${primName(part)}`;
+    const change = { type: "followPart", name: point.name, part: part || null, time: this.#time.value } as const;
+    return this.#document.edit(label, [change]);
   }
 
   setKind(point: FocusPoint, kind: PointSettings["kind"]): void {

@@ -157,6 +157,8 @@ export interface PointSharpness {
 export interface FocusPoint {
   readonly name: string;
   readonly anchor: Anchor;
+  /** Path of a prim whose bounds it follows in place of its anchor, or empty. */
+  readonly part: string;
   readonly settings: PointSettings;
   /** By attribute; those that are not keyed are not there. */
   readonly keys: Readonly<Partial<Record<KeyedAttribute, readonly Key[]>>>;

@@ -128,6 +128,7 @@ export function toPoint(json: Json["FocusPoint"]): FocusPoint {
   return {
     name: json.name,
     anchor: toAnchor(json),
+    part: json.part,
     settings: { enabled, weight, kind, blurMm, falloff, offset, surfaceOffset, extent },
     keys: Object.fromEntries(KEYED_ATTRIBUTES.map((attribute) => [attribute, toKeys(json.keys[attribute])])),
     share: json.share,

@@ -5,7 +5,8 @@ import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { WEIGHTS } from "../../model/scale";
-import { inFrame, primName, type FocusPoint } from "../../model/shot";
+import { holderOf } from "../../model/parts";
+import { inFrame, type FocusPoint } from "../../model/shot";
 import { Edits } from "../controls/Edits";
 import { Field } from "../controls/Field";
 import { Icon } from "../icons";
@@ -59,7 +60,12 @@ function PointRow({ editor, session, point }: RowProps): JSX.Element {
           />
           <KeyButton session={session} point={point} attribute="enabled" />
         </Edits>
-        <button type="button" class="point-name" aria-pressed={selected} title={point.anchor.target.join(" ")}>
+        <button
+          type="button"
+          class="point-name"
+          aria-pressed={selected}
+          title={point.part || point.anchor.target.join(" ")}
+        >
           {name} <span class="muted">{where(point, editor.remembered.unit.value)}</span>
         </button>
         <Edits session={session}>
@@ -120,7 +126,9 @@ function Weight({ session, point }: { session: Session; point: FocusPoint }): JS
 }
 
 function where(point: FocusPoint, unit: LengthUnit): string {
-  if (point.depthM === null) return `not on ${primName(point.anchor.target[0] ?? "")} now`;
-  if (point.depthM <= 0) return "behind the camera";
-  return `${formatDistance(point.depthM, unit)}${inFrame(point) ? "" : ", out of frame"}`;
+  const holder = holderOf(point);
+  if (point.depthM === null) return `not on ${holder} now`;
+  const follows = point.part === "" ? "" : `follows ${holder}, `;
+  if (point.depthM <= 0) return `${follows}behind the camera`;
+  return `${follows}${formatDistance(point.depthM, unit)}${inFrame(point) ? "" : ", out of frame"}`;
 }

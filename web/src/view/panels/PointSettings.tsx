@@ -10,6 +10,7 @@ import { Field } from "../controls/Field";
 import { formatIn, quantityOf } from "../controls/quantity";
 import { KeyDiamond } from "../timeline/KeyDiamond";
 import { parseQuantity, trim } from "../numbers";
+import { FollowedPart } from "./FollowedPart";
 
 export function PointSettings({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
   const mode = session.document.readout.value?.focusMode;
@@ -36,6 +37,7 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
           }}
         />
       </label>
+      <FollowedPart session={session} point={point} />
       <div class="group" role="radiogroup" aria-label={`${point.name} is`}>
         {(["sharp", "soft"] as const).map((choice) => (
           <button

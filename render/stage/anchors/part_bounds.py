@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,6 @@ from render.stage.geometry.polygons import BadGeometry
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.surface import resting_points
 from render.stage.options import DRAWN_PURPOSES
-from render.stage.world import column_matrix
 
 Box = tuple[DoubleArray, DoubleArray]
 """Least and greatest corner, ``(3,)`` each."""
@@ -45,9 +44,12 @@ class Boxes:
 
     def may_change(self, shape: Usd.Prim) -> bool:
         """Whether a shape's box may change over time."""
-        if shape.IsA(UsdGeom.PointInstancer) or self._bends(shape):
+        if self._bends(shape):
             return True
-        return any(attribute.ValueMightBeTimeVarying() for attribute in shape.GetAttributes())
+        extent = UsdGeom.Boundable(shape).GetExtentAttr()
+        if extent.HasAuthoredValue():
+            return bool(extent.ValueMightBeTimeVarying())
+        return shape.IsA(UsdGeom.PointInstancer) or any(one.ValueMightBeTimeVarying() for one in shape.GetAttributes())
 
     def _bends(self, shape: Usd.Prim) -> bool:
         return bool(shape.IsA(UsdGeom.Mesh)) and self._skeletons.bends(shape)
@@ -71,19 +73,26 @@ class _Shape:
     Attributes:
         prim: the shape.
         hiders: prims from it up to the part, without that, whose visibility may change over time.
-        changes: whether its box in the part's space may change over time, or whether it counts.
+        changes: whether its box in its own space may change over time.
+        moves: whether it may move against the part.
     """
 
     prim: Usd.Prim
     hiders: tuple[Usd.Prim, ...]
     changes: bool
+    moves: bool
+
+    @property
+    def is_still(self) -> bool:
+        """Whether it adds the same to the bounds at all times."""
+        return not (self.hiders or self.changes or self.moves)
 
 
 class PartBounds:
     """Bounds of a prim in its own space: of all shapes at and below it, of the drawn purposes, that are visible if the prim is.
 
-    Shapes that neither move against the prim nor change are read once. Each shape counts with the box of its own space as it is
-    turned, and not as a part of another box, so that bounds never jump while shapes turn.
+    Boxes that do not change are read once, and shapes that do not move either are joined once. Each shape counts with the box of
+    its own space as it is turned, and not as a part of another box, so that bounds never jump while shapes turn.
 
     Args:
         prim: the part.
@@ -93,9 +102,10 @@ class PartBounds:
     def __init__(self, prim: Usd.Prim, boxes: Boxes) -> None:
         self._prim, self._boxes = prim, boxes
         shapes = [shape for found in _shapes(prim) if (shape := self._shape(found)) is not None]
-        self._still = [shape for shape in shapes if not shape.changes]
-        self._changing = [shape for shape in shapes if shape.changes]
+        self._still = [shape for shape in shapes if shape.is_still]
+        self._others = [shape for shape in shapes if not shape.is_still]
         self._still_box: Box | None = None
+        self._kept: dict[Usd.Prim, Box | None] = {}
 
     def at(self, time: Usd.TimeCode, transforms: UsdGeom.XformCache) -> Box | None:
         """Least and greatest corner at a time, in the prim's own space and units; None where there are no shapes.
@@ -106,41 +116,49 @@ class PartBounds:
         """
         if self._still_box is None:
             self._still_box = self._around(self._still, time, transforms)
-        least, most = _joined([self._still_box, self._around(self._changing, time, transforms)])
+        (least, most), (other_least, other_most) = self._still_box, self._around(self._others, time, transforms)
+        least, most = np.minimum(least, other_least), np.maximum(most, other_most)
         return (least, most) if (least <= most).all() else None
 
     def _around(self, shapes: list[_Shape], time: Usd.TimeCode, transforms: UsdGeom.XformCache) -> Box:
-        return _joined([box for shape in shapes if (box := self._box(shape, time, transforms)) is not None])
+        """Box around shapes, in the part's space."""
+        found = [(shape.prim, self._box(shape, time)) for shape in shapes if not _is_hidden(shape.hiders, time)]
+        boxed = [(prim, box) for prim, box in found if box is not None]
+        if not boxed:
+            return _NOTHING
+        corners = np.array([box for _, box in boxed])
+        matrices = np.array(
+            [_relative(prim, self._prim, transforms) for prim, _ in boxed], np.float64
+        )  # for row vectors
+        turns = matrices[:, :3, :3]
+        middles = np.einsum("ni,nij->nj", corners.mean(axis=1), turns) + matrices[:, 3, :3]
+        halves = np.einsum("ni,nij->nj", (corners[:, 1] - corners[:, 0]) / 2, np.abs(turns))
+        return (middles - halves).min(axis=0), (middles + halves).max(axis=0)
 
-    def _box(self, shape: _Shape, time: Usd.TimeCode, transforms: UsdGeom.XformCache) -> Box | None:
-        """A shape's box in the part's space."""
-        if any(_is_invisible(hider, time) for hider in shape.hiders):
-            return None
-        box = self._boxes.at(shape.prim, time)
-        if box is None:
-            return None
-        matrix = column_matrix(_relative(shape.prim, self._prim, transforms))
-        middle, half = (box[0] + box[1]) / 2, (box[1] - box[0]) / 2
-        middle, half = matrix[:3, :3] @ middle + matrix[:3, 3], np.abs(matrix[:3, :3]) @ half
-        return middle - half, middle + half
+    def _box(self, shape: _Shape, time: Usd.TimeCode) -> Box | None:
+        """A shape's box in its own space."""
+        if shape.changes:
+            return self._boxes.at(shape.prim, time)
+        if shape.prim not in self._kept:
+            self._kept[shape.prim] = self._boxes.at(shape.prim, time)
+        return self._kept[shape.prim]
 
     def _shape(self, prim: Usd.Prim) -> _Shape | None:
         """A shape; None where it is of a purpose that is not drawn, or always invisible."""
         if UsdGeom.Imageable(prim).ComputePurpose() not in DRAWN_PURPOSES:
             return None
         hiders: list[Usd.Prim] = []
-        changes = self._boxes.may_change(prim)
-        above = prim
+        above, moves = prim, False
         while above != self._prim:
             imageable, xformable = UsdGeom.Imageable(above), UsdGeom.Xformable(above)
             if imageable and imageable.GetVisibilityAttr().ValueMightBeTimeVarying():
                 hiders.append(above)
-            elif _is_invisible(above, Usd.TimeCode.Default()):
+            elif _is_hidden([above], Usd.TimeCode.Default()):
                 return None
-            moves = xformable and (xformable.TransformMightBeTimeVarying() or xformable.GetResetXformStack())
-            changes = changes or bool(moves)
+            if xformable and (xformable.TransformMightBeTimeVarying() or xformable.GetResetXformStack()):
+                moves = True
             above = above.GetParent()
-        return _Shape(prim, tuple(hiders), changes or bool(hiders))
+        return _Shape(prim, tuple(hiders), self._boxes.may_change(prim), moves)
 
 
 def _shapes(prim: Usd.Prim) -> Iterator[Usd.Prim]:
@@ -154,9 +172,10 @@ def _shapes(prim: Usd.Prim) -> Iterator[Usd.Prim]:
             yield found
 
 
-def _is_invisible(prim: Usd.Prim, time: Usd.TimeCode) -> bool:
-    imageable = UsdGeom.Imageable(prim)
-    return bool(imageable) and imageable.GetVisibilityAttr().Get(time) == UsdGeom.Tokens.invisible
+def _is_hidden(hiders: Iterable[Usd.Prim], time: Usd.TimeCode) -> bool:
+    """Whether any of some prims is made invisible at a time."""
+    imageables = [imageable for prim in hiders if (imageable := UsdGeom.Imageable(prim))]
+    return any(one.GetVisibilityAttr().Get(time) == UsdGeom.Tokens.invisible for one in imageables)
 
 
 def _relative(shape: Usd.Prim, part: Usd.Prim, transforms: UsdGeom.XformCache) -> Gf.Matrix4d:
@@ -166,8 +185,3 @@ def _relative(shape: Usd.Prim, part: Usd.Prim, transforms: UsdGeom.XformCache) -
     if resets:
         return transforms.GetLocalToWorldTransform(shape) * transforms.GetLocalToWorldTransform(part).GetInverse()
     return matrix
-
-
-def _joined(boxes: list[Box]) -> Box:
-    least, most = zip(_NOTHING, *boxes, strict=True)
-    return np.min(least, axis=0), np.max(most, axis=0)

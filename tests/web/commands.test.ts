@@ -1,4 +1,5 @@
 import { signal } from "@preact/signals";
+import { Waits } from "@/editor/waits";
 import { isChord, shownChord, type KeyStroke } from "@/view/commands/chord";
 import { MENUS, type Place } from "@/view/commands/command";
 import { GESTURES } from "@/view/commands/gestures";
@@ -42,6 +43,7 @@ const NOWHERE: Place = {
     remembered: { panel: signal("focus"), settingsPanel: signal("off"), markers: signal("on") },
     identity: { noEdits: signal(null), who: signal(null) },
     library: { shots: signal([]) },
+    waits: new Waits(),
   } as unknown as Place["editor"],
   session: null,
   isInTimeline: false,
@@ -60,10 +62,10 @@ describe("the commands", () => {
     expect(new Set(COMMANDS.map(({ name }) => name)).size).toBe(COMMANDS.length);
   });
 
-  it("share keys only where one of them is for the keys of curves", () => {
+  it("share keys only where they mean different things at different times", () => {
     const keys = COMMANDS.flatMap((command) => command.keys);
     const shared = new Set(keys.filter((key, at) => keys.indexOf(key) !== at));
-    expect([...shared].toSorted()).toEqual(["Backspace", "Delete", "F"]);
+    expect([...shared].toSorted()).toEqual(["Backspace", "Delete", "Escape", "F"]);
   });
 
   it("say why they can do nothing without a shot", () => {

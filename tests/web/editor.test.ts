@@ -123,10 +123,10 @@ it("a download waits for the edits under way", async () => {
   const make = (): Promise<Download> => Promise.resolve({ blob: new Blob(), name: "edits.usda" });
   const exported = editor.export("Edit layer", make, () => saved.push(fake.made.length));
   await turn();
-  expect([saved, editor.exporting.value]).toEqual([[], "Edit layer"]);
+  expect([saved, editor.waits.of("download")?.name.value]).toEqual([[], "Making Edit layer"]);
   made();
   await exported;
-  expect([saved, editor.exporting.value]).toEqual([[1], null]);
+  expect([saved, editor.waits.of("download")]).toEqual([[1], null]);
 });
 
 /** An editor with a shot without a camera open. */

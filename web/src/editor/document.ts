@@ -13,6 +13,7 @@ import type { View } from "../net/view";
 import type { Fail } from "./fail";
 import { noEditsHint } from "./hints";
 import { PointsByTime } from "./points_by_time";
+import { SolvedCurve } from "./solved_curve";
 
 const NO_CHANGES: Changes = [];
 /** Shots of up to this many frames get their focus curve with the result of each edit; longer ones read it afterwards. */
@@ -40,7 +41,7 @@ export class ShotDocument {
   /** Counts the edits, undos and reloads seen here; data of an earlier revision is stale. */
   readonly revision = signal(0);
   readonly points = signal<readonly FocusPoint[]>([]);
-  readonly curve = signal<Curve>([]);
+  readonly solved: SolvedCurve;
   /** The history of the shot, which other editors share. */
   readonly history = signal(NO_HISTORY);
   readonly dragging = signal(false);
@@ -52,12 +53,17 @@ export class ShotDocument {
   readonly unsaved = signal(NO_CHANGES);
   /** The view to open in place of this one, where cameras of the shot have come or gone; then nothing is read here any more. */
   readonly successor = signal<View | null>(null);
+  /** Whether the lens as it stands is being read. */
+  readonly reading = signal(false);
+  /** Names of the edits under way, in their order. */
+  readonly #labels = signal<readonly string[]>([]);
   /** Number of edits under way. */
-  readonly pending = signal(0);
+  readonly pending = computed(() => this.#labels.value.length);
+  /** The edit that is being saved; null for none. */
+  readonly saving = computed(() => this.#labels.value[0] ?? null);
   readonly #readout = signal<(At & { readonly value: Readout }) | null>(null);
   readonly #previewReadout = signal<{ readonly time: number; readonly value: Readout } | null>(null);
   readonly #settings = signal<{ readonly revision: number; readonly value: FocusSettings } | null>(null);
-  readonly #curveRevision = signal(-1);
   readonly #time: ReadonlySignal<number>;
   /** Reason why it may not be edited; null where it may. */
   readonly noEdits: ReadonlySignal<string | null>;
@@ -70,7 +76,6 @@ export class ShotDocument {
   readonly #followPoints: NewestWins<number, readonly FocusPoint[]>;
   readonly #followReadout: NewestWins<At, Readout>;
   readonly #followSettings: NewestWins<At, FocusSettings>;
-  readonly #followCurve: NewestWins<number, Curve>;
   #queue: Promise<unknown> = Promise.resolve();
 
   constructor(
@@ -105,6 +110,7 @@ export class ShotDocument {
         this.#takeReadout(value, at);
       },
       onError,
+      onBusy: (isBusy) => (this.reading.value = isBusy),
       mostInFlight: 1,
     });
     this.#followSettings = new NewestWins({
@@ -113,20 +119,17 @@ export class ShotDocument {
       onError,
       mostInFlight: 1,
     });
-    this.#followCurve = new NewestWins({
-      load: (_, signal) => service.curve(this.view, signal),
-      onResult: (curve, revision) => {
-        this.curve.value = curve;
-        this.#curveRevision.value = revision;
-      },
-      onError,
-      mostInFlight: 1,
-    });
+    this.solved = new SolvedCurve((abort) => service.curve(this.view, abort), onError);
   }
 
   /** A shot without a camera is framed by one that has no prim, so there is no lens to set and nothing to key. */
   get hasLens(): boolean {
     return this.view.camera !== null;
+  }
+
+  /** The focus curve as last solved. */
+  get curve(): ReadonlySignal<Curve> {
+    return this.solved.samples;
   }
 
   /** Readout of the lens now: with the unsaved changes, else of the present revision, else from the curve, else as last read. */
@@ -136,7 +139,7 @@ export class ShotDocument {
     if (preview && sameTime(preview.time, this.#time.value)) return preview.value;
     if (saved?.revision === this.revision.value && sameTime(saved.time, this.#time.value)) return saved.value;
     const sample =
-      this.#curveRevision.value === this.revision.value ? sampleAt(this.curve.value, this.#time.value) : null;
+      this.solved.revision.value === this.revision.value ? sampleAt(this.curve.value, this.#time.value) : null;
     return saved && sample ? { ...saved.value, ...sample } : (saved?.value ?? null);
   });
 
@@ -171,11 +174,9 @@ export class ShotDocument {
   /** Reads the curve of a revision. */
   refreshCurve(revision: number): void {
     if (!this.hasLens) return;
-    if (this.#lastEdit?.revision === revision && this.#lastEdit.curve) {
-      this.#followCurve.clear();
-      this.curve.value = this.#lastEdit.curve;
-      this.#curveRevision.value = revision;
-    } else this.#followCurve.load(revision);
+    const known = this.#lastEdit?.revision === revision ? this.#lastEdit.curve : null;
+    if (known) this.solved.take(known, revision);
+    else this.solved.solve(revision);
   }
 
   /** Result of the edit that led to a revision, if it is for that time; null otherwise. */
@@ -225,7 +226,7 @@ export class ShotDocument {
       this.simplified.value = result.simplified[0] ?? null;
       return { ...result, time };
     };
-    return this.#inTurn(task, () => void this.edit(label, changes, undefined, gesture), unsaved);
+    return this.#inTurn(label, task, () => void this.edit(label, changes, undefined, gesture), unsaved);
   }
 
   /** Undoes the last edit, unless another editor has edited since the history was read. */
@@ -247,7 +248,7 @@ export class ShotDocument {
       this.simplified.value = null;
       return null;
     };
-    return this.#inTurn(step, () => void this.#walk(way));
+    return this.#inTurn(way, step, () => void this.#walk(way));
   }
 
   /** Resolves when all edits that were begun are made. */
@@ -330,8 +331,8 @@ export class ShotDocument {
 
   /** Cancels all reading under way. */
   close(): void {
-    for (const follower of [this.#followPoints, this.#followReadout, this.#followSettings, this.#followCurve])
-      follower.clear();
+    for (const follower of [this.#followPoints, this.#followReadout, this.#followSettings]) follower.clear();
+    this.solved.stop();
   }
 
   /** Tells the person why they may not edit, and returns whether they may not. */
@@ -358,12 +359,18 @@ export class ShotDocument {
   /**
    * Runs a task after those queued before it, and then refreshes. Resolves to whether the task succeeded.
    *
+   * @param label names it.
    * @param task resolves to the result of an edit, or to null to read everything again.
    * @param again does it once more, where it fails.
    * @param unsaved changes whose preview ends with the task.
    */
-  #inTurn(task: () => Promise<TimedResult | null>, again: () => void, unsaved?: Changes): Promise<boolean> {
-    this.pending.value += 1;
+  #inTurn(
+    label: string,
+    task: () => Promise<TimedResult | null>,
+    again: () => void,
+    unsaved?: Changes,
+  ): Promise<boolean> {
+    this.#labels.value = [...this.#labels.value, label];
     const done = this.#queue.then(async () => {
       let result: TimedResult | null = null;
       try {
@@ -378,7 +385,7 @@ export class ShotDocument {
         batch(() => {
           if (unsaved && this.unsaved.value === unsaved) this.unsaved.value = NO_CHANGES;
           this.refresh(result);
-          this.pending.value -= 1;
+          this.#labels.value = this.#labels.value.slice(1);
         });
       }
     });

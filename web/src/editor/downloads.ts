@@ -27,19 +27,19 @@ export class Downloads {
     [this.#service, this.#source] = [service, source];
   }
 
-  curve(format: CurveFormat): Promise<Download> {
-    return this.#service.downloadCurve(this.#source.document.view, format);
+  curve(format: CurveFormat, abort?: AbortSignal): Promise<Download> {
+    return this.#service.downloadCurve(this.#source.document.view, format, abort);
   }
 
-  edits(): Promise<Download> {
-    return this.#service.downloadEdits(this.#source.document.view.shot);
+  edits(abort?: AbortSignal): Promise<Download> {
+    return this.#service.downloadEdits(this.#source.document.view.shot, abort);
   }
 
   /** The frame at this time in full HD. */
-  frame(format: PictureFormat): Promise<Download> {
+  frame(format: PictureFormat, abort?: AbortSignal): Promise<Download> {
     const { document, playhead, motion, aspect } = this.#source;
     // A file may take its time: the scene is drawn at each moment.
     const quality = { ...restQuality(WIDTH_PX, WIDTH_PX / aspect, motion.value), motionBy: "moments" as const };
-    return this.#service.downloadFrame(document.view, playhead.time.value, quality, format);
+    return this.#service.downloadFrame(document.view, playhead.time.value, quality, format, abort);
   }
 }

@@ -12,8 +12,10 @@ import type { Fail } from "./fail";
 import { Identity } from "./identity";
 import { Layout } from "./layout";
 import { Library, type Upload } from "./library";
-import { Remembered } from "./remembered";
+import { Posters, type Poster } from "./posters";
+import { localStore, Remembered } from "./remembered";
 import { Session } from "./session";
+import { Waits } from "./waits";
 
 /** A drawing about something of a library. */
 export interface Sheet {
@@ -41,27 +43,28 @@ export class Editor {
   readonly sheet = signal<Sheet | null>(null);
   /** What is being opened. */
   readonly opening = signal<Opening | null>(null);
+  /** What is waited for, each by its name. */
+  readonly waits = new Waits();
   readonly complaint = signal<Complaint | null>(null);
-  /** What is waited for, as the service says it; null where nothing is. */
+  /** Reason why requests are held back for now, as the service says it; null where they are not. */
   readonly waiting = signal<string | null>(null);
   readonly helpOpen = signal(false);
   /** Whether the list of all commands is open. */
   readonly paletteOpen = signal(false);
   /** How often a file of a shot was asked for; the page opens the browser's dialog then. */
   readonly fileRequests = signal(0);
-  /** Name of the download under way. */
-  readonly exporting = signal<string | null>(null);
 
   readonly service: Service;
   /** Does once more what the complaint is about. */
   #again = (): void => undefined;
+  readonly #posters = new Posters(localStore());
   #librariesRead: Promise<void> | null = null;
 
   /** @param reload loads the page anew, at its present address. */
   constructor(service: Service, reload: () => void) {
     this.service = service;
     this.identity = new Identity(service, reload);
-    this.library = new Library(service, this.fail);
+    this.library = new Library(service, this.fail, this.waits);
     service.listen({
       onSignInNeeded: () => this.identity.ask(),
       onWaiting: (refusal) => (this.waiting.value = refusal?.message ?? null),
@@ -128,6 +131,7 @@ export class Editor {
   /** Ends the session at the service once the edits under way are made. */
   async signOut(): Promise<void> {
     await this.session.value?.idle();
+    this.#posters.clear();
     await this.attempt(() => this.identity.signOut());
   }
 
@@ -139,10 +143,12 @@ export class Editor {
   }
 
   async #open(shot: string, camera: string | null, time: number | null): Promise<void> {
+    this.waits.of("opening")?.stop?.();
     const opening = { shot, camera };
     this.opening.value = opening;
+    const name = this.library.shots.peek()?.find(({ id }) => id === shot)?.name ?? shot;
     try {
-      const opened = await this.service.open(shot);
+      const opened = await this.waits.run("opening", `Opening ${name}`, (abort) => this.service.open(shot, abort));
       if (this.opening.value !== opening) return; // another one was requested meanwhile
       const known = opened.cameras.some((candidate) => candidate.path === camera);
       const view = known ? camera : opened.defaultCamera;
@@ -155,12 +161,24 @@ export class Editor {
         this.fail,
         this.identity,
         this.remembered.pull,
+        this.waits,
       );
     } catch (error) {
       if (this.opening.value === opening) this.fail(error, () => void this.open(shot, camera, time));
     } finally {
       if (this.opening.value === opening) this.opening.value = null;
     }
+  }
+
+  /** How a shot looked when it was open here last; null where it was not. */
+  posterOf(shot: string, camera: string | null): Poster | null {
+    const who = this.identity.who.value;
+    return who && this.#posters.find(who.id, shot, camera);
+  }
+
+  keepPoster(poster: Omit<Poster, "who">): void {
+    const who = this.identity.who.peek();
+    if (who) this.#posters.keep({ ...poster, who: who.id });
   }
 
   /** Looks through another camera of the open shot, at the same time. */
@@ -205,6 +223,7 @@ export class Editor {
   async remove(shot: string): Promise<void> {
     await this.attempt(async () => {
       await this.library.remove(shot);
+      this.#posters.forget(shot);
       if (this.session.value?.shot.id !== shot) return;
       this.session.value.close();
       this.session.value = null;
@@ -242,15 +261,20 @@ export class Editor {
   }
 
   /** Makes a download of what is edited and hands it to `save`. */
-  async export(what: string, make: () => Promise<Download>, save: (download: Download) => void): Promise<void> {
-    this.exporting.value = what;
+  async export(
+    what: string,
+    make: (abort: AbortSignal) => Promise<Download>,
+    save: (download: Download) => void,
+  ): Promise<void> {
     try {
-      await this.session.value?.idle();
-      save(await make());
+      const made = this.waits.run("download", `Making ${what}`, async (abort) => {
+        await this.session.value?.idle();
+        abort.throwIfAborted();
+        return make(abort);
+      });
+      save(await made);
     } catch (error) {
       this.fail(error, () => void this.export(what, make, save));
-    } finally {
-      this.exporting.value = null;
     }
   }
 }

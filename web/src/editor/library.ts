@@ -5,18 +5,18 @@ import type { ShotSummary, TrashedShot } from "../model/shot";
 import { complaintOf, isAbort, ServiceError, type Complaint } from "../net/errors";
 import type { Service } from "../net/service";
 import type { Fail } from "./fail";
+import { Waits, type Wait } from "./waits";
 
 /** A file on its way. */
 export interface Upload {
   readonly id: number;
   readonly name: string;
-  /** 0 to 1 of the bytes; at 1 the service is reading it. */
-  readonly progress: number;
+  /** Its wait; null before it and after it. */
+  readonly wait: Wait | null;
   readonly complaint: Complaint | null;
   /** Stages of a zip of which one has to be chosen as its root, for it to be sent again. */
   readonly candidates: readonly string[];
   readonly file: File;
-  readonly abort: AbortController;
 }
 
 export class Library {
@@ -29,11 +29,13 @@ export class Library {
 
   readonly #service: Service;
   readonly #fail: Fail;
+  readonly #waits: Waits;
   #serial = 0;
 
-  constructor(service: Service, fail: Fail) {
+  constructor(service: Service, fail: Fail, waits = new Waits()) {
     this.#service = service;
     this.#fail = fail;
+    this.#waits = waits;
   }
 
   /** @param again does once more what it was read for, where that fails. */
@@ -49,24 +51,27 @@ export class Library {
   async upload(file: File): Promise<ShotSummary | null> {
     this.#serial += 1;
     const id = this.#serial;
-    const abort = new AbortController();
-    const upload = { id, name: file.name, progress: 0, complaint: null, candidates: [], file, abort };
+    const upload = { id, name: file.name, wait: null, complaint: null, candidates: [], file };
     this.uploads.value = [...this.uploads.value, upload];
     return this.#send(upload, null);
   }
 
   /** Sends a zip again, with one of its candidates as root. Resolves as `upload` does. */
   async chooseRoot(upload: Upload, root: string): Promise<ShotSummary | null> {
-    this.#change(upload.id, { progress: 0, complaint: null, candidates: [] });
+    this.#change(upload.id, { complaint: null, candidates: [] });
     return this.#send(upload, root);
   }
 
-  async #send({ id, file, abort }: Upload, root: string | null): Promise<ShotSummary | null> {
-    const onProgress = (progress: number): void => {
-      this.#change(id, { progress });
-    };
+  async #send({ id, name, file }: Upload, root: string | null): Promise<ShotSummary | null> {
     try {
-      const shot = await this.#service.upload({ file, root }, onProgress, abort.signal);
+      const shot = await this.#waits.run("upload", `Sending ${name}`, (abort, told, wait) => {
+        this.#change(id, { wait });
+        const onProgress = (progress: number): void => {
+          told.progress.value = progress < 1 ? progress : null;
+          if (progress >= 1) told.name.value = `Reading ${name}`;
+        };
+        return this.#service.upload({ file, root }, onProgress, abort);
+      });
       this.dismiss(id);
       await this.refresh();
       return shot;
@@ -76,12 +81,14 @@ export class Library {
         this.#change(id, { candidates: error.subjects });
       else this.#change(id, { complaint: complaintOf(error) });
       return null;
+    } finally {
+      this.#change(id, { wait: null });
     }
   }
 
   /** Gives up an upload, or takes a refused one off the list. */
   dismiss(id: number): void {
-    this.uploads.value.find((upload) => upload.id === id)?.abort.abort();
+    this.uploads.value.find((upload) => upload.id === id)?.wait?.stop?.();
     this.uploads.value = this.uploads.value.filter((upload) => upload.id !== id);
   }
 

@@ -28,6 +28,10 @@ export class CameraPhotography {
   readonly current = signal<(Photography & At) | null>(null);
   readonly meter = signal<(MeterReading & At) | null>(null);
   readonly grades = signal<GradeChoices | null>(null);
+  /** Whether the settings are being read. */
+  readonly reading = signal(false);
+  /** Whether the light is being metered. */
+  readonly metering = signal(false);
   /** Mode of the meter where it does not set the exposure. */
   readonly meterMode = signal<MeterMode>("center");
 
@@ -52,12 +56,14 @@ export class CameraPhotography {
       load: (at, signal) => service.photography(document.view, at.time, signal),
       onResult: (value, at) => (this.current.value = { ...value, ...at }),
       onError,
+      onBusy: (isBusy) => (this.reading.value = isBusy),
       mostInFlight: 1,
     });
     this.#followMeter = new NewestWins({
       load: ({ time, request }, signal) => service.meter(document.view, time, request, signal),
       onResult: (value, { time, revision }) => (this.meter.value = { ...value, time, revision }),
       onError,
+      onBusy: (isBusy) => (this.metering.value = isBusy),
       mostInFlight: 1,
     });
   }
@@ -88,6 +94,11 @@ export class CameraPhotography {
     const decides = this.current.peek()?.exposure.meteringMode !== "manual";
     const request = decides ? null : { mode, point: mode === "spot" ? point : null };
     this.#followMeter.load({ time, revision, request });
+  }
+
+  /** Stops metering; what was read before stays. */
+  stopMeter(): void {
+    this.#followMeter.clear();
   }
 
   /** Reads the grades to choose from, once. */

@@ -50,6 +50,7 @@ export class Picks {
   readonly #session: Picked;
   readonly #fail: Fail;
   #queue: Promise<void> = Promise.resolve();
+  #flight: AbortController | null = null;
 
   constructor(service: Service, session: Picked, fail: Fail) {
     [this.#service, this.#session, this.#fail] = [service, session, fail];
@@ -85,6 +86,11 @@ export class Picks {
     });
   }
 
+  /** Stops the pick under way, so that the click does nothing. */
+  stop(): void {
+    this.#flight?.abort();
+  }
+
   /** Resolves when all that was picked is edited. */
   async idle(): Promise<void> {
     await this.#queue;
@@ -118,8 +124,10 @@ export class Picks {
     const quality = restQuality(box.value.width, box.value.height);
     this.#queue = this.#queue.then(async () => {
       this.picking.value = at;
+      const flight = (this.#flight = new AbortController());
       try {
-        const pick = await this.#service.pick(document.view, time, at, quality);
+        const pick = await this.#service.pick(document.view, time, at, quality, flight.signal);
+        this.picking.value = null; // what follows is an edit, which says so
         if (!pick) throw new HintError("There is nothing to focus on there.", "Click on a surface.");
         await act(pick.anchor, time);
       } catch (error) {

@@ -69,8 +69,12 @@ interface Kept {
 
 export class Pictures {
   readonly displayed = signal<Displayed | null>(null);
+  /** Time of the frame of which a better picture follows; null where none does. */
+  readonly drawing = signal<number | null>(null);
   /** Whether a better picture follows. */
-  readonly busy = signal(false);
+  readonly busy = computed(() => this.drawing.value !== null);
+  /** Whether the best picture was stopped on its way. */
+  readonly stopped = signal(false);
   /** Times whose picture is kept and can be played without the service. */
   readonly keptTimes = computed<readonly number[]>(() => {
     const { revision, times } = this.#keptTimes.value;
@@ -119,7 +123,7 @@ export class Pictures {
     [this.#document, this.#cache, this.#fail] = [document, cache, fail];
     this.refusal = refusal;
     const onError = (error: unknown): void => {
-      this.busy.value = false;
+      this.drawing.value = null;
       // A preview may be of keys that an edit under way has yet to make.
       const isEditing = document.pending.peek() > 0 || document.dragging.peek();
       if (isEditing && error instanceof ServiceError && error.status === 404) return;
@@ -185,6 +189,17 @@ export class Pictures {
     this.#send(request);
   }
 
+  /** Stops the pictures under way; what is on screen stays. */
+  stop(): void {
+    this.#sendNothing();
+    this.stopped.value = true;
+  }
+
+  /** Draws the best picture after all, where it was stopped or has failed. */
+  resume(): void {
+    if (this.#current && !this.busy.peek()) this.#send(this.#current);
+  }
+
   #makeMapReader(service: Service, onError: (error: unknown) => void): NewestWins<NumberedRequest, FocusMap> {
     const document = this.#document;
     return new NewestWins({
@@ -220,7 +235,8 @@ export class Pictures {
 
   /** Cancels the pictures under way, which belong to the request before. */
   #sendNothing(): void {
-    this.busy.value = false;
+    this.drawing.value = null;
+    this.stopped.value = false;
     clearTimeout(this.#timer);
     this.#link.cancel();
     this.#fetcher.clear();
@@ -238,7 +254,8 @@ export class Pictures {
 
   #send(request: NumberedRequest): void {
     clearTimeout(this.#timer);
-    this.busy.value = !request.moving;
+    this.drawing.value = request.moving ? null : request.time;
+    this.stopped.value = false;
     if (this.#isLive) {
       this.#link.request(request);
       return;
@@ -281,7 +298,7 @@ export class Pictures {
     this.displayed.peek()?.bitmap.close();
     this.displayed.value = { ...facts, number, bitmap, time, revision, quality, unsaved, points, focusMap };
     if (request.focusMaps) this.readMap();
-    if (facts.stage === "final" && isSame(this.#current, request)) this.busy.value = false;
+    if (facts.stage === "final" && isSame(this.#current, request)) this.drawing.value = null;
   }
 
   /** Decodes a map; a picture is shown without one that cannot be read. */

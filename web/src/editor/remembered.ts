@@ -84,3 +84,12 @@ function remembered<Choice extends string>(
   });
   return value;
 }
+
+/** What the browser keeps between visits; null where it keeps nothing. */
+export function localStore(): Storage | null {
+  try {
+    return localStorage;
+  } catch {
+    return null;
+  }
+}

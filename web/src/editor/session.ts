@@ -51,7 +51,9 @@ import { Playhead } from "./playhead";
 import { PointEdits } from "./point_edits";
 import { Pulls, usualPull, type PullChoice } from "./pulls";
 import { readSetting } from "./setting_state";
+import { followWaits } from "./session_waits";
 import { TimeView } from "./time_view";
+import { Waits } from "./waits";
 
 const MODE_NAMES: Readonly<Record<FocusMode, string>> = {
   manual: "by hand",
@@ -75,6 +77,8 @@ export class Session {
   readonly keys: KeyEditing;
   readonly corrections: Corrections;
   readonly downloads: Downloads;
+  /** What is waited for, in the shot and beside it. */
+  readonly waits: Waits;
   readonly notes = signal<readonly Note[]>([]);
   /** Name of the selected focus point, which may be gone. */
   readonly selected = signal<string | null>(null);
@@ -105,9 +109,11 @@ export class Session {
     fail: Fail,
     { noEdits, noPictures }: Pick<Identity, "noEdits" | "noPictures">,
     pullChoice: PullChoice = usualPull(),
+    waits = new Waits(),
   ) {
     this.#service = service;
     this.#fail = fail;
+    this.waits = waits;
     this.shot = shot;
     this.playhead = new Playhead(shot.range, time, (at) => this.pictures.isFreeFor(at));
     this.timeView = new TimeView(this.playhead);
@@ -126,7 +132,11 @@ export class Session {
     this.playhead.watch(this.pictures.displayed);
     this.filler = new CacheFiller(service, this, fail);
     this.downloads = new Downloads(service, this);
-    this.#stop = this.#follow();
+    const [unfollow, unwait] = [this.#follow(), followWaits(waits, this)];
+    this.#stop = () => {
+      unfollow();
+      unwait();
+    };
   }
 
   get camera(): string | null {
@@ -253,6 +263,12 @@ export class Session {
     void this.document.edit(`Import ${file.name}`, async () => [
       { type: "importCurve", content: await base64Of(file), gaps: "interpolate" },
     ]);
+  }
+
+  /** Meters the light as things are now. */
+  meter(): void {
+    const { playhead, document, photography, selectedName } = this;
+    photography.measure(playhead.time.value, document.revision.value, photography.meterMode.value, selectedName.value);
   }
 
   /** Sets or removes a key of a setting where the playhead is, which stays there. */

@@ -40,3 +40,15 @@ export function grouped(lenses: readonly LensSummary[]): readonly (readonly [str
     ["Ideal and effects", lenses.filter((lens) => !isGlass(lens))],
   ];
 }
+
+/** The lens on the camera and its stop, in words: "Zeiss Planar 50/1.4 at f/2". */
+export function saidOf({ lensName, lensModel, focalLengthMm, fStop }: Readout): string {
+  if (fStop === 0) return "a pinhole";
+  const isThin = lensModel === "thin" && lensName === "";
+  const lens = isThin ? `a thin ${trimmed(focalLengthMm, 1)} mm lens` : lensName || `a ${lensModel} lens`;
+  return `${lens} at f/${trimmed(fStop, 2)}`;
+}
+
+function trimmed(value: number, decimals: number): string {
+  return Number(value.toFixed(decimals)).toString();
+}

@@ -41,6 +41,7 @@ import type {
   Sending,
   Service,
 } from "./service";
+import { abortable, at, ifStill, pictureOf, type PictureQuery } from "./queries";
 import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
 import { sendFile } from "./upload";
 import { cameraOf, type View } from "./view";
@@ -107,11 +108,11 @@ export class HttpService implements Service {
     await done(this.#client.DELETE("/v1/shots/{shot}/quarantine", { params: { path: { shot } } }));
   }
 
-  async open(shot: string): Promise<Shot> {
-    const path = { shot };
-    const json = await result(this.#client.GET("/v1/shots/{shot}", { params: { path } }));
-    const query = { time: json.frameRange.start };
-    return toShot(json, await result(this.#client.GET("/v1/shots/{shot}/cameras", { params: { path, query } })));
+  async open(shot: string, signal?: AbortSignal): Promise<Shot> {
+    const [path, giveUp] = [{ shot }, abortable(signal)];
+    const json = await result(this.#client.GET("/v1/shots/{shot}", { params: { path }, ...giveUp }));
+    const params = { path, query: { time: json.frameRange.start } };
+    return toShot(json, await result(this.#client.GET("/v1/shots/{shot}/cameras", { params, ...giveUp })));
   }
 
   async lenses(): Promise<readonly LensSummary[]> {
@@ -241,11 +242,18 @@ export class HttpService implements Service {
     return toCurve((await result(answer)) as Json["FocusCurve"]);
   }
 
-  async pick(view: View, time: number, place: readonly [number, number], quality: Quality): Promise<Pick | null> {
+  async pick(
+    view: View,
+    time: number,
+    place: readonly [number, number],
+    quality: Quality,
+    signal?: AbortSignal,
+  ): Promise<Pick | null> {
     const { width, height } = quality;
     const body = { ...cameraOf(view), time, width, height, x: place[0] * width, y: place[1] * height };
     const path = { shot: view.shot };
-    return toPick(await result(this.#client.POST("/v1/shots/{shot}/pick", { params: { path }, body })));
+    const options = { params: { path }, body, ...abortable(signal) };
+    return toPick(await result(this.#client.POST("/v1/shots/{shot}/pick", options)));
   }
 
   async edit(view: View, { label, gesture, changes, time, withCurve }: Edit): Promise<EditResult> {
@@ -292,19 +300,25 @@ export class HttpService implements Service {
     return tags;
   }
 
-  async downloadFrame(view: View, time: number, quality: Quality, format: PictureFormat): Promise<Download> {
-    const blob = await this.#picture(view, { ...pictureOf(time, quality), format });
+  async downloadFrame(
+    view: View,
+    time: number,
+    quality: Quality,
+    format: PictureFormat,
+    signal?: AbortSignal,
+  ): Promise<Download> {
+    const blob = await this.#picture(view, { ...pictureOf(time, quality), format }, signal);
     return { blob, name: `${view.shot}.${time.toString().padStart(4, "0")}.${format}` };
   }
 
-  async downloadCurve(view: View, format: CurveFormat): Promise<Download> {
-    const options = { ...at(view, { format }), parseAs: "blob" as const };
+  async downloadCurve(view: View, format: CurveFormat, signal?: AbortSignal): Promise<Download> {
+    const options = { ...at(view, { format }), ...abortable(signal), parseAs: "blob" as const };
     const blob = await result<Blob>(this.#client.GET("/v1/shots/{shot}/focus-curve", options));
     return { blob, name: `${view.shot}.focus.${format === "opentrackio" ? "opentrackio.json" : format}` };
   }
 
-  async downloadEdits(shot: string): Promise<Download> {
-    const options = { params: { path: { shot } }, parseAs: "blob" as const };
+  async downloadEdits(shot: string, signal?: AbortSignal): Promise<Download> {
+    const options = { params: { path: { shot } }, ...abortable(signal), parseAs: "blob" as const };
     const blob = await result<Blob>(this.#client.GET("/v1/shots/{shot}/edits", options));
     return { blob, name: `${shot}.edits.usda` };
   }
@@ -322,32 +336,4 @@ export class HttpService implements Service {
     const options = { ...at(view, query), ...abortable(signal), parseAs: "blob" as const };
     return result<Blob>(this.#client.GET("/v1/shots/{shot}/frame", options));
   }
-}
-
-/** The condition that the edits of a shot are still at a revision. */
-function ifStill(
-  shot: string,
-  revision: string,
-): { params: { path: { shot: string }; header: { "if-match": string } } } {
-  return { params: { path: { shot }, header: { "if-match": `"${revision}"` } } };
-}
-
-type PictureQuery = paths["/v1/shots/{shot}/frame"]["get"]["parameters"]["query"];
-
-function pictureOf(
-  time: number,
-  { width, height, rays, layers, supersample, motion, motionBy }: Quality,
-): PictureQuery {
-  return { time, width, height, rays, layers, supersample, motion, motionBy };
-}
-
-function at<Query extends object>(
-  view: View,
-  query: Query,
-): { params: { path: { shot: string }; query: Query & { camera?: string } } } {
-  return { params: { path: { shot: view.shot }, query: { ...query, ...cameraOf(view) } } };
-}
-
-function abortable(signal: AbortSignal | undefined): { signal?: AbortSignal } {
-  return signal ? { signal } : {};
 }

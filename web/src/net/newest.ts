@@ -20,6 +20,8 @@ export interface NewestWinsOptions<Request, Result> {
   load(request: Request, signal: AbortSignal): Promise<Result>;
   onResult(result: Result, request: Request): void;
   onError(error: unknown, request: Request): void;
+  /** Takes whether anything is in flight, each time that changes. */
+  onBusy?(isBusy: boolean): void;
   mostInFlight?: number;
 }
 
@@ -57,7 +59,7 @@ export class NewestWins<Request, Result> {
   #start(queued: Queued<Request>): void {
     this.#serial += 1;
     const flight = { ...queued, serial: this.#serial, abort: new AbortController() };
-    this.#flights.push(flight);
+    this.#setFlights([...this.#flights, flight]);
     void this.#fly(flight);
   }
 
@@ -78,8 +80,14 @@ export class NewestWins<Request, Result> {
   /** Removes a flight from the list; false where it was aborted before. */
   #remove(flight: Flight<Request>): boolean {
     const isListed = this.#flights.includes(flight);
-    this.#flights = this.#flights.filter((other) => other !== flight);
+    this.#setFlights(this.#flights.filter((other) => other !== flight));
     return isListed;
+  }
+
+  #setFlights(flights: Flight<Request>[]): void {
+    const was = this.#flights.length > 0;
+    this.#flights = flights;
+    if (was !== flights.length > 0) this.#options.onBusy?.(!was);
   }
 
   #next(): void {
@@ -92,7 +100,7 @@ export class NewestWins<Request, Result> {
 
   #abort(which: (flight: Flight<Request>) => boolean): void {
     const [aborted, kept] = [this.#flights.filter(which), this.#flights.filter((flight) => !which(flight))];
-    this.#flights = kept;
+    this.#setFlights(kept);
     for (const flight of aborted) flight.abort.abort();
   }
 }

@@ -94,7 +94,7 @@ export interface Service {
   restore(entry: string): Promise<ShotSummary>;
   /** Releases a shot from quarantine. */
   release(shot: string): Promise<void>;
-  open(shot: string): Promise<Shot>;
+  open(shot: string, signal?: AbortSignal): Promise<Shot>;
   /** The lens library. */
   lenses(): Promise<readonly LensSummary[]>;
   /** The libraries of films and bodies. */
@@ -133,12 +133,24 @@ export interface Service {
   grades(view: View, time: number): Promise<GradeChoices>;
   curve(view: View, signal?: AbortSignal): Promise<Curve>;
   /** Picks the surface at a place of the picture (0 to 1 from its top left); null for none. */
-  pick(view: View, time: number, at: readonly [number, number], quality: Quality): Promise<Pick | null>;
+  pick(
+    view: View,
+    time: number,
+    at: readonly [number, number],
+    quality: Quality,
+    signal?: AbortSignal,
+  ): Promise<Pick | null>;
   /** Makes an edit, all of it or nothing. Fails where another editor has changed the same resource since it was read. */
   edit(view: View, edit: Edit): Promise<EditResult>;
   /** Drops the tags of a shot's resources that are read again from now on. */
   forget(shot: string): void;
-  downloadFrame(view: View, time: number, quality: Quality, format: PictureFormat): Promise<Download>;
-  downloadCurve(view: View, format: CurveFormat): Promise<Download>;
-  downloadEdits(shot: string): Promise<Download>;
+  downloadFrame(
+    view: View,
+    time: number,
+    quality: Quality,
+    format: PictureFormat,
+    signal?: AbortSignal,
+  ): Promise<Download>;
+  downloadCurve(view: View, format: CurveFormat, signal?: AbortSignal): Promise<Download>;
+  downloadEdits(shot: string, signal?: AbortSignal): Promise<Download>;
 }

@@ -11,6 +11,7 @@ import { CreateCamera } from "./controls/CreateCamera";
 import { Menu } from "./controls/Menu";
 import { DOWNLOADS } from "./commands/shot";
 import { PANEL_NAMES } from "./commands/view";
+import { Waiting } from "./controls/Waiting";
 import { save } from "./hooks";
 import { Icon } from "./icons";
 import { MenuBar } from "./menus/MenuBar";
@@ -190,17 +191,17 @@ function Appearance({ editor }: { editor: Editor }): JSX.Element {
 }
 
 function Downloads({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
-  const making = editor.exporting.value;
+  const making = editor.waits.of("download");
+  if (making) return <Waiting wait={making} />;
   return (
     <Menu
       name="downloads"
       label="Download"
       kind="primary"
-      disabled={making !== null}
       head={
         <>
           <Icon name="download" />
-          {making === null ? "Download" : `Making ${making}…`}
+          Download
         </>
       }
     >
@@ -214,7 +215,7 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
               title={refusal(session) ?? undefined}
               onClick={() => {
                 close();
-                void editor.export(what, () => make(session), save);
+                void editor.export(what, (abort) => make(session, abort), save);
               }}
             >
               {what}

@@ -24,7 +24,7 @@ export interface DownloadItem {
   readonly what: string;
   readonly keys: string;
   readonly refusal: (session: Session) => string | null;
-  readonly make: (session: Session) => ReturnType<Session["downloads"]["edits"]>;
+  readonly make: (session: Session, abort: AbortSignal) => ReturnType<Session["downloads"]["edits"]>;
 }
 
 const none = (): null => null;
@@ -34,14 +34,20 @@ const CURVE = "Focus curve";
 const FRAME = "This frame";
 
 export const DOWNLOADS: readonly DownloadItem[] = [
-  item(CURVE, "USD layer, spline (.usda)", "Ctrl S", none, ({ downloads }) => downloads.curve("usda")),
-  item(CURVE, "JSON", "Alt J", none, ({ downloads }) => downloads.curve("json")),
-  item(CURVE, "Spreadsheet (.csv)", "Alt C", none, ({ downloads }) => downloads.curve("csv")),
-  item(CURVE, "Editorial, OpenTimelineIO (.otio)", "Alt O", none, ({ downloads }) => downloads.curve("otio")),
-  item(CURVE, "Set, OpenTrackIO (.json)", "Alt T", none, ({ downloads }) => downloads.curve("opentrackio")),
-  item("Edits", "Edit layer (.usda)", "Ctrl Shift S", none, ({ downloads }) => downloads.edits()),
-  item(FRAME, "Graded (.png)", "Ctrl E", noPicture, ({ downloads }) => downloads.frame("png")),
-  item(FRAME, "Scene-linear (.exr)", "Ctrl Shift E", noPicture, ({ downloads }) => downloads.frame("exr")),
+  item(CURVE, "USD layer, spline (.usda)", "Ctrl S", none, ({ downloads }, abort) => downloads.curve("usda", abort)),
+  item(CURVE, "JSON", "Alt J", none, ({ downloads }, abort) => downloads.curve("json", abort)),
+  item(CURVE, "Spreadsheet (.csv)", "Alt C", none, ({ downloads }, abort) => downloads.curve("csv", abort)),
+  item(CURVE, "Editorial, OpenTimelineIO (.otio)", "Alt O", none, ({ downloads }, abort) =>
+    downloads.curve("otio", abort),
+  ),
+  item(CURVE, "Set, OpenTrackIO (.json)", "Alt T", none, ({ downloads }, abort) =>
+    downloads.curve("opentrackio", abort),
+  ),
+  item("Edits", "Edit layer (.usda)", "Ctrl Shift S", none, ({ downloads }, abort) => downloads.edits(abort)),
+  item(FRAME, "Graded (.png)", "Ctrl E", noPicture, ({ downloads }, abort) => downloads.frame("png", abort)),
+  item(FRAME, "Scene-linear (.exr)", "Ctrl Shift E", noPicture, ({ downloads }, abort) =>
+    downloads.frame("exr", abort),
+  ),
 ];
 
 function item(
@@ -105,8 +111,9 @@ const FILES = DOWNLOADS.map(({ group, what, keys, refusal, make }) =>
   onShot("Shot", {
     name: `Download: ${group.toLowerCase()}, ${what}`,
     keys: [keys],
-    refusal: (session, { editor }) => (editor.exporting.value === null ? refusal(session) : "A file is being made."),
-    act: (session, { editor }) => void editor.export(what, () => make(session), save),
+    refusal: (session, { editor }) =>
+      editor.waits.of("download") === null ? refusal(session) : "A file is being made.",
+    act: (session, { editor }) => void editor.export(what, (abort) => make(session, abort), save),
   }),
 );
 
@@ -116,6 +123,15 @@ const LEAVING = always("Shot", {
   refusal: ({ editor: { identity } }) =>
     identity.who.value && isPerson(identity.who.value) ? null : "Nobody is signed in.",
   act: ({ editor }) => void editor.signOut(),
+});
+
+const STOPPING = always("Edit", {
+  name: "Stop what is waited for",
+  keys: ["Escape"],
+  refusal: ({ editor }) => (editor.waits.newest === null ? "Nothing that can be stopped is waited for." : null),
+  act: ({ editor }) => {
+    editor.waits.stopNewest();
+  },
 });
 
 const UNDO: readonly Command[] = [
@@ -135,4 +151,4 @@ const UNDO: readonly Command[] = [
   }),
 ];
 
-export const SHOT_COMMANDS: readonly Command[] = [...SHOTS, ...FILES, LEAVING, ...UNDO];
+export const SHOT_COMMANDS: readonly Command[] = [...SHOTS, ...FILES, LEAVING, STOPPING, ...UNDO];

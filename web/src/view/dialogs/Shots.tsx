@@ -5,8 +5,10 @@ import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Upload } from "../../editor/library";
+import type { Wait } from "../../editor/waits";
 import type { Note, ShotSummary } from "../../model/shot";
 import { Splitter } from "../controls/Splitter";
+import { Waiting } from "../controls/Waiting";
 import { Icon } from "../icons";
 import { Trash } from "./Trash";
 
@@ -195,8 +197,7 @@ interface UploadRowProps {
 }
 
 function UploadRow({ upload, onChoose, onDismiss }: UploadRowProps): JSX.Element {
-  const { name, complaint, candidates } = upload;
-  const isOver = complaint !== null || candidates.length > 0;
+  const { name, complaint, candidates, wait } = upload;
   return (
     <li class={complaint ? "shot upload refused" : "shot upload"}>
       <div class="shot-row">
@@ -209,17 +210,14 @@ function UploadRow({ upload, onChoose, onDismiss }: UploadRowProps): JSX.Element
           ) : candidates.length > 0 ? (
             <span role="status">It holds {candidates.length} stages. Which one is the shot?</span>
           ) : (
-            <Sent upload={upload} />
+            wait && <Sent wait={wait} />
           )}
         </div>
-        <button
-          type="button"
-          class="button icon-only quiet"
-          aria-label={isOver ? `Dismiss ${name}` : `Stop sending ${name}`}
-          onClick={onDismiss}
-        >
-          <Icon name="close" />
-        </button>
+        {(complaint !== null || candidates.length > 0) && (
+          <button type="button" class="button icon-only quiet" aria-label={`Dismiss ${name}`} onClick={onDismiss}>
+            <Icon name="close" />
+          </button>
+        )}
       </div>
       {candidates.length > 0 && (
         <div class="roots" role="group" aria-label={`Stages of ${name}`}>
@@ -242,11 +240,12 @@ function UploadRow({ upload, onChoose, onDismiss }: UploadRowProps): JSX.Element
   );
 }
 
-function Sent({ upload: { name, progress } }: { upload: Upload }): JSX.Element {
+function Sent({ wait }: { wait: Wait }): JSX.Element {
+  const progress = wait.progress.value;
   return (
     <>
-      <progress aria-label={`Sending ${name}`} {...(progress < 1 ? { value: progress } : {})} max={1} />
-      <span class="muted">{progress < 1 ? `Sending, ${Math.round(progress * 100)} %` : "Reading the shot…"}</span>
+      <progress aria-label={wait.name.value} {...(progress === null ? {} : { value: progress })} max={1} />
+      <Waiting wait={wait} />
     </>
   );
 }

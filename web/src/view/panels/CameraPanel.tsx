@@ -11,6 +11,7 @@ import { Edits } from "../controls/Edits";
 import { ExposurePanel } from "./ExposurePanel";
 import { FilmPanel, GradePanel } from "./FilmPanel";
 import { GlassPanel } from "./GlassPanel";
+import { PanelWait } from "../controls/PanelWait";
 import { trim } from "../numbers";
 
 export function CameraPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
@@ -19,17 +20,11 @@ export function CameraPanel({ editor, session }: { editor: Editor; session: Sess
     () =>
       effect(() => {
         // Last of all, since what draws pictures does it.
-        if (!session.settled.value) return;
-        session.photography.measure(
-          session.playhead.time.value,
-          session.document.revision.value,
-          session.photography.meterMode.value,
-          session.selectedName.value,
-        );
+        if (session.settled.value) session.meter();
       }),
     [session],
   );
-  if (!current) return <p class="muted pad-all">Reading the camera…</p>;
+  if (!current) return <PanelWait session={session} what="camera" />;
   return (
     <>
       <ExposurePanel session={session} current={current} />

@@ -12,6 +12,7 @@ import { LensChooser } from "../dialogs/LensChooser";
 import { trim } from "../numbers";
 import { Setting } from "../controls/Setting";
 import { Edits } from "../controls/Edits";
+import { PanelWait } from "../controls/PanelWait";
 import { Reading } from "../controls/Reading";
 
 interface LensPanelProps {
@@ -36,7 +37,7 @@ export function LensPanel({ editor, session, unit }: LensPanelProps): JSX.Elemen
           <DepthOfField session={session} readout={readout} unit={unit} />
         </>
       ) : (
-        <p class="muted pad">Reading the lens…</p>
+        <PanelWait session={session} what="lens" />
       )}
     </section>
   );

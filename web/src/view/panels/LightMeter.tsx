@@ -9,9 +9,11 @@ import {
   type MeterMode,
   type MeterReading,
 } from "../../model/photography";
+import { sameTime } from "../../model/time";
 import { trim } from "../numbers";
 import { Edits } from "../controls/Edits";
 import { Reading } from "../controls/Reading";
+import { Waiting } from "../controls/Waiting";
 import { ExposureField } from "../controls/ExposureField";
 import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
 
@@ -37,8 +39,11 @@ export function LightMeter({ session, exposure }: MeterProps): JSX.Element {
   return (
     <div class="meter">
       <Head session={session} exposure={exposure} />
-      <Scale stops={meter ? (stops ?? null) : null} />
-      <Readings meter={meter} />
+      <div class={isStale(session) ? "meter-read late" : "meter-read"}>
+        <Scale stops={meter ? (stops ?? null) : null} />
+        <Readings meter={meter} />
+      </div>
+      <Metering session={session} />
       <Edits session={session}>
         {decides ? (
           <Aim session={session} exposure={exposure} />
@@ -47,6 +52,34 @@ export function LightMeter({ session, exposure }: MeterProps): JSX.Element {
         )}
       </Edits>
     </div>
+  );
+}
+
+/** Whether what the meter says is of another frame, or of before the last edit. */
+function isStale({ photography, playhead, document }: Session): boolean {
+  const meter = photography.meter.value;
+  return meter?.revision !== document.revision.value || !sameTime(meter.time, playhead.time.value);
+}
+
+/** The wait for the meter, or the button that meters after all where that was stopped. */
+function Metering({ session }: { session: Session }): JSX.Element | null {
+  const wait = session.waits.of("meter");
+  if (wait) return <Waiting wait={wait} />;
+  if (!isStale(session)) return null;
+  if (!session.settled.value) return <p class="wait muted">The light is metered once the picture is there.</p>;
+  return (
+    <p class="wait">
+      <span class="muted">Not metered.</span>
+      <button
+        type="button"
+        class="button small"
+        onClick={() => {
+          session.meter();
+        }}
+      >
+        Meter
+      </button>
+    </p>
   );
 }
 
@@ -124,7 +157,7 @@ function Scale({ stops }: { stops: number | null }): JSX.Element {
   const x = (value: number): number => WIDTH / 2 + (value / REACH) * (WIDTH / 2 - MARGIN);
   const marks = Array.from({ length: 2 * REACH + 1 }, (_, at) => at - REACH);
   const thirds = marks.slice(0, -1).flatMap((mark) => [mark + 1 / 3, mark + 2 / 3]);
-  const text = stops === null ? "Metering…" : textOf(stops);
+  const text = stops === null ? "not metered yet" : textOf(stops);
   const at = stops === null ? null : x(Math.min(Math.max(stops, -REACH - 0.3), REACH + 0.3));
   return (
     <svg class="meter-scale" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={`Light meter: ${text}`}>

@@ -12,6 +12,7 @@ import {
   type DistanceAxis,
   type LengthUnit,
 } from "../../model/distance";
+import { Waiting } from "../controls/Waiting";
 import { useSize } from "../hooks";
 import type { TimeAxis } from "./time_axis";
 
@@ -43,11 +44,7 @@ export function CurveChart({ session, axis, unit, onScrub }: CurveChartProps): J
   );
   return (
     <div class="chart" ref={box} onPointerDown={onScrub}>
-      {curve.length === 0 && (
-        <p class="chart-hint muted" style={{ left: `${axis.left}px` }}>
-          {session.document.hasLens ? "Reading the focus curve…" : "No camera, no focus curve."}
-        </p>
-      )}
+      <CurveHint session={session} left={axis.left} />
       {height > 0 && curve.length > 0 && (
         <svg width={axis.width} height={height} role="img" aria-label={describe(curve, unit)}>
           <clipPath id="plot-clip">
@@ -63,6 +60,44 @@ export function CurveChart({ session, axis, unit, onScrub }: CurveChartProps): J
         </svg>
       )}
     </div>
+  );
+}
+
+/** What there is to wait for: a curve, or the one after the last edit. */
+function CurveHint({ session, left }: { session: Session; left: number }): JSX.Element | null {
+  const { document, waits } = session;
+  const wait = waits.of("curve");
+  if (document.hasLens && !wait && document.solved.revision.value === document.revision.value) return null;
+  const isStopped = document.pending.value === 0 && !document.dragging.value;
+  return (
+    <p
+      class="chart-hint muted"
+      style={{ left: `${left + 8}px` }}
+      onPointerDown={(event) => {
+        event.stopPropagation();
+      }}
+    >
+      {!document.hasLens ? (
+        "No camera, no focus curve."
+      ) : wait ? (
+        <Waiting wait={wait} />
+      ) : (
+        isStopped && (
+          <>
+            {document.curve.value.length > 0 ? "The focus curve of before the last edit." : "No focus curve yet."}{" "}
+            <button
+              type="button"
+              class="button small"
+              onClick={() => {
+                document.refreshCurve(document.revision.peek());
+              }}
+            >
+              Solve it
+            </button>
+          </>
+        )
+      )}
+    </p>
   );
 }
 

@@ -4,18 +4,17 @@ import type { JSX } from "preact";
 import type { Displayed } from "../../editor/pictures";
 import { TOOLS, type Tool } from "../../editor/picks";
 import type { Session } from "../../editor/session";
+import { Waiting } from "../controls/Waiting";
+import { DrawButton } from "./Poster";
 import { PullChoice } from "./PullChoice";
 
 export function PictureFoot({ session }: { session: Session }): JSX.Element {
-  const shown = session.pictures.displayed.value;
   const canEdit = session.document.noEdits.value === null && session.document.hasLens;
   return (
     <footer class="picture-foot">
       {canEdit && <Tools session={session} />}
       {canEdit && session.picks.tool.value === "pull" && <PullChoice session={session} />}
-      <span class="numbers" aria-live="off">
-        {shown && <PictureFacts shown={shown} />}
-      </span>
+      <PictureState session={session} />
     </footer>
   );
 }
@@ -52,6 +51,26 @@ function Tools({ session: { picks, selectedName, gathers } }: { session: Session
         </button>
       ))}
     </div>
+  );
+}
+
+/** What is on screen, and the wait for the best picture. */
+function PictureState({ session }: { session: Session }): JSX.Element {
+  const { pictures, waits, playhead } = session;
+  const shown = pictures.displayed.value;
+  const wait = shown && !playhead.playing.value ? waits.of("picture") : null;
+  return (
+    <span class="picture-state">
+      {wait && <Waiting wait={wait} />}
+      {shown && pictures.stopped.value && (
+        <span class="wait">
+          Stopped <DrawButton session={session} />
+        </span>
+      )}
+      <span class="numbers" aria-live="off">
+        {shown && <PictureFacts shown={shown} />}
+      </span>
+    </span>
   );
 }
 

@@ -2,21 +2,23 @@
 
 import { effect } from "@preact/signals";
 import type { JSX } from "preact";
-import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { useCallback, useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Displayed } from "../../editor/pictures";
 import type { Session } from "../../editor/session";
-import { letterbox, MOTION_MOMENTS } from "../../model/quality";
+import { MOTION_MOMENTS } from "../../model/quality";
 import { formatFrame } from "../../model/time";
 import { Aim } from "./Aim";
+import { Frame } from "./Frame";
 import { Guides, MeterSpot } from "./Guides";
-import { usePixelRatio, useSize } from "../hooks";
 import { Icon } from "../icons";
+import { Empty } from "./Empty";
 import { FocusOverlay, hasOverlay, useFocusMaps } from "./FocusOverlay";
 import { Markers, Picking } from "./Markers";
+import { FirstPicture, useKeptPosters } from "./Poster";
 import { Probe } from "./Probe";
 import { PictureFoot } from "./PictureFoot";
-import { UploadButton } from "../dialogs/Shots";
+import { Waits } from "./Waits";
 import { isLate, Wanted } from "./Wanted";
 
 export function Viewer({ editor }: { editor: Editor }): JSX.Element {
@@ -24,67 +26,45 @@ export function Viewer({ editor }: { editor: Editor }): JSX.Element {
   return (
     <main class={`viewer surround-${editor.remembered.surround.value}`} aria-label="Picture">
       {session ? <Picture editor={editor} session={session} /> : <Empty editor={editor} />}
-      <Waiting editor={editor} />
+      {session && <Waits editor={editor} />}
+      <HeldBack editor={editor} />
       <Complaint editor={editor} />
       {session && <PictureFoot session={session} />}
     </main>
   );
 }
 
-function Empty({ editor }: { editor: Editor }): JSX.Element {
-  const waiting = editor.opening.value !== null || (editor.library.shots.value === null && !editor.complaint.value);
-  if (waiting)
-    return (
-      <div class="empty">
-        <p>Opening the shot…</p>
-      </div>
-    );
-  return (
-    <div class="empty">
-      <h2>No shot is open</h2>
-      <p>Drop a USD file here, or choose one. A .zip may hold a shot with all that it references.</p>
-      <UploadButton editor={editor} label="Add a shot" />
-    </div>
-  );
-}
-
 function Picture({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
-  const surround = useRef<HTMLDivElement>(null);
-  const size = useSize(surround);
-  const ratio = usePixelRatio();
-  const box = snapToPixels(letterbox(size.width, size.height, session.aspect), ratio);
-  const { width, height } = box;
-  useLayoutEffect(() => {
-    if (width > 0 && height > 0)
-      session.box.value = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
-  }, [session, width, height, ratio]);
   const motion = editor.remembered.motion.value === "on" ? MOTION_MOMENTS : 1;
   useLayoutEffect(() => {
     session.motion.value = motion;
   }, [session, motion]);
   useFocusMaps(editor, session);
-  const style = { left: `${box.left}px`, top: `${box.top}px`, width: `${width}px`, height: `${height}px` };
+  useKeptPosters(editor, session);
+  const onBox = useCallback(
+    (box: { readonly width: number; readonly height: number }) => void (session.box.value = box),
+    [session],
+  );
   return (
-    <div class="surround" ref={surround}>
-      <div
-        class="picture"
-        style={style}
-        onPointerMove={(event) => (session.pointer.value = placeOf(event))}
-        onPointerLeave={() => (session.pointer.value = null)}
-      >
-        <Canvas session={session} />
-        {hasOverlay(editor) && <FocusOverlay editor={editor} session={session} />}
-        <Wanted session={session} />
-        {session.pictures.refusal !== null && <p class="no-picture">{session.pictures.refusal}</p>}
-        <Guides editor={editor} session={session} />
-        <MeterSpot editor={editor} session={session} />
-        {editor.remembered.markers.value === "on" && <Markers editor={editor} session={session} />}
-        <Aim session={session} />
-        <Probe editor={editor} session={session} />
-        <Picking session={session} />
-      </div>
-      <Busy editor={editor} session={session} />
-    </div>
+    <Frame
+      aspect={session.aspect}
+      onBox={onBox}
+      onPointerMove={(event) => (session.pointer.value = placeOf(event))}
+      onPointerLeave={() => (session.pointer.value = null)}
+      beside={<Busy editor={editor} session={session} />}
+    >
+      <Canvas session={session} />
+      {hasOverlay(editor) && <FocusOverlay editor={editor} session={session} />}
+      <FirstPicture editor={editor} session={session} />
+      <Wanted session={session} />
+      {session.pictures.refusal !== null && <p class="no-picture">{session.pictures.refusal}</p>}
+      <Guides editor={editor} session={session} />
+      <MeterSpot editor={editor} session={session} />
+      {editor.remembered.markers.value === "on" && <Markers editor={editor} session={session} />}
+      <Aim session={session} />
+      <Probe editor={editor} session={session} />
+      <Picking session={session} />
+    </Frame>
   );
 }
 
@@ -142,13 +122,6 @@ function placeOf(event: MouseEvent): [number, number] {
   return [(event.clientX - frame.left) / frame.width, (event.clientY - frame.top) / frame.height];
 }
 
-/** Edges on device pixels, so that a picture of that many pixels is shown one to one. */
-function snapToPixels<Box extends Record<"left" | "top" | "width" | "height", number>>(box: Box, ratio: number): Box {
-  const snap = (value: number): number => Math.round(value * ratio) / ratio;
-  const even = (value: number): number => (Math.floor((value * ratio) / 2) * 2) / ratio;
-  return { ...box, left: snap(box.left), top: snap(box.top), width: even(box.width), height: even(box.height) };
-}
-
 /** Progress of the work under way, and of a picture that is refined. */
 function Busy({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
   const refining = session.pictures.busy.value;
@@ -163,8 +136,8 @@ function Busy({ editor, session }: { editor: Editor; session: Session }): JSX.El
   );
 }
 
-/** What is waited for, until the service takes more requests. */
-function Waiting({ editor }: { editor: Editor }): JSX.Element | null {
+/** Why nothing comes, until the service takes more requests. */
+function HeldBack({ editor }: { editor: Editor }): JSX.Element | null {
   const waiting = editor.waiting.value;
   if (waiting === null || editor.complaint.value) return null;
   return (

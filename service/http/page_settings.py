@@ -23,7 +23,7 @@ export interface SliderRange {
   readonly most: number;
   /** Of an arrow key; a ratio where the scale is logarithmic. */
   readonly step: number;
-  readonly scale: "linear" | "log" | "iso" | "zoom" | "ring";
+  readonly scale: "linear" | "stop" | "iso" | "zoom" | "ring";
   /** Word for 0; empty for the number. */
   readonly zero: string;
   /** Behind the number; a share is shown in %. */

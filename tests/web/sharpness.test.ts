@@ -1,14 +1,6 @@
 import { gateWidthMm, readMap } from "@/model/focus_map";
-import {
-  formatCircle,
-  formatOffset,
-  formatStop,
-  holdingStop,
-  judge,
-  missed,
-  sharpLimitMm,
-  stopsToHold,
-} from "@/model/sharpness";
+import { formatCircle, formatOffset, holdingStop, judge, missed, sharpLimitMm, stopsToHold } from "@/model/sharpness";
+import { formatStop } from "@/model/stops";
 import { decodeFocusMap } from "@/net/focus_map";
 import { FOCUS_MAP } from "./fake_service";
 import { point } from "./points";

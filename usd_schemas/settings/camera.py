@@ -22,7 +22,7 @@ class CameraData:
         usd_type="float",
         settable=Range(0, MAX_FINITE, zero="a pinhole"),
         bounds=Bounds(0, 1000),
-        slider=Slider(0.7, 32, 2 ** (1 / 6), "log", label="f-number"),
+        slider=Slider(0.7, 32, 2 ** (1 / 6), "stop", label="f-number"),
     )
     focal_length_mm: float = setting(
         "focalLength",
@@ -89,7 +89,7 @@ class ExposureData:
         usd_type="float",
         bounds=Bounds(0, 1e9, above=True),
         option=Option("--exposure-stop"),
-        slider=Slider(0.7, 32, 2 ** (1 / 6), "log", label="Stop", panel="stop"),
+        slider=Slider(0.7, 32, 2 ** (1 / 6), "stop", label="Stop", panel="stop"),
     )
     compensation_stops: float = setting(
         "exposure",

@@ -118,8 +118,9 @@ class Slider:
         least: at its left end.
         most: at its right end.
         step: of an arrow key; a ratio where the scale is logarithmic.
-        scale: equal travel for equal differences or for equal ratios; ``iso`` is logarithmic with the values of the ISO dial,
-            ``zoom`` with halves of a millimetre up to 100 mm and whole ones above, and ``ring`` ends at infinity.
+        scale: equal travel for equal differences; the others are logarithmic: ``stop`` with third stops as engraved on lenses,
+            ``iso`` with the values of the ISO dial, ``zoom`` with halves of a millimetre up to 100 mm and whole ones above,
+            and ``ring`` ends at infinity.
         zero: word that stands for 0; empty for the number.
         unit: behind the number; a share is shown in ``%``.
         label: beside the slider, where the property's display name is too long.
@@ -129,7 +130,7 @@ class Slider:
     least: float
     most: float
     step: float
-    scale: Literal["linear", "log", "iso", "zoom", "ring"] = "linear"
+    scale: Literal["linear", "stop", "iso", "zoom", "ring"] = "linear"
     zero: str = ""
     unit: str = ""
     label: str = ""

@@ -265,6 +265,11 @@ export class Session {
     ]);
   }
 
+  /** Whether the focus points set the f-number, so that nobody else does. */
+  readonly pointsSetStop = computed(
+    () => this.document.readout.value?.focusMode !== "manual" && this.document.focusSettings.value?.solveStop === true,
+  );
+
   /** Meters the light as things are now. */
   meter(): void {
     const { playhead, document, photography, selectedName } = this;

@@ -1,6 +1,7 @@
 /** How a slider's travel stands for a number: positions run from 0 to 1. */
 
 import { LENS_SLIDERS, POINT_SLIDERS, type SliderRange } from "./settings.gen";
+import { nearestThird, nextThird } from "./stops";
 
 export interface Scale {
   readonly min: number;
@@ -11,6 +12,8 @@ export interface Scale {
   toValue(position: number): number;
   /** The value one arrow key away. */
   step(value: number, count: number): number;
+  /** The same travel without its detents, where it has any. */
+  readonly free?: Scale;
 }
 
 /** Equal travel for equal ratios, as for focal lengths and stops. */
@@ -80,14 +83,29 @@ function onIsoDial(iso: number): number {
   return near.reduce((a, b) => (Math.abs(Math.log(b / iso)) < Math.abs(Math.log(a / iso)) ? b : a));
 }
 
+/** Travel that is alike for each stop. Its values are thirds of a stop; `free` has those between, too. */
+function stopScale(free: Scale): Scale {
+  const hold = (stop: number): number => Math.min(Math.max(stop, free.min), free.max);
+  return {
+    ...free,
+    free,
+    toValue: (position) => hold(nearestThird(free.toValue(position))),
+    step: (stop, count) => (stop > 0 ? hold(nextThird(stop, count) ?? (count > 0 ? free.max : free.min)) : free.min),
+  };
+}
+
 /** The scale of a slider as a setting declares it. */
 export function scaleOf({ least, most, step, scale }: SliderRange): Scale {
   if (scale === "linear") return linearScale(least, most, step);
   if (scale === "ring") return focusScale(least, most, step);
+  if (scale === "stop") return stopScale(logScale(least, most, step ** (1 / FREE_STEPS), significant(3)));
   return logScale(least, most, step, ROUNDED[scale]);
 }
 
-const ROUNDED = { iso: onIsoDial, zoom: onZoomRing, log: significant(2) } as const;
+/** Steps between two detents. */
+const FREE_STEPS = 10;
+
+const ROUNDED = { iso: onIsoDial, zoom: onZoomRing } as const;
 
 export const F_NUMBERS = scaleOf(LENS_SLIDERS.fStop.slider);
 export const FOCAL_LENGTHS_MM = scaleOf(LENS_SLIDERS.focalLengthMm.slider);

@@ -5,7 +5,7 @@ export interface SliderRange {
   readonly most: number;
   /** Of an arrow key; a ratio where the scale is logarithmic. */
   readonly step: number;
-  readonly scale: "linear" | "log" | "iso" | "zoom" | "ring";
+  readonly scale: "linear" | "stop" | "iso" | "zoom" | "ring";
   /** Word for 0; empty for the number. */
   readonly zero: string;
   /** Behind the number; a share is shown in %. */
@@ -47,7 +47,7 @@ export const EXPOSURE_SLIDERS = {
       "least": 0.7,
       "most": 32,
       "step": 1.122462048309373,
-      "scale": "log",
+      "scale": "stop",
       "zero": "",
       "unit": ""
     }
@@ -534,7 +534,7 @@ export const LENS_SLIDERS = {
       "least": 0.7,
       "most": 32,
       "step": 1.122462048309373,
-      "scale": "log",
+      "scale": "stop",
       "zero": "",
       "unit": ""
     }

@@ -31,18 +31,6 @@ export function holdingStop(fStop: number, cocMm: number, limitMm: number): numb
   return 2 ** (thirds / 6);
 }
 
-/** F-numbers as engraved, in thirds of a stop from f/0.5 on. */
-const ENGRAVED = [
-  ...[0.5, 0.56, 0.63, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.5, 2.8, 3.2, 3.5, 4, 4.5, 5, 5.6, 6.3, 7.1],
-  ...[8, 9, 10, 11, 13, 14, 16, 18, 20, 22, 25, 29, 32, 36, 40, 45, 51, 57, 64, 72, 80, 90],
-];
-
-/** An f-number as engraved, to the next third: f/5.6. */
-export function formatStop(fStop: number): string {
-  const thirds = Math.round(6 * Math.log2(fStop / 0.5));
-  return `f/${(ENGRAVED[thirds] ?? Number(fStop.toPrecision(2))).toString()}`;
-}
-
 /** A distance from the focus: +12 cm lies behind it. */
 export function formatOffset(offsetM: number, unit: LengthUnit): string {
   if (!Number.isFinite(offsetM)) return offsetM > 0 ? "+∞" : "−∞";

@@ -6,14 +6,32 @@ import type { Drag } from "../../editor/document";
 import type { Scale } from "../../model/scale";
 import { TypedNumber } from "./TypedNumber";
 
-export interface FieldProps {
+/** A way to show and type a number. */
+export interface Typed {
   readonly label: string;
-  readonly value: number;
-  readonly scale: Scale;
   readonly format: (value: number) => string;
   readonly parse: (text: string) => number | null;
   /** Example of a value, shown with one that cannot be read. */
   readonly example: string;
+}
+
+/** A mark along a slider. */
+export interface Mark {
+  /** 0 to 1. */
+  readonly at: number;
+  /** Null for a small one. */
+  readonly text: string | null;
+}
+
+export interface FieldProps extends Typed {
+  readonly value: number;
+  readonly scale: Scale;
+  /** What the label says on the page, where that is something else. */
+  readonly shown?: string;
+  /** Another way to show and type the same number. */
+  readonly also?: Typed;
+  /** Marks below the slider, which then has a line of its own. */
+  readonly marks?: readonly Mark[];
   readonly startDrag: () => Drag<number>;
   /** Whether `value` is what the service has now, so that a dragged value need not stand in for it. */
   readonly fresh: boolean;
@@ -35,32 +53,29 @@ const KEY_STEPS: Readonly<Record<string, number>> = {
 };
 
 export function Field(props: FieldProps): JSX.Element {
-  const { label, scale, format, parse, example, disabled = false } = props;
+  const { label, scale, format, parse, example, shown = label, also, marks, disabled = false } = props;
   const { value, move, commit, cancel } = useDrag(props);
+  // While Alt is held there are no detents.
+  const scaleFor = ({ altKey }: { readonly altKey: boolean }): Scale => (altKey ? (scale.free ?? scale) : scale);
+  const dragged = useRef(scale);
   const position = scale.toPosition(value) * TRAVEL;
   const step = (event: KeyboardEvent): void => {
     const count = KEY_STEPS[event.key];
     if (count !== undefined) {
       event.preventDefault();
-      move(scale.step(value, count));
+      move(scaleFor(event).step(value, count));
     } else if (event.key === "Escape") cancel();
   };
+  const typed = { value, disabled, onTyped: commit, onStep: step, onStepped: commit };
   return (
-    <div class="field" title={props.hint}>
+    <div class={marks ? "field marked" : "field"} title={props.hint}>
       <span class={props.labelHidden ? "field-label hidden" : "field-label"} aria-hidden="true">
-        {label}
+        {shown}
       </span>
-      <TypedNumber
-        label={label}
-        value={value}
-        format={format}
-        parse={parse}
-        example={example}
-        disabled={disabled}
-        onTyped={commit}
-        onStep={step}
-        onStepped={commit}
-      />
+      <span class="typed">
+        <TypedNumber {...typed} label={label} format={format} parse={parse} example={example} />
+        {also && <TypedNumber {...typed} {...also} />}
+      </span>
       <input
         type="range"
         class="slider"
@@ -73,8 +88,10 @@ export function Field(props: FieldProps): JSX.Element {
         aria-label={label}
         aria-valuetext={format(value)}
         onInput={(event) => {
-          move(scale.toValue(event.currentTarget.valueAsNumber / TRAVEL));
+          move(dragged.current.toValue(event.currentTarget.valueAsNumber / TRAVEL));
         }}
+        onPointerDown={(event) => (dragged.current = scaleFor(event))}
+        onPointerMove={(event) => (dragged.current = scaleFor(event))}
         onChange={() => {
           commit();
         }}
@@ -86,7 +103,20 @@ export function Field(props: FieldProps): JSX.Element {
           commit();
         }}
       />
+      {marks && <Marks marks={marks} />}
     </div>
+  );
+}
+
+function Marks({ marks }: { marks: readonly Mark[] }): JSX.Element {
+  return (
+    <span class="marks" aria-hidden="true">
+      {marks.map(({ at, text }) => (
+        <span key={at} class={text === null ? "minor" : ""} style={{ left: `${(100 * at).toFixed(2)}%` }}>
+          {text}
+        </span>
+      ))}
+    </span>
   );
 }
 

@@ -16,7 +16,7 @@ interface SettingProps extends FieldProps {
 
 export function Setting({ session, setting, keys, ...field }: SettingProps): JSX.Element {
   return (
-    <div class="setting">
+    <div class="setting" data-setting={setting}>
       <KeyDiamond
         label={field.label}
         what={field.label.toLowerCase()}

@@ -3,14 +3,15 @@
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { agrees, formatTime, parseShutter, type ExposureSettings, type Photography } from "../../model/photography";
-import { scaleOf } from "../../model/scale";
 import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
 import type { Readout } from "../../model/shot";
+import { BrightnessLine } from "./Brightness";
 import { LightMeter } from "./LightMeter";
 import { ExposureField, type ExposureSlider } from "../controls/ExposureField";
 import { quantityOf, type Quantity } from "../controls/quantity";
 import { parseQuantity, trim } from "../numbers";
 import { Setting } from "../controls/Setting";
+import { StopSetting } from "../controls/StopSetting";
 import { Edits } from "../controls/Edits";
 
 interface PartProps {
@@ -28,6 +29,7 @@ export function ExposurePanel({ session, current }: PartProps): JSX.Element {
         </span>
       </div>
       <div class="fields">
+        <BrightnessLine current={current} />
         <LightMeter session={session} exposure={current.exposure} />
         <Edits session={session}>
           <Stop session={session} current={current} />
@@ -45,24 +47,20 @@ function Stop({ session, current }: PartProps): JSX.Element | null {
   if (!lens) return null;
   const { exposure, readout } = current;
   const byIris = exposure.exposureStop === "iris";
-  const letter = exposure.stopMarking === "t" ? "T" : "f/";
-  const worth = `T${trim(readout.effectiveTStop, 1)}`;
-  const bellows =
-    readout.bellowsFactor > 1.005 ? `, with ${trim(Math.log2(readout.bellowsFactor), 1)} stops of bellows` : "";
+  const bellows = readout.bellowsFactor > 1.005 ? ` As focused it is worth T ${trim(readout.effectiveTStop, 2)}.` : "";
+  const pointsSetIt = byIris && session.pointsSetStop.value;
   return (
     <>
-      <Setting
+      <StopSetting
         {...stopField(session, exposure, lens)}
         session={session}
-        label="Stop"
-        hint={`${byIris ? "The iris" : "Of the exposure alone"}; worth ${worth}${bellows}`}
-        scale={scaleOf(EXPOSURE_SLIDERS.exposureFStop.slider)}
-        example="2.8"
-        format={(value) => (value === 0 ? "pinhole" : `${letter}${trim(value, 2)}`)}
-        parse={(text) => parseQuantity(text.replace(/^[ft]\s*\/?/i, ""), "")}
+        marking={exposure.stopMarking}
+        transmittance={exposure.transmittance}
+        disabled={pointsSetIt}
+        hint={`${pointsSetIt ? SET_BY_POINTS : byIris ? BY_IRIS : BY_EXPOSURE}${bellows}`}
       />
       <div class="stop-row">
-        <label class="switch-row" title="On, stopping down darkens the picture as it deepens the focus">
+        <label class="switch-row" title="On, stopping down darkens the picture; off, it only deepens the focus">
           <input
             type="checkbox"
             class="switch"
@@ -74,23 +72,25 @@ function Stop({ session, current }: PartProps): JSX.Element | null {
           The iris exposes
         </label>
         <Marking session={session} exposure={exposure} />
-        <span class="muted" title="The stop that the light goes by, with what the glass takes" data-meter="t-stop">
-          {worth}
-        </span>
       </div>
     </>
   );
 }
 
+const SET_BY_POINTS = "The focus points set the iris.";
+const BY_IRIS = "The stop of the iris, in thirds; hold Alt for anything between, or type it.";
+const BY_EXPOSURE =
+  "A stop that exposes and leaves the iris alone, in thirds; hold Alt for anything between, or type it.";
+
 const MARKINGS = {
-  f: "f-numbers: what the glass takes darkens the picture",
-  t: "T-stops, as on lenses for the cinema",
+  f: "The lens is marked in f-numbers: the light that the glass takes darkens the picture",
+  t: "The lens is marked in T-stops, as for the cinema: they have in them what the glass takes",
 };
 
 /** What the stops on the barrel are. */
 function Marking({ session, exposure }: { session: Session; exposure: ExposureSettings }): JSX.Element {
   return (
-    <div class="group" role="radiogroup" aria-label="The stops are">
+    <div class="group" role="radiogroup" aria-label="The lens is marked in">
       {(["f", "t"] as const).map((marking) => (
         <button
           key={marking}

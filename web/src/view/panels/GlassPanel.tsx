@@ -28,7 +28,7 @@ export function GlassPanel({ session, exposure }: PartProps): JSX.Element {
           <ExposureField key={declared.name} session={session} exposure={exposure} declared={declared} />
         ))}
         {SWITCHES.map(([name, label, hint]) => (
-          <label key={name} class="switch-row" title={hint}>
+          <label key={name} class="switch-row" title={hint} data-setting={name}>
             <input
               type="checkbox"
               class="switch"

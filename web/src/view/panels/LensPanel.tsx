@@ -4,13 +4,14 @@ import type { JSX } from "preact";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
-import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../../model/scale";
+import { FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../../model/scale";
 import { LENS_SLIDERS } from "../../model/settings.gen";
 import type { Readout } from "../../model/shot";
 import { DepthStrip } from "../viewer/DepthStrip";
 import { LensChooser } from "../dialogs/LensChooser";
 import { trim } from "../numbers";
 import { Setting } from "../controls/Setting";
+import { StopSetting } from "../controls/StopSetting";
 import { Edits } from "../controls/Edits";
 import { PanelWait } from "../controls/PanelWait";
 import { Reading } from "../controls/Reading";
@@ -43,25 +44,25 @@ export function LensPanel({ editor, session, unit }: LensPanelProps): JSX.Elemen
   );
 }
 
+const STOP_HINT = "f-number and T-stop of the lens, in thirds of a stop; hold Alt for anything between, or type it";
+
 function LensFields({ session, readout, unit }: { session: Session; readout: Readout; unit: LengthUnit }): JSX.Element {
   const fresh = session.document.fresh.value;
   const keys = session.document.focusSettings.value?.keys ?? {};
-  const pointsSetStop = readout.focusMode !== "manual" && session.document.focusSettings.value?.solveStop === true;
+  const exposure = session.photography.current.value?.exposure;
+  const pointsSetStop = session.pointsSetStop.value;
   return (
     <div class="fields">
-      <Setting
+      <StopSetting
         session={session}
         setting="fStop"
         keys={keys}
-        label={LENS_SLIDERS.fStop.label}
         value={readout.fStop}
-        scale={F_NUMBERS}
+        marking={exposure?.stopMarking ?? "f"}
+        transmittance={exposure?.transmittance ?? 1}
         fresh={fresh}
         disabled={pointsSetStop}
-        {...(pointsSetStop ? { hint: "The focus points set it" } : {})}
-        example="2.8"
-        format={(value) => (value === 0 ? "pinhole" : `f/${trim(value, 2)}`)}
-        parse={(text) => parseNumber(text, /^[ft]?\s*\/?\s*([\d.]+)$/i)}
+        hint={pointsSetStop ? "The focus points set it" : STOP_HINT}
         startDrag={() => session.dragLens("f-number", "fStop", readout)}
       />
       <Setting

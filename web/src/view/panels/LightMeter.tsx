@@ -92,7 +92,7 @@ function Head({ session, exposure }: MeterProps): JSX.Element {
     meteringMode === "spot" ? { meteringMode, meteringFocusPoint: session.selectedName.value ?? "" } : { meteringMode };
   return (
     <div class="meter-head">
-      <div class="group" role="radiogroup" aria-label="What the meter looks at">
+      <div class="group" role="radiogroup" aria-label="What the meter looks at" data-setting="meteringMode">
         {MODES.map((choice) => (
           <button
             key={choice}

@@ -3,7 +3,8 @@
 import type { JSX } from "preact";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
-import { formatCircle, formatOffset, formatStop, holdingStop, judge, missed } from "../../model/sharpness";
+import { formatCircle, formatOffset, holdingStop, judge, missed } from "../../model/sharpness";
+import { formatStop } from "../../model/stops";
 import type { FocusPoint, Readout } from "../../model/shot";
 import { gateOf, limitOf } from "../sharp_limit";
 

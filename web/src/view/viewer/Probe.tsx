@@ -5,7 +5,8 @@ import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance } from "../../model/distance";
 import { gateWidthMm, readMap } from "../../model/focus_map";
-import { formatCircle, formatStop, holdingStop } from "../../model/sharpness";
+import { formatCircle, holdingStop } from "../../model/sharpness";
+import { formatStop } from "../../model/stops";
 import { limitOf } from "../sharp_limit";
 import { stopsInWords } from "./FocusOverlay";
 

@@ -1,4 +1,6 @@
 import { signal } from "@preact/signals";
+import { Layout } from "@/editor/layout";
+import { Remembered } from "@/editor/remembered";
 import { Waits } from "@/editor/waits";
 import { isChord, shownChord, type KeyStroke } from "@/view/commands/chord";
 import { MENUS, type Place } from "@/view/commands/command";
@@ -37,10 +39,13 @@ describe("a chord", () => {
   });
 });
 
+const REMEMBERED = new Remembered();
+
 /** A place with no open shot. */
 const NOWHERE: Place = {
   editor: {
-    remembered: { panel: signal("focus"), settingsPanel: signal("off"), markers: signal("on") },
+    remembered: REMEMBERED,
+    layout: new Layout(REMEMBERED),
     identity: { noEdits: signal(null), who: signal(null) },
     library: { shots: signal([]) },
     waits: new Waits(),
@@ -74,9 +79,10 @@ describe("the commands", () => {
   });
 
   it("do what needs no shot", () => {
+    REMEMBERED.settingsPanel.value = "off";
     commandOf(stroke("c"), NOWHERE)?.act(NOWHERE);
     expect(NOWHERE.editor.remembered.panel.value).toBe("camera");
-    expect(NOWHERE.editor.remembered.settingsPanel.value).toBe("on");
+    expect(REMEMBERED.settingsPanel.value).toBe("on");
     const markers = commandOf(stroke("m"), NOWHERE);
     expect(markers?.isOn?.(NOWHERE)).toBe(true);
     markers?.act(NOWHERE);

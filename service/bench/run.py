@@ -9,25 +9,21 @@ import argparse
 import asyncio
 import http.client
 import json
-import os
-import platform
 import tempfile
 from collections.abc import Iterable, Sequence
-from datetime import UTC, datetime
-from importlib import metadata
 from pathlib import Path
 from statistics import median
 from time import sleep
 
 from render.errors import PullfocusError
-from render.gl.context import GraphicsContext
 from render.lab.bench.progress import check_file, say
 from render.lab.bench.soak.shot import write_soak_shot
 from service.bench.absurd import LEAVES_AFTER_S, absurd_path, admitted_rays
+from service.bench.machine import this_machine
 from service.bench.plan import LoadPlan, plan_from_arguments
 from service.bench.report import report
 from service.bench.requests import FIRST_CLIENT, Abandoned, Repeated, ask, leave_after, repeating, usual_requests
-from service.bench.results import AbsurdFound, DelayRow, Machine, ServiceBench, ViewersFound, goals_of, spread_of
+from service.bench.results import AbsurdFound, DelayRow, ServiceBench, ViewersFound, goals_of, spread_of
 from service.bench.server import running_service
 from service.bench.viewers import Viewer, ViewersBeside, drag_for
 
@@ -64,8 +60,11 @@ def measure(plan: LoadPlan) -> ServiceBench:
         PullfocusError: the service does not run.
         GraphicsError: there is no device to draw on.
     """
-    machine = _machine()
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name, running_service(Path(name), plan) as port:
+    machine = this_machine(PACKAGES)
+    with (
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name,
+        running_service(Path(name), plan.viewers, first=plan.first) as port,
+    ):
         soak_shot = write_soak_shot(Path(name))
         try:
             at_start, running = (_found(asyncio.run(drag_for(port, "demo", plan, plan.viewers))) for _ in range(2))
@@ -149,19 +148,6 @@ def _upload(port: int, stage: Path) -> str:
         raise PullfocusError(f"the service does not take a shot: {answer.decode(errors='replace')[:500]}")
     shot: str = json.loads(answer)["id"]
     return shot
-
-
-def _machine() -> Machine:
-    with GraphicsContext() as graphics:
-        device = graphics.renderer
-    return Machine(
-        datetime.now(UTC).isoformat(timespec="seconds"),
-        len(os.sched_getaffinity(0)),
-        device,
-        os.getloadavg()[0],
-        platform.python_version(),
-        {name: metadata.version(name) for name in PACKAGES},
-    )
 
 
 def _each_once(texts: Iterable[str]) -> list[str]:

@@ -15,23 +15,23 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from render.errors import PullfocusError
-from service.bench.plan import LoadPlan
 from service.bench.requests import FIRST_CLIENT, ask
 from service.http.settings import Settings
 
-START_S, STOP_S, PAUSE_S = 120.0, 30.0, 0.5
+START_S, READY_S, STOP_S, PAUSE_S = 120.0, 600.0, 30.0, 0.5
+"""Time for the service to listen, to compile its shaders at low priority, and to end; time between two questions."""
 
 
 @contextmanager
-def running_service(folder: Path, plan: LoadPlan) -> Iterator[int]:
+def running_service(folder: Path, viewers: int = 0, *, first: bool = False) -> Iterator[int]:
     """Run `pullfocus serve` until the end of the context.
 
-    Unless the plan measures the first start on a machine, its cache is the user's, and it has compiled its shaders before the
-    context begins.
+    Unless it is the first start on a machine, its cache is the user's, and it has compiled its shaders before the context begins.
 
     Args:
         folder: where its data goes.
-        plan: how many viewers come, and whether the cache begins empty.
+        viewers: how many live viewers come at the same time.
+        first: whether it starts as on a machine where it never ran: its cache is empty.
 
     Yields:
         Its port on 127.0.0.1.
@@ -40,8 +40,8 @@ def running_service(folder: Path, plan: LoadPlan) -> Iterator[int]:
         PullfocusError: it does not start.
     """
     configuration = folder / "serve.toml"
-    cache = 'cache = "cache"\n' if plan.first else ""
-    most = max(plan.viewers, Settings.max_viewers)
+    cache = 'cache = "cache"\n' if first else ""
+    most = max(viewers, Settings.max_viewers)
     configuration.write_text(f'data = "data"\n{cache}port = 0\nmax_viewers = {most}\n', encoding="utf-8")
     command = [sys.executable, "-m", "render.cli", "serve", "--log-format", "text", "--config", str(configuration)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
@@ -62,7 +62,7 @@ def running_service(folder: Path, plan: LoadPlan) -> Iterator[int]:
             # Read on and dropped: a full pipe would stop the service.
             threading.Thread(target=said.extend, args=(process.stderr,), daemon=True).start()
             port = int(address[1])
-            _wait_until_ready(port, may_warm=plan.first)
+            _wait_until_ready(port, may_warm=first)
             yield port
         finally:
             late.cancel()
@@ -83,7 +83,7 @@ def _wait_until_ready(port: int, *, may_warm: bool) -> None:
     Raises:
         PullfocusError: it is not ready in time, or it has ended.
     """
-    until_s = time.monotonic() + START_S
+    until_s = time.monotonic() + READY_S
     while True:
         try:
             status, detail = ask(port, FIRST_CLIENT, "GET", "/readyz")

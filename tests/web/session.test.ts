@@ -145,8 +145,8 @@ describe("a key that is set while it plays", () => {
       ...(await new FakeService().readout()),
       fStop: time ?? 0,
     }));
-    session.toggleKey(point("near"), "weight");
-    session.toggleSettingKey("f-number", "fStop");
+    void session.toggleKey(point("near"), "weight");
+    void session.toggleSettingKey("f-number", "fStop");
     expect(session.playhead.playing.value).toBe(false);
     await session.idle();
     expect(fake.made.flat()).toMatchObject([
@@ -161,7 +161,7 @@ describe("a key that is set while it plays", () => {
     const photography = { exposure: { shutterClose: 0.5, keys: {} }, film: { push: 1, keys } };
     vi.spyOn(fake, "photography").mockResolvedValue(photography as unknown as Photography);
     vi.spyOn(fake, "focusSettings").mockResolvedValue({ tiltDeg: 3, keys: {} } as unknown as FocusSettings);
-    for (const setting of ["shutterClose", "push", "tiltDeg"] as const) session.toggleSettingKey("", setting);
+    for (const setting of ["shutterClose", "push", "tiltDeg"] as const) void session.toggleSettingKey("", setting);
     await session.idle();
     expect(fake.made.flat()).toMatchObject([
       { type: "keySetting", setting: "shutterClose", key: { value: 0.5 } },

@@ -38,9 +38,9 @@ export class PointEdits {
     void this.#document.edit(`Make ${point.name} ${kind}`, setKind(point, kind, this.#time.value));
   }
 
-  setEnabled(point: FocusPoint, enabled: boolean): void {
+  setEnabled(point: FocusPoint, enabled: boolean): Promise<boolean> {
     const change = setAttribute(point, "enabled", Number(enabled), this.#time.value);
-    void this.#document.edit(`${enabled ? "Enable" : "Disable"} ${point.name}`, change);
+    return this.#document.edit(`${enabled ? "Enable" : "Disable"} ${point.name}`, change);
   }
 
   /** Racks the focus from one point to another, from now on. */

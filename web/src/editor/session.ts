@@ -12,9 +12,7 @@ import {
   type SimpleAttribute,
 } from "../model/changes";
 import { isDense } from "../model/correction";
-import type { LensSummary } from "../model/lens";
 import type { KeyedSetting } from "../model/keys";
-import type { BodySummary } from "../model/photography";
 import { restQuality } from "../model/quality";
 import {
   inFrame,
@@ -33,7 +31,6 @@ import {
 } from "../model/shot";
 import { sameTime } from "../model/time";
 import { HintError } from "../net/errors";
-import { base64Of } from "../net/files";
 import type { Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { CacheFiller } from "./cache_filler";
@@ -45,6 +42,7 @@ import { CameraPhotography } from "./photography";
 import type { Fail } from "./fail";
 import { FrameCache } from "./frame_cache";
 import type { Identity } from "./identity";
+import { Mounting } from "./mounting";
 import { Picks, type Place } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
@@ -77,6 +75,7 @@ export class Session {
   readonly keys: KeyEditing;
   readonly corrections: Corrections;
   readonly downloads: Downloads;
+  readonly mounting: Mounting;
   /** What is waited for, in the shot and beside it. */
   readonly waits: Waits;
   readonly notes = signal<readonly Note[]>([]);
@@ -131,6 +130,7 @@ export class Session {
     });
     this.playhead.watch(this.pictures.displayed);
     this.filler = new CacheFiller(service, this, fail);
+    this.mounting = new Mounting(this.document);
     this.downloads = new Downloads(service, this);
     const [unfollow, unwait] = [this.#follow(), followWaits(waits, this)];
     this.#stop = () => {
@@ -191,9 +191,9 @@ export class Session {
     void this.pulls.pullTo(point, this.playhead.time.value);
   }
 
-  setFocusMode(mode: FocusMode): void {
+  setFocusMode(mode: FocusMode): Promise<boolean> {
     const before = this.document.readout.value?.focusMode ?? mode;
-    void this.document.edit(`Focus ${MODE_NAMES[mode]}`, setFocusMode(mode, before));
+    return this.document.edit(`Focus ${MODE_NAMES[mode]}`, setFocusMode(mode, before));
   }
 
   setFocusSwitch(label: string, name: FocusSwitch, on: boolean, before: FocusSettings): void {
@@ -229,10 +229,10 @@ export class Session {
   }
 
   /** Sets or removes a key of a point where the playhead is, which stays there. */
-  toggleKey({ name }: FocusPoint, attribute: SimpleAttribute): void {
+  toggleKey({ name }: FocusPoint, attribute: SimpleAttribute): Promise<boolean> {
     this.playhead.pause();
     const time = this.playhead.time.value;
-    void this.document.edit(`Key of ${name}`, async () => {
+    return this.document.edit(`Key of ${name}`, async () => {
       const point = (await this.document.pointsAt(time)).find((candidate) => candidate.name === name);
       if (!point) throw new HintError(`There is no ${name} any more.`, "Select another point.");
       return toggleKey(point, attribute, time);
@@ -247,24 +247,6 @@ export class Session {
     return this.document.drag(label, (value: number) => setLens(name, value, time, before, curve, keys));
   }
 
-  /** Puts a lens of the library on the camera, or with null the thin lens. */
-  mountLens(lens: LensSummary | null): void {
-    void this.document.edit(`Mount ${lens?.title ?? "the thin lens"}`, [
-      { type: "setCamera", values: { lens: lens?.name ?? null } },
-    ]);
-  }
-
-  mountBody(body: BodySummary): void {
-    void this.document.edit(`Mount the ${body.title}`, [{ type: "setCamera", values: { body: body.name } }]);
-  }
-
-  /** Gives the camera the focus curve of a file; it is focused by hand then. */
-  importCurve(file: File): void {
-    void this.document.edit(`Import ${file.name}`, async () => [
-      { type: "importCurve", content: await base64Of(file), gaps: "interpolate" },
-    ]);
-  }
-
   /** Whether the focus points set the f-number, so that nobody else does. */
   readonly pointsSetStop = computed(
     () => this.document.readout.value?.focusMode !== "manual" && this.document.focusSettings.value?.solveStop === true,
@@ -277,19 +259,13 @@ export class Session {
   }
 
   /** Sets or removes a key of a setting where the playhead is, which stays there. */
-  toggleSettingKey(label: string, setting: KeyedSetting): void {
+  toggleSettingKey(label: string, setting: KeyedSetting): Promise<boolean> {
     this.playhead.pause();
     const time = this.playhead.time.value;
-    void this.document.edit(`Key of ${label}`, async () => {
+    return this.document.edit(`Key of ${label}`, async () => {
       const { value, keys } = await readSetting(this.#service, this.document.view, setting, time);
       return toggleSettingKey(setting, value, time, keys);
     });
-  }
-
-  mountLensFile(file: File): void {
-    void this.document.edit(`Mount ${file.name}`, async () => [
-      { type: "mountLensFile", fileName: file.name, content: await base64Of(file) },
-    ]);
   }
 
   /** Resolves when all edits that were begun are made. */

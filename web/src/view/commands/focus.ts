@@ -83,9 +83,7 @@ const MODES = FOCUS_MODES.map((mode, at): SessionCommand => ({
   keys: [`Alt Shift ${at + 1}`],
   isOn: ({ document }) => document.readout.value?.focusMode === mode,
   refusal: mayEdit,
-  act: (session) => {
-    session.setFocusMode(mode);
-  },
+  act: (session) => void session.setFocusMode(mode),
 }));
 
 const SELECTING: readonly SessionCommand[] = [
@@ -139,15 +137,15 @@ const POINTS: readonly SessionCommand[] = [
   onPoint("Go to the point’s next key", ["."], (session, point) => {
     session.goToKey(point, 1);
   }),
-  onPoint("Set or remove the point’s weight key", ["S"], (session, point) => {
-    session.toggleKey(point, "weight");
-  }),
+  onPoint("Set or remove the point’s weight key", ["S"], (session, point) => void session.toggleKey(point, "weight")),
   onPoint("Make the point sharp or soft", ["Shift S"], ({ pointEdits }, point) => {
     pointEdits.setKind(point, point.settings.kind === "sharp" ? "soft" : "sharp");
   }),
-  onPoint("Let the point count, or not", ["E"], ({ pointEdits }, point) => {
-    pointEdits.setEnabled(point, !point.settings.enabled);
-  }),
+  onPoint(
+    "Let the point count, or not",
+    ["E"],
+    ({ pointEdits }, point) => void pointEdits.setEnabled(point, !point.settings.enabled),
+  ),
   onPoint("Remove the point", ["Delete", "Backspace"], ({ pointEdits }, point) => {
     pointEdits.remove(point);
   }),

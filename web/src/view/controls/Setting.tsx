@@ -18,13 +18,13 @@ export function Setting({ session, setting, keys, ...field }: SettingProps): JSX
   return (
     <div class="setting" data-setting={setting}>
       <KeyDiamond
+        session={session}
         label={field.label}
         what={field.label.toLowerCase()}
         keyed={(keys[setting] ?? []).length > 0}
         now={settingKeyAt(keys, setting, session.playhead.time.value) !== null}
-        onToggle={() => {
-          session.toggleSettingKey(field.label.toLowerCase(), setting);
-        }}
+        fresh={field.fresh}
+        onToggle={() => session.toggleSettingKey(field.label.toLowerCase(), setting)}
       />
       <Field {...field} />
     </div>

@@ -28,7 +28,7 @@ export function LensChooser({ editor, session, readout }: LensChooserProps): JSX
           aria-label="Lens on the camera"
           value={valueOf(mounted)}
           onChange={(event) => {
-            session.mountLens(lenses.find(({ name }) => name === event.currentTarget.value) ?? null);
+            session.mounting.lens(lenses.find(({ name }) => name === event.currentTarget.value) ?? null);
           }}
         >
           {mounted.kind === "other" && <option value={OTHER}>{mounted.title}</option>}
@@ -59,7 +59,7 @@ export function LensChooser({ editor, session, readout }: LensChooserProps): JSX
           accept=".dat,.zmx,.seq,.txt,.lens"
           onChange={({ currentTarget }) => {
             const chosen = currentTarget.files?.[0];
-            if (chosen) session.mountLensFile(chosen);
+            if (chosen) session.mounting.lensFile(chosen);
             currentTarget.value = "";
           }}
         />

@@ -62,7 +62,7 @@ function Body({ editor, session, film }: { editor: Editor; session: Session; fil
             hint={mounted?.description}
             onChoose={(name) => {
               const body = bodies.find((one) => one.name === name);
-              if (body) session.mountBody(body);
+              if (body) session.mounting.body(body);
             }}
           >
             {!mounted && <option value={OTHER}>{film.body || "The shot’s own gate"}</option>}

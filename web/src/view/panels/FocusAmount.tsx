@@ -45,13 +45,13 @@ export function Switch({ session, settings, name, label, hint, onEdit }: SwitchP
   return (
     <div class="setting">
       <KeyDiamond
+        session={session}
         label={label}
         what={label.toLowerCase()}
         keyed={(settings.keys[name] ?? []).length > 0}
         now={settingKeyAt(settings.keys, name, session.playhead.time.value) !== null}
-        onToggle={() => {
-          session.toggleSettingKey(label.toLowerCase(), name);
-        }}
+        fresh={session.document.fresh.value}
+        onToggle={() => session.toggleSettingKey(label.toLowerCase(), name)}
       />
       <label class="switch-row" title={hint}>
         <input

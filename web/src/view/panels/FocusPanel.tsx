@@ -5,6 +5,7 @@ import { useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { FOCUS_MODES, type FocusMode } from "../../model/shot";
+import { useChosen } from "../controls/chosen";
 import { ModeSettings } from "./FocusSettings";
 import { Misses } from "./PointVerdict";
 
@@ -63,7 +64,7 @@ function CurveImport({ session }: { session: Session }): JSX.Element {
         accept=".csv,.json,.otio"
         onChange={({ currentTarget }) => {
           const chosen = currentTarget.files?.[0];
-          if (chosen) session.importCurve(chosen);
+          if (chosen) session.mounting.curve(chosen);
           currentTarget.value = "";
         }}
       />
@@ -72,6 +73,7 @@ function CurveImport({ session }: { session: Session }): JSX.Element {
 }
 
 function ModeChooser({ session, mode }: { session: Session; mode: FocusMode }): JSX.Element {
+  const [shown, chosen] = useChosen(mode, session.document.fresh.value);
   return (
     <div class="group modes" role="radiogroup" aria-label="Who focuses">
       {FOCUS_MODES.map((choice) => (
@@ -80,10 +82,10 @@ function ModeChooser({ session, mode }: { session: Session; mode: FocusMode }): 
           type="button"
           class="button small"
           role="radio"
-          aria-checked={mode === choice}
+          aria-checked={shown === choice}
           title={MODES[choice][1]}
           onClick={() => {
-            session.setFocusMode(choice);
+            chosen.choose(choice, session.setFocusMode(choice));
           }}
         >
           {MODES[choice][0]}

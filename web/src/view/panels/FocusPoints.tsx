@@ -7,6 +7,7 @@ import { formatDistance, type LengthUnit } from "../../model/distance";
 import { WEIGHTS } from "../../model/scale";
 import { holderOf } from "../../model/parts";
 import { inFrame, type FocusPoint } from "../../model/shot";
+import { useChosen } from "../controls/chosen";
 import { Edits } from "../controls/Edits";
 import { Field } from "../controls/Field";
 import { Icon } from "../icons";
@@ -41,6 +42,7 @@ interface RowProps {
 function PointRow({ editor, session, point }: RowProps): JSX.Element {
   const { name, settings } = point;
   const selected = session.selected.value === name;
+  const [enabled, chosen] = useChosen(settings.enabled, session.document.fresh.value, session.playhead.time.value);
   return (
     <li
       class={`point${selected ? " selected" : ""}${settings.enabled ? "" : " off"}`}
@@ -51,11 +53,12 @@ function PointRow({ editor, session, point }: RowProps): JSX.Element {
           <input
             type="checkbox"
             class="switch"
-            checked={settings.enabled}
+            checked={enabled}
             aria-label={`${name} enabled`}
             title="Enabled"
-            onChange={(event) => {
-              session.pointEdits.setEnabled(point, event.currentTarget.checked);
+            onChange={() => {
+              // Not as the box is: the same click selects the point, and that has drawn the box anew.
+              chosen.choose(!enabled, session.pointEdits.setEnabled(point, !enabled), session.playhead.time.value);
             }}
           />
           <KeyButton session={session} point={point} attribute="enabled" />

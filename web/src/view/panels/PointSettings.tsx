@@ -184,14 +184,14 @@ export function KeyButton({
   const keyed = keysOf(point, attribute).length > 0;
   return (
     <KeyDiamond
+      session={session}
       label={`${point.name}, ${attribute}`}
       what={attribute}
       keyed={keyed}
       now={key !== null}
       shortcut={attribute === "weight" ? " (S)" : ""}
-      onToggle={() => {
-        session.toggleKey(point, attribute);
-      }}
+      fresh={session.document.fresh.value}
+      onToggle={() => session.toggleKey(point, attribute)}
     />
   );
 }

@@ -1,0 +1,1 @@
+"""`pullfocus bench page`: the page in a real browser, on a real service with the demo shot."""

@@ -227,7 +227,7 @@ def test_a_quick_bench_measures_everything(tmp_path: Path, capsys: pytest.Captur
     found = json.loads(file.read_text())
     assert all(row["response"]["count"] == 2 for row in found["controls"])
     assert [row["picture"]["count"] for row in found["drags"]] == [2, 2]
-    assert [row["pictures"] > 0 for row in found["scrubs"]] == [True, True]
+    assert all(row["longest_gap_s"] > 0 for row in found["scrubs"])
     assert found["playback"]["frames"] == 2
     assert found["opening"]["picture"]["median_s"] > found["opening"]["loaded"]["median_s"] > 0
     assert found["random_use"]["rounds"][0]["gestures"] > 0

@@ -2,7 +2,7 @@
 
 import Combobox from "@github/combobox-nav";
 import type { JSX } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Place } from "../commands/command";
 import { COMMANDS, found, placeOf, shownKeys } from "../commands/table";
@@ -103,7 +103,8 @@ function useCombobox(
   list: { readonly current: HTMLUListElement | null },
   typed: string,
 ): void {
-  useEffect(() => {
+  // At once, so that Enter finds what was typed just before.
+  useLayoutEffect(() => {
     if (!input.current || !list.current) return;
     const combobox = new Combobox(input.current, list.current, {
       firstOptionSelectionMode: "selected",

@@ -1,6 +1,7 @@
 /** Choices that the page remembers between visits; undo leaves them alone. */
 
 import { effect, signal, type Signal } from "@preact/signals";
+import { Folded } from "./folded";
 import type { LengthUnit } from "../model/distance";
 import { REACHES, type Reach } from "../model/pull";
 import { EASES, type Ease } from "../model/shot";
@@ -28,6 +29,8 @@ export class Remembered {
   readonly shotsWidth = numberOf(remembered<string>("shotsWidth", "0", null), 0);
   readonly settingsWidth = numberOf(remembered<string>("settingsWidth", "0", null), 0);
   readonly curveHeight = numberOf(remembered<string>("curveHeight", "0", null), 0);
+  /** Sections of the settings that are folded. */
+  readonly folded = new Folded(remembered<string>("folded", "", null));
   /** Whether pictures at rest have motion blur. */
   readonly motion = remembered<"on" | "off">("motion", "off", ["on", "off"]);
   /** What is drawn over the picture of how sharp things are. */

@@ -13,6 +13,7 @@ import { FilmPanel, GradePanel } from "./FilmPanel";
 import { GlassPanel } from "./GlassPanel";
 import { PanelWait } from "../controls/PanelWait";
 import { trim } from "../numbers";
+import { Section } from "./Section";
 
 export function CameraPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   const current = session.photography.current.value;
@@ -47,13 +48,15 @@ function Body({ editor, session, film }: { editor: Editor; session: Session; fil
   const [width, height] = film.gateMm;
   const { guide } = editor.remembered;
   return (
-    <section class="body" aria-labelledby="body-title">
-      <div class="panel-head">
-        <h2 id="body-title">Body</h2>
+    <Section
+      name="body"
+      title="Body"
+      aside={
         <span class="muted">
           {trim(width, 2)} × {trim(height, 2)} mm
         </span>
-      </div>
+      }
+    >
       <div class="fields">
         <Edits session={session}>
           <Choice
@@ -89,7 +92,7 @@ function Body({ editor, session, film }: { editor: Editor; session: Session; fil
           <Options values={shapes.map(({ name }) => name)} />
         </Choice>
       </div>
-    </section>
+    </Section>
   );
 }
 
@@ -104,10 +107,7 @@ function Motion({ editor, session, current }: { editor: Editor; session: Session
   const { motion } = editor.remembered;
   const still = current.exposure.shutterAngleDeg === 0;
   return (
-    <section class="motion" aria-labelledby="motion-title">
-      <div class="panel-head">
-        <h2 id="motion-title">Motion</h2>
-      </div>
+    <Section name="motion" title="Motion">
       <div class="fields">
         <label
           class="switch-row"
@@ -135,6 +135,6 @@ function Motion({ editor, session, current }: { editor: Editor; session: Session
           </Choice>
         </Edits>
       </div>
-    </section>
+    </Section>
   );
 }

@@ -13,6 +13,7 @@ import { parseQuantity, trim } from "../numbers";
 import { Setting } from "../controls/Setting";
 import { StopSetting } from "../controls/StopSetting";
 import { Edits } from "../controls/Edits";
+import { Section } from "./Section";
 
 interface PartProps {
   readonly session: Session;
@@ -21,13 +22,15 @@ interface PartProps {
 
 export function ExposurePanel({ session, current }: PartProps): JSX.Element {
   return (
-    <section class="exposure" aria-labelledby="exposure-title">
-      <div class="panel-head">
-        <h2 id="exposure-title">Exposure</h2>
+    <Section
+      name="exposure"
+      title="Exposure"
+      aside={
         <span class="muted" title="Exposure value of stop, time and ISO, at ISO 100">
           EV <b data-meter="ev">{trim(current.readout.ev100, 1)}</b>
         </span>
-      </div>
+      }
+    >
       <div class="fields">
         <BrightnessLine current={current} />
         <LightMeter session={session} exposure={current.exposure} />
@@ -37,7 +40,7 @@ export function ExposurePanel({ session, current }: PartProps): JSX.Element {
           <Numbers session={session} exposure={current.exposure} />
         </Edits>
       </div>
-    </section>
+    </Section>
   );
 }
 

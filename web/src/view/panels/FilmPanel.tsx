@@ -10,6 +10,7 @@ import { Choice, Options } from "../controls/Choice";
 import { quantityOf } from "../controls/quantity";
 import { Edits } from "../controls/Edits";
 import { Setting } from "../controls/Setting";
+import { Section } from "./Section";
 
 const [NO_FILM, SENSOR, DRAWN] = ["", "*digital", "*drawn"];
 
@@ -23,10 +24,12 @@ export function FilmPanel({ editor, session, film }: PartProps & { readonly edit
   const stock = films.find(({ name }) => name === film.stock);
   const inCamera = film.process !== "none" && film.process !== "digital";
   return (
-    <section class="film" aria-labelledby="film-title">
-      <div class="panel-head">
-        <h2 id="film-title">Film</h2>
-        {stock && inCamera && (
+    <Section
+      name="film"
+      title="Film"
+      aside={
+        stock &&
+        inCamera && (
           <button
             type="button"
             class="button small"
@@ -35,8 +38,9 @@ export function FilmPanel({ editor, session, film }: PartProps & { readonly edit
           >
             Sheet
           </button>
-        )}
-      </div>
+        )
+      }
+    >
       <div class="fields">
         <Edits session={session}>
           <StockChoice session={session} film={film} films={films} />
@@ -49,7 +53,7 @@ export function FilmPanel({ editor, session, film }: PartProps & { readonly edit
             ))}
         </Edits>
       </div>
-    </section>
+    </Section>
   );
 }
 
@@ -183,10 +187,7 @@ export function GradePanel({ session, film }: PartProps): JSX.Element | null {
     session.photography.setFilm(label, change, film);
   };
   return (
-    <section class="grade" aria-labelledby="grade-title">
-      <div class="panel-head">
-        <h2 id="grade-title">Grade</h2>
-      </div>
+    <Section name="grade" title="Grade">
       <div class="fields">
         <Edits session={session}>
           <Choice
@@ -221,6 +222,6 @@ export function GradePanel({ session, film }: PartProps): JSX.Element | null {
           </Choice>
         </Edits>
       </div>
-    </section>
+    </Section>
   );
 }

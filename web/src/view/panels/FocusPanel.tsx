@@ -8,6 +8,7 @@ import { FOCUS_MODES, type FocusMode } from "../../model/shot";
 import { useChosen } from "../controls/chosen";
 import { ModeSettings } from "./FocusSettings";
 import { Misses } from "./PointVerdict";
+import { Section } from "./Section";
 
 const MODES: Readonly<Record<FocusMode, readonly [name: string, does: string]>> = {
   manual: ["By hand", "The focus distance is yours to set and to key"],
@@ -21,11 +22,7 @@ export function FocusPanel({ editor, session }: { editor: Editor; session: Sessi
   const settings = session.document.focusSettings.value;
   if (!readout || !settings) return null;
   return (
-    <section class="focus" aria-labelledby="focus-title">
-      <div class="panel-head">
-        <h2 id="focus-title">Focus</h2>
-        <CurveImport session={session} />
-      </div>
+    <Section name="focus" title="Focus" aside={<CurveImport session={session} />}>
       <div class="fields">
         <ModeChooser session={session} mode={readout.focusMode} />
         <p class="reason" title={readout.reason}>
@@ -39,7 +36,7 @@ export function FocusPanel({ editor, session }: { editor: Editor; session: Sessi
         <Misses editor={editor} session={session} readout={readout} />
         <ModeSettings session={session} readout={readout} settings={settings} />
       </div>
-    </section>
+    </Section>
   );
 }
 

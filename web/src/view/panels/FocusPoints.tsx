@@ -14,22 +14,23 @@ import { Icon } from "../icons";
 import { parseQuantity } from "../numbers";
 import { KeyButton, PointSettings } from "./PointSettings";
 import { PointVerdict } from "./PointVerdict";
+import { Section } from "./Section";
 
 export function FocusPoints({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   const points = session.document.points.value;
   return (
-    <section class="points" aria-labelledby="points-title">
-      <div class="panel-head">
-        <h2 id="points-title">Focus points</h2>
-        <span class="muted">{points.length > 0 ? points.length : ""}</span>
-      </div>
+    <Section
+      name="points"
+      title="Focus points"
+      aside={<span class="muted">{points.length > 0 ? points.length : ""}</span>}
+    >
       {points.length === 0 && <p class="muted pad">None yet. Click on what must be sharp.</p>}
       <ul>
         {points.map((point) => (
           <PointRow key={point.name} editor={editor} session={session} point={point} />
         ))}
       </ul>
-    </section>
+    </Section>
   );
 }
 

@@ -5,6 +5,7 @@ import type { Session } from "../../editor/session";
 import type { ExposureSettings } from "../../model/photography";
 import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
 import { ExposureField, type ExposureSlider } from "../controls/ExposureField";
+import { Section } from "./Section";
 
 interface PartProps {
   readonly session: Session;
@@ -19,10 +20,7 @@ const SWITCHES = [
 
 export function GlassPanel({ session, exposure }: PartProps): JSX.Element {
   return (
-    <section class="glass" aria-labelledby="glass-title">
-      <div class="panel-head">
-        <h2 id="glass-title">Glass</h2>
-      </div>
+    <Section name="glass" title="Glass">
       <div class="fields">
         {AMOUNTS.map((declared) => (
           <ExposureField key={declared.name} session={session} exposure={exposure} declared={declared} />
@@ -41,6 +39,6 @@ export function GlassPanel({ session, exposure }: PartProps): JSX.Element {
           </label>
         ))}
       </div>
-    </section>
+    </Section>
   );
 }

@@ -12,6 +12,7 @@ import { CameraPanel } from "./CameraPanel";
 import { FocusPanel } from "./FocusPanel";
 import { FocusPoints } from "./FocusPoints";
 import { LensPanel } from "./LensPanel";
+import { FoldedContext } from "./Section";
 
 export function Inspector({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
@@ -31,7 +32,7 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
             <CreateCamera editor={editor} session={session} />
           </div>
         ) : session ? (
-          <>
+          <FoldedContext.Provider value={editor.remembered.folded}>
             <Tabs editor={editor} />
             <ReadOnly session={session} />
             {editor.remembered.panel.value === "camera" ? (
@@ -47,7 +48,7 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
                 <FocusPoints editor={editor} session={session} />
               </div>
             )}
-          </>
+          </FoldedContext.Provider>
         ) : (
           <p class="muted pad-all">The lens and the focus points of a shot show here.</p>
         )}

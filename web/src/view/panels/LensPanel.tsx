@@ -15,6 +15,7 @@ import { StopSetting } from "../controls/StopSetting";
 import { Edits } from "../controls/Edits";
 import { PanelWait } from "../controls/PanelWait";
 import { Reading } from "../controls/Reading";
+import { Section } from "./Section";
 
 interface LensPanelProps {
   readonly editor: Editor;
@@ -25,10 +26,7 @@ interface LensPanelProps {
 export function LensPanel({ editor, session, unit }: LensPanelProps): JSX.Element {
   const readout = session.document.readout.value;
   return (
-    <section aria-labelledby="lens-title">
-      <div class="panel-head">
-        <h2 id="lens-title">Lens</h2>
-      </div>
+    <Section name="lens" title="Lens">
       {readout ? (
         <>
           <LensChooser editor={editor} session={session} readout={readout} />
@@ -40,7 +38,7 @@ export function LensPanel({ editor, session, unit }: LensPanelProps): JSX.Elemen
       ) : (
         <PanelWait session={session} what="lens" />
       )}
-    </section>
+    </Section>
   );
 }
 

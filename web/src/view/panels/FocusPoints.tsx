@@ -132,7 +132,7 @@ function Weight({ session, point }: { session: Session; point: FocusPoint }): JS
 function where(point: FocusPoint, unit: LengthUnit): string {
   const holder = holderOf(point);
   if (point.depthM === null) return `not on ${holder} now`;
-  const follows = point.part === "" ? "" : `follows ${holder}, `;
-  if (point.depthM <= 0) return `${follows}behind the camera`;
-  return `${follows}${formatDistance(point.depthM, unit)}${inFrame(point) ? "" : ", out of frame"}`;
+  const follows = point.part === "" ? "" : `, follows ${holder}`;
+  if (point.depthM <= 0) return `behind the camera${follows}`;
+  return `${formatDistance(point.depthM, unit)}${inFrame(point) ? "" : ", out of frame"}${follows}`;
 }

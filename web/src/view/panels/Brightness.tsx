@@ -45,7 +45,9 @@ function Value({ part: { text, setting } }: { part: Part }): JSX.Element {
 /** Focuses the control of a setting, where the page shows one. */
 function focusControl(setting: string): void {
   const place = document.querySelector(`[data-setting="${setting}"]`);
-  const control = place?.querySelector<HTMLElement>("input, [aria-checked=true], select, button");
+  const control =
+    place?.querySelector<HTMLElement>("input.number") ??
+    place?.querySelector<HTMLElement>("input, [aria-checked=true], select, button");
   control?.scrollIntoView({ block: "nearest" });
   control?.focus();
 }

@@ -1,6 +1,7 @@
 /** The list of focus points: what each asks for at this time, its keys, and where it is. */
 
-import type { JSX } from "preact";
+import type { JSX, RefObject } from "preact";
+import { useEffect, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
@@ -40,28 +41,48 @@ interface RowProps {
   readonly point: FocusPoint;
 }
 
+/** An element that is scrolled to when it is wanted. */
+function useScrolled<Shown extends HTMLElement>(isWanted: boolean): RefObject<Shown | null> {
+  const ref = useRef<Shown>(null);
+  useEffect(() => {
+    if (isWanted) ref.current?.scrollIntoView({ block: "nearest" });
+  }, [isWanted]);
+  return ref;
+}
+
+/** Whether a point counts. */
+function CountSwitch({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
+  const { name, settings } = point;
+  const [enabled, chosen] = useChosen(settings.enabled, session.document.fresh.value, session.playhead.time.value);
+  return (
+    <input
+      type="checkbox"
+      class="switch"
+      checked={enabled}
+      aria-label={`${name} enabled`}
+      title="Enabled"
+      onChange={() => {
+        // Not as the box is: the same click selects the point, and that has drawn the box anew.
+        chosen.choose(!enabled, session.pointEdits.setEnabled(point, !enabled), session.playhead.time.value);
+      }}
+    />
+  );
+}
+
 function PointRow({ editor, session, point }: RowProps): JSX.Element {
   const { name, settings } = point;
   const selected = session.selected.value === name;
-  const [enabled, chosen] = useChosen(settings.enabled, session.document.fresh.value, session.playhead.time.value);
+  // On a narrow page that would scroll all of it.
+  const row = useScrolled<HTMLLIElement>(selected && !editor.layout.isNarrow.value);
   return (
     <li
+      ref={row}
       class={`point${selected ? " selected" : ""}${settings.enabled ? "" : " off"}`}
       onClick={() => (session.selected.value = name)}
     >
       <div class="point-head">
         <Edits session={session}>
-          <input
-            type="checkbox"
-            class="switch"
-            checked={enabled}
-            aria-label={`${name} enabled`}
-            title="Enabled"
-            onChange={() => {
-              // Not as the box is: the same click selects the point, and that has drawn the box anew.
-              chosen.choose(!enabled, session.pointEdits.setEnabled(point, !enabled), session.playhead.time.value);
-            }}
-          />
+          <CountSwitch session={session} point={point} />
           <KeyButton session={session} point={point} attribute="enabled" />
         </Edits>
         <button

@@ -34,7 +34,7 @@ def violations(page: Page) -> list[str]:
 def test_axe_finds_nothing_in_any_state(page: Page) -> None:
     page.set_viewport_size(WIDE)
     wait_settled(page, time=1)
-    page.get_by_text("Reading the focus curve").wait_for(state="hidden")
+    page.locator(".focus-line").wait_for()
     assert violations(page) == []
     for menu in ("Shot", "Focus", "View"):
         page.get_by_role("menuitem", name=menu, exact=True).click()
@@ -130,7 +130,7 @@ def test_everything_is_reached_in_a_narrow_window(
     page = browser.new_page(base_url=service, viewport=size, device_scale_factor=0.5, has_touch=touch)
     page.goto("/?shot=demo&time=1")
     wait_settled(page, time=1)
-    page.get_by_text("Reading the focus curve").wait_for(state="hidden")
+    page.locator(".focus-line").wait_for()
     assert violations(page) == []
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     for control in (

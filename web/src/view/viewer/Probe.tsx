@@ -20,7 +20,7 @@ export function Probe({ editor, session }: { editor: Editor; session: Session })
   const isSharp = Math.abs(cocMm) <= limitMm;
   const fStop = session.document.readout.value?.fStop ?? 0;
   const [x, y] = at;
-  const side = `${x > 0.6 ? " to-left" : ""}${y > 0.75 ? " upwards" : ""}`;
+  const side = `${x > 0.5 ? " to-left" : ""}${y > 0.75 ? " upwards" : ""}`;
   return (
     <p
       class={`probe${side}`}

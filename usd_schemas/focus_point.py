@@ -157,4 +157,8 @@ def _prim_path(point: FocusPoint, what: str, text: str) -> Sdf.Path:
     path = Sdf.Path(text) if Sdf.Path.IsValidPathString(text) else Sdf.Path.emptyPath
     if not (path.IsPrimPath() and path.IsAbsolutePath()):
         raise SchemaError(f"the {what} of focus point {point.name!r} must be an absolute prim path, got {text!r}")
+    if Usd.Prim.IsPathInPrototype(path):
+        raise SchemaError(
+            f"the {what} of focus point {point.name!r} must be a prim of the scene, not of a prototype, got {text!r}"
+        )
     return path

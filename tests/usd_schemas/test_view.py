@@ -247,6 +247,10 @@ def test_a_refused_edit_leaves_no_trace(
             lambda camera: camera.add_focus_point("x", replace(HERO, part="Hero")),
             "the part of focus point 'hero' must be an absolute prim path, got 'Hero'",
         ),
+        (
+            lambda camera: camera.add_focus_point("x", replace(HERO, part="/__Prototype_1")),
+            "must be a prim of the scene, not of a prototype, got '/__Prototype_1'",
+        ),
         (lambda camera: camera.add_focus_point("a:b", HERO), "must be an identifier"),
         (lambda camera: camera.add_focus_point("weight", HERO), "not an allowed instance name"),
         (lambda camera: camera.add_focus_point("hero", HERO), "already has a focus point named 'hero'"),

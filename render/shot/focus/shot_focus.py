@@ -208,11 +208,12 @@ class ShotFocus:
                 bounds then.
             SettingsError: the part's path is no absolute prim path, or the point is out of reach of the part's bounds.
         """
-        point = self._cameras.editable_point(camera_path, name).read(check_time(time))
+        time = check_time(time)
         fields: dict[str, Any] = {"part": part or ""}
-        if part:
-            fields["bounds_point"] = self._place_in_bounds(point, part, time)
         with self._edits.transaction(f"let focus point {name} follow {part or 'its surface'}"):
+            if part:
+                point = self._cameras.editable_point(camera_path, name).read(time)
+                fields["bounds_point"] = self._place_in_bounds(point, part, time)
             return self.update_point(camera_path, name, time=time, **fields)
 
     def move_point(self, camera_path: str | None, name: str, time: float, **anchor: Any) -> FocusPoint:

@@ -313,8 +313,25 @@ class _AnchorContext:
             return False
         return not focus_point.part or bool(self._sources.chains(focus_point.target[0], prim))
 
+    def _check_chains(self, focus_point: FocusPoint, chains: Sequence[tuple[InstancerLink, ...]]) -> None:
+        """Check that the number of a point's instance means the same for its part as for its target.
+
+        Raises:
+            StageError: the part is of an outer one of instancers in instancers, and the target of an inner one.
+        """
+        target = self._sources.stage.GetPrimAtPath(focus_point.target[1])
+        wanted = {len(chain) for chain in self._sources.chains(focus_point.target[0], target)} if target else set()
+        if wanted and not wanted & {len(chain) for chain in chains}:
+            raise StageError(
+                f"focus point {focus_point.name} cannot follow the bounds of {focus_point.part}, which holds the instancer "
+                "that its target is an instance of: follow a part below that instancer's prototypes"
+            )
+
     def _instance_pose(self, focus_point: FocusPoint, prim: Usd.Prim) -> DoubleArray:
-        for chain in self._sources.chains(focus_point.target[0], prim):
+        chains = self._sources.chains(focus_point.target[0], prim)
+        if focus_point.part:
+            self._check_chains(focus_point, chains)
+        for chain in chains:
             pose = pose_of_instance(
                 chain, focus_point.instance, prim, self._transforms, self._sources.world, self._instances
             )

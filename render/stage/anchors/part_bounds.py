@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from pxr import Gf, Tf, Usd, UsdGeom, Vt
 
+from render.errors import StageError
 from render.model.arrays import DoubleArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry
@@ -17,6 +19,9 @@ from render.stage.options import DRAWN_PURPOSES
 
 Box = tuple[DoubleArray, DoubleArray]
 """Least and greatest corner, ``(3,)`` each."""
+
+MOST_SHAPES = 4096
+"""Most shapes of a part whose bounds are followed: each is looked at for each picture."""
 
 _NOTHING: Box = (np.full(3, np.inf), np.full(3, -np.inf))
 
@@ -39,7 +44,7 @@ class Boxes:
             corners = self._bent(shape, time) if self._bends(shape) else _extent(UsdGeom.Boundable(shape), time)
         except (BadGeometry, Tf.ErrorException, TypeError, ValueError):  # values of other types than the schema's
             return None
-        is_box = corners.shape == (2, 3) and bool((corners[0] <= corners[1]).all())
+        is_box = corners.shape == (2, 3) and bool(np.isfinite(corners).all() and (corners[0] <= corners[1]).all())
         return (corners[0], corners[1]) if is_box else None
 
     def may_change(self, shape: Usd.Prim) -> bool:
@@ -97,11 +102,19 @@ class PartBounds:
     Args:
         prim: the part.
         boxes: of single shapes.
+
+    Raises:
+        StageError: the part has more than `MOST_SHAPES` shapes.
     """
 
     def __init__(self, prim: Usd.Prim, boxes: Boxes) -> None:
         self._prim, self._boxes = prim, boxes
-        shapes = [shape for found in _shapes(prim) if (shape := self._shape(found)) is not None]
+        found = list(islice(_shapes(prim), MOST_SHAPES + 1))
+        if len(found) > MOST_SHAPES:
+            raise StageError(
+                f"{prim.GetPath()} has more than {MOST_SHAPES:,} shapes, too many to follow: follow a smaller part"
+            )
+        shapes = [shape for one in found if (shape := self._shape(one)) is not None]
         self._still = [shape for shape in shapes if shape.is_still]
         self._others = [shape for shape in shapes if not shape.is_still]
         self._still_box: Box | None = None
@@ -130,6 +143,10 @@ class PartBounds:
         matrices = np.array(
             [_relative(prim, self._prim, transforms) for prim, _ in boxed], np.float64
         )  # for row vectors
+        usable = np.isfinite(matrices).all(axis=(1, 2))
+        if not usable.any():
+            return _NOTHING
+        corners, matrices = corners[usable], matrices[usable]
         turns = matrices[:, :3, :3]
         middles = np.einsum("ni,nij->nj", corners.mean(axis=1), turns) + matrices[:, 3, :3]
         halves = np.einsum("ni,nij->nj", (corners[:, 1] - corners[:, 0]) / 2, np.abs(turns))
@@ -153,7 +170,7 @@ class PartBounds:
             imageable, xformable = UsdGeom.Imageable(above), UsdGeom.Xformable(above)
             if imageable and imageable.GetVisibilityAttr().ValueMightBeTimeVarying():
                 hiders.append(above)
-            elif _is_hidden([above], Usd.TimeCode.Default()):
+            elif _is_hidden([above], Usd.TimeCode.EarliestTime()):
                 return None
             if xformable and (xformable.TransformMightBeTimeVarying() or xformable.GetResetXformStack()):
                 moves = True
@@ -183,5 +200,8 @@ def _relative(shape: Usd.Prim, part: Usd.Prim, transforms: UsdGeom.XformCache) -
         return Gf.Matrix4d(1)
     matrix, resets = transforms.ComputeRelativeTransform(shape, part)
     if resets:
-        return transforms.GetLocalToWorldTransform(shape) * transforms.GetLocalToWorldTransform(part).GetInverse()
+        of_part = transforms.GetLocalToWorldTransform(part)
+        if of_part.GetDeterminant() == 0:  # it flattens space: nothing has a place in it
+            return Gf.Matrix4d(float("nan"))
+        return transforms.GetLocalToWorldTransform(shape) * of_part.GetInverse()
     return matrix

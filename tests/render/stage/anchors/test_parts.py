@@ -116,6 +116,8 @@ def test_only_what_is_visible_and_drawn_has_bounds() -> None:
     box(stage, "/group/a", (0, 0, 0), (1, 1, 1))
     UsdGeom.Imageable(box(stage, "/group/hidden", (0, 0, 0), (5, 5, 5))).MakeInvisible()
     box(stage, "/group/guide", (0, 0, 0), (7, 7, 7)).CreatePurposeAttr("guide")
+    off = box(stage, "/group/off", (0, 0, 0), (6, 6, 6))
+    off.CreateVisibilityAttr().Set("invisible", 1)  # one sample holds at all times
     blinks = UsdGeom.Xform.Define(stage, "/group/blinks")
     box(stage, "/group/blinks/b", (0, 0, 0), (3, 3, 3))
     blinks.CreateVisibilityAttr().Set("invisible", 0)
@@ -185,7 +187,35 @@ def test_shapes_without_usable_bounds_count_for_nothing() -> None:
     box(stage, "/group/a", (0, 0, 0), (1, 1, 1))
     box(stage, "/group/bad", (0, 0, 0), (1, 1, 1)).CreateExtentAttr([(0, 0, 0), (np.nan, 9, 9)])
     box(stage, "/group/turned", (0, 0, 0), (1, 1, 1)).CreateExtentAttr([(9, 9, 9), (0, 0, 0)])
+    box(stage, "/group/endless", (0, 0, 0), (1, 1, 1)).CreateExtentAttr([(-np.inf,) * 3, (np.inf,) * 3])
+    box(stage, "/group/lost", (0, 0, 0), (8, 8, 8)).AddTranslateOp().Set(Gf.Vec3d(np.nan, 0, 0))
     UsdGeom.Mesh.Define(stage, "/group/none")
     word = box(stage, "/group/word", (0, 0, 0), (1, 1, 1)).GetPrim()
     Sdf.AttributeSpec(word.GetPrimStack()[0], "extent", Sdf.ValueTypeNames.String).default = "large"
     np.testing.assert_allclose(places(stage, subject("/group", (1, 1, 1)), 0), [[1, 1, 1]])
+
+
+def test_a_part_of_too_many_shapes_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("render.stage.anchors.part_bounds.MOST_SHAPES", 1)
+    stage = new_stage()
+    box(stage, "/group/a", (0, 0, 0), (1, 1, 1))
+    np.testing.assert_allclose(places(stage, subject("/group", (1, 1, 1)), 0), [[1, 1, 1]])
+    box(stage, "/group/b", (0, 0, 0), (1, 1, 1))
+    (problem,) = AnchorReader(stage).read_anchors([[subject("/group")]], [0]).problems
+    assert "/group has more than 1 shapes, too many to follow" in problem["p"]
+
+
+def test_a_part_of_an_outer_instancer_is_refused() -> None:
+    stage = new_stage()
+    box(stage, "/L/m", (0, 0, 0), (1, 1, 1))
+    UsdGeom.Xform.Define(stage, "/P")
+    for path, prototype in (("/P/In", "/L"), ("/O", "/P")):
+        found = UsdGeom.PointInstancer.Define(stage, path)
+        found.CreatePrototypesRel().SetTargets([prototype])
+        found.CreateProtoIndicesAttr([0, 0])
+        found.CreatePositionsAttr([(0, 0, 0), (10, 0, 0)])
+    point = subject("/P", target=("/O", "/L/m"), face=0, instance=1)
+    (problem,) = AnchorReader(stage).read_anchors([[point]], [0]).problems
+    assert "cannot follow the bounds of /P, which holds the instancer" in problem["p"]
+    near = replace(point, part="/L", bounds_point=(0, 0, 0))
+    np.testing.assert_allclose(places(stage, near, 0), [[10, 0, 0]])

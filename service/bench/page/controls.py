@@ -158,7 +158,7 @@ def _let_go(page: Page, _number: int) -> None:
 
 
 def _hide_sharpness(page: Page, pressed: int) -> None:
-    for _ in range(-pressed % _LOOKS):
+    for _ in range(-pressed % LOOKS):
         page.keyboard.press("p")
 
 
@@ -175,7 +175,7 @@ def _dragged(name: str, selector: str, shown: tuple[str, str], px: float = 0.0) 
     return Control(name, "pointermove", *shown, act=moved, begin=_grabbed(selector), end=_let_go, is_held=True)
 
 
-_LOOKS = 3
+LOOKS = 3
 """Presses of P after which the sharpness is shown as before."""
 _STOP = 'input.number[aria-label="f-number"]'
 _STOP_SLIDER = 'input.slider[aria-label="f-number"]'

@@ -37,6 +37,6 @@ def open_fresh(browser: Browser, port: int, plan: PagePlan) -> Opened:
     """
     with fresh_page(browser, port, plan) as page:
         page.goto("/?shot=demo&time=1")
-        page.wait_for_function("() => pullfocusProbe.drawn.length > 0")
+        page.wait_for_function("() => pullfocusProbe.isOpened()")
         found = page.evaluate("() => pullfocusProbe.opening()")
         return Opened(*(found[name] / 1000 for name in ("loaded", "painted", "picture")))

@@ -23,7 +23,7 @@ class Played:
     Attributes:
         cache_s: time that the caching took, s.
         said: what the page says of its cache.
-        painted_s: times at which pictures were painted, s since the first.
+        painted_s: times at which pictures were painted, s since the first; the last one is the end of the playing.
         dropped: frames dropped, as the page counts them.
     """
 
@@ -61,7 +61,8 @@ def cache_and_play(page: Page, frames: int, seconds: float) -> Played:
     page.evaluate("() => { pullfocusProbe.drawn.length = 0; }")
     page.keyboard.press("l")
     page.wait_for_timeout(1000 * seconds)
-    painted: list[float] = page.evaluate("() => pullfocusProbe.drawn.map(({ at }) => at)")
+    # The end counts, too, so that playing that stops early is seen.
+    painted: list[float] = page.evaluate("() => [...pullfocusProbe.drawn.map(({ at }) => at), performance.now()]")
     dropped = page.locator("[data-reading=dropped]").inner_text()
     page.keyboard.press("k")
     return Played(cache_s, said, [(at - painted[0]) / 1000 for at in painted], int(dropped))

@@ -97,6 +97,11 @@ window.pullfocusProbe = (() => {
     /** What was measured last, ms; null where nothing happened in time. */
     result: () => result,
     /** When the page was up, and its first picture was painted. */
+    /** Whether the page has loaded, has painted something, and has drawn a picture. */
+    isOpened() {
+      const { loaded, painted, picture } = this.opening();
+      return loaded > 0 && painted !== null && picture !== null;
+    },
     opening() {
       const [navigation] = performance.getEntriesByType("navigation");
       const paint = performance.getEntriesByName("first-contentful-paint")[0];

@@ -7,6 +7,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from service.bench.page.browser import PATIENCE_S, open_demo, wait_settled
+from service.bench.page.controls import LOOKS
 from service.bench.page.gestures import Gestures
 from service.bench.page.memory import MemoryMeter
 from service.bench.page.results import PageError, RandomUse, Round, growth_of
@@ -131,7 +132,9 @@ def _show_as_at_first(page: Page) -> None:
     page.evaluate("() => document.activeElement?.blur()")
     for key in ("Shift+I", "Shift+O", "Home"):
         page.keyboard.press(key)
-    while page.evaluate(_LOOK) not in (None, "none"):
+    for _ in range(LOOKS):
+        if page.evaluate(_LOOK) in (None, "none"):
+            break
         page.keyboard.press("p")
     if page.evaluate(_LOOK) is not None:
         page.keyboard.press("Shift+P")

@@ -89,7 +89,7 @@ class PlaybackFound:
         frames: how many were cached.
         cache_s: time that the caching took, s.
         said: what the page says of its cache.
-        fps: pictures painted a second, to a tenth; None for fewer than two.
+        fps: pictures painted a second; None for fewer than two.
         dropped: frames dropped, as the page counts them.
         longest_gap_s: longest time without a new picture, s; None for fewer than two.
     """
@@ -103,14 +103,14 @@ class PlaybackFound:
 
 
 def rate_of(painted_s: Sequence[float]) -> float | None:
-    """Return how many pictures a second were painted, to a tenth; None for fewer than two.
+    """Return how many pictures a second were painted; None for fewer than two times.
 
     Args:
-        painted_s: their times, s.
+        painted_s: their times, s; the last one is the end.
     """
     if len(painted_s) < 2:
         return None
-    return round((len(painted_s) - 1) / (painted_s[-1] - painted_s[0]), 1)
+    return (len(painted_s) - 1) / (painted_s[-1] - painted_s[0])
 
 
 @dataclass(frozen=True)

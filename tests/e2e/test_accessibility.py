@@ -82,8 +82,11 @@ def test_a_menu_is_walked_by_the_keyboard(page: Page) -> None:
     page.keyboard.press("ArrowRight")
     expect(page.get_by_role("menu", name="Shot")).to_be_visible()
     page.keyboard.press("ArrowLeft")
-    while not item.evaluate("item => item === document.activeElement"):
+    for _ in range(10):
+        if item.evaluate("item => item === document.activeElement"):
+            break
         page.keyboard.press("f")
+    expect(item).to_be_focused()
     page.keyboard.press("Enter")
     expect(page.locator(".marker")).to_have_count(0)
     page.keyboard.press("m")

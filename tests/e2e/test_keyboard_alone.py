@@ -17,8 +17,11 @@ RACK = 60
 def aim(page: Page, at: tuple[float, float]) -> None:
     """Move the crosshair to a point of the picture, 0 to 1 from its top left corner, by the arrow keys."""
     place = page.locator(".aim")
-    while not place.evaluate("place => place === document.activeElement"):
+    for _ in range(80):
+        if place.evaluate("place => place === document.activeElement"):
+            break
         page.keyboard.press("Tab")
+    expect(place).to_be_focused()
     cross = page.locator(".cross")
     for edge, target, less, more in (
         ("left", at[0], "ArrowLeft", "ArrowRight"),
@@ -51,6 +54,7 @@ def test_a_rack_is_set_up_from_nothing_by_keyboard(page: Page, service: str) -> 
         edit(page, "]", "Delete")
     expect(page.locator(".marker")).to_have_count(0)
     aim(page, near["screen"])
+    expect(page.locator(".probe")).to_contain_text(" m")  # with no overlay, too
     edit(page, "Enter")
     page.keyboard.press("Escape")
     page.keyboard.press("Home")

@@ -133,6 +133,7 @@ export class Editor {
     await this.session.value?.idle();
     this.#posters.clear();
     await this.attempt(() => this.identity.signOut());
+    this.#posters.clear(); // a picture may have come meanwhile
   }
 
   /** Opens a shot; the one that was open stays until the new one is there. */
@@ -200,7 +201,10 @@ export class Editor {
   #succeed({ shot, camera }: View): void {
     const session = this.session.value;
     session?.close();
-    void this.open(shot, camera, session?.playhead.time.value);
+    void this.open(shot, camera, session?.playhead.time.value).finally(() => {
+      // Where it was stopped, or could not be opened.
+      if (session && this.session.value === session) this.session.value = null;
+    });
   }
 
   async upload(files: Iterable<File>): Promise<void> {

@@ -54,6 +54,10 @@ export class Picks {
 
   constructor(service: Service, session: Picked, fail: Fail) {
     [this.#service, this.#session, this.#fail] = [service, session, fail];
+    session.selected.subscribe((selected) => {
+      // The next point that is selected is not meant.
+      if (selected === null && this.#chosen.peek() === "move") this.#chosen.value = null;
+    });
   }
 
   choose(tool: Tool): void {
@@ -70,8 +74,10 @@ export class Picks {
   /** A click at a place; one that comes during a pick does nothing. */
   async click(at: Place, tool: Tool): Promise<void> {
     if (this.picking.value) return;
-    const moved = tool === "move" ? this.#session.selectedPoint.value : null;
-    if (moved) await this.move(moved.name, at);
+    const moved = this.#session.selectedPoint.value;
+    if (tool === "move" && !moved)
+      this.#fail(new HintError("No focus point is selected.", "Select the one to move."), () => undefined);
+    else if (tool === "move" && moved) await this.move(moved.name, at);
     else await this.#pick(at, (anchor, time) => this.#add(anchor, time, tool !== "add"));
   }
 

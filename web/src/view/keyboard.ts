@@ -1,7 +1,7 @@
 /** Keys that work anywhere on the page, except where the focused control has a use of its own for them. */
 
 import type { Editor } from "../editor/editor";
-import { commandOf, placeOf } from "./commands/table";
+import { commandOf, isReserved, placeOf } from "./commands/table";
 import { chooseRadio, controlOf, usesKey } from "./own_keys";
 
 export function listenToKeys(target: Window, editor: Editor): void {
@@ -14,10 +14,10 @@ export function listenToKeys(target: Window, editor: Editor): void {
     if (focused && usesKey(controlOf(focused), event, origin.isKeyboard)) return;
     const place = placeOf(editor);
     const command = commandOf(event, place);
+    if (command || isReserved(event)) event.preventDefault();
     if (!command) return;
-    event.preventDefault();
     isSpaceTaken = event.key === " ";
-    if (!event.repeat || !command.isOnce) command.act(place);
+    if (!event.repeat || command.repeats) command.act(place);
   });
   // Some browsers press a button when Space goes up.
   target.addEventListener("keyup", (event) => {

@@ -22,8 +22,9 @@ export function isChord(chord: string, { key, code, ctrlKey, metaKey, shiftKey, 
   const isSign = wanted.length === 1 && !LETTER.test(wanted) && !DIGIT.test(wanted);
   if (!isSign && parts.includes("Shift") !== shiftKey) return false;
   if (DIGIT.test(wanted)) return code === `Digit${wanted}`;
-  // With Alt some keyboards type other letters.
-  if (LETTER.test(wanted)) return key.toUpperCase() === wanted || (altKey && code === `Key${wanted}`);
+  // With Alt some keyboards type other signs.
+  if (LETTER.test(wanted))
+    return LETTER.test(key.toUpperCase()) ? key.toUpperCase() === wanted : code === `Key${wanted}`;
   return key === (wanted === "Space" ? " " : wanted);
 }
 

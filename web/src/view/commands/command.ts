@@ -19,8 +19,8 @@ export interface Command {
   readonly menu: MenuName;
   /** Chords of the keyboard; the first one is shown. */
   readonly keys: readonly string[];
-  /** Whether it is done once where its key is held down. */
-  readonly isOnce?: boolean;
+  /** Whether it is done again and again while its key is held down. */
+  readonly repeats?: boolean;
   /** Whether its keys mean it now, where another command has them, too. */
   readonly wantsKey?: (place: Place) => boolean;
   /** State of a switch or of a choice among others. */
@@ -41,7 +41,7 @@ export function always(menu: MenuName, command: Unplaced): Command {
 export interface SessionCommand {
   readonly name: string;
   readonly keys: readonly string[];
-  readonly isOnce?: boolean;
+  readonly repeats?: boolean;
   readonly wantsKey?: (session: Session, place: Place) => boolean;
   readonly isOn?: (session: Session, place: Place) => boolean;
   readonly refusal?: (session: Session, place: Place) => string | null;

@@ -17,39 +17,33 @@ function onPlayhead(name: string, keys: readonly string[], act: (playhead: Playh
   };
 }
 
-function shuttle(name: string, key: string, way: 1 | -1): SessionCommand {
+/** A command that steps through time for as long as its key is held down. */
+function step(name: string, keys: readonly string[], frames: number): SessionCommand {
   return {
-    ...onPlayhead(name, [key], (playhead) => {
-      playhead.shuttle(way);
+    ...onPlayhead(name, keys, (playhead) => {
+      playhead.step(frames);
     }),
-    isOnce: true,
+    repeats: true,
   };
 }
 
 const PLAYING: readonly SessionCommand[] = [
-  {
-    ...onPlayhead("Play or pause", ["Space"], (playhead) => {
-      playhead.toggle();
-    }),
-    isOnce: true,
-  },
-  shuttle("Play, or play faster", "L", 1),
-  shuttle("Play backwards, or faster", "J", -1),
+  onPlayhead("Play or pause", ["Space"], (playhead) => {
+    playhead.toggle();
+  }),
+  onPlayhead("Play, or play faster", ["L"], (playhead) => {
+    playhead.shuttle(1);
+  }),
+  onPlayhead("Play backwards, or faster", ["J"], (playhead) => {
+    playhead.shuttle(-1);
+  }),
   onPlayhead("Pause", ["K"], (playhead) => {
     playhead.pause();
   }),
-  onPlayhead("One frame back", ["ArrowLeft"], (playhead) => {
-    playhead.step(-1);
-  }),
-  onPlayhead("One frame forward", ["ArrowRight"], (playhead) => {
-    playhead.step(1);
-  }),
-  onPlayhead("Ten frames back", ["Shift ArrowLeft"], (playhead) => {
-    playhead.step(-10);
-  }),
-  onPlayhead("Ten frames forward", ["Shift ArrowRight"], (playhead) => {
-    playhead.step(10);
-  }),
+  step("One frame back", ["ArrowLeft"], -1),
+  step("One frame forward", ["ArrowRight"], 1),
+  step("Ten frames back", ["Shift ArrowLeft"], -10),
+  step("Ten frames forward", ["Shift ArrowRight"], 10),
   onPlayhead("First frame", ["Home"], (playhead) => {
     playhead.goTo(playhead.range.start);
   }),
@@ -102,6 +96,7 @@ const SHOWN_TIME: readonly SessionCommand[] = [
   {
     name: "Show less of the time",
     keys: ["+", "="],
+    repeats: true,
     act: ({ timeView }) => {
       timeView.zoom(1 / KEY_ZOOM);
     },
@@ -109,6 +104,7 @@ const SHOWN_TIME: readonly SessionCommand[] = [
   {
     name: "Show more of the time",
     keys: ["-"],
+    repeats: true,
     refusal: ({ timeView }) => (timeView.isWhole.value ? "All of it is shown." : null),
     act: ({ timeView }) => {
       timeView.zoom(KEY_ZOOM);

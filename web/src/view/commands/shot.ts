@@ -9,8 +9,9 @@ import { always, onShot, type Command } from "./command";
 /** Opens the shot that is so many places further in the list. */
 function openNext(editor: Editor, by: 1 | -1): void {
   const shots = editor.library.shots.value ?? [];
-  const at = shots.findIndex(({ id }) => id === editor.session.value?.shot.id);
-  const next = shots.at((at + by) % shots.length);
+  const open = editor.opening.value?.shot ?? editor.session.value?.shot.id;
+  const at = shots.findIndex(({ id }) => id === open);
+  const next = at < 0 ? shots[0] : shots.at((at + by) % shots.length);
   if (next) void editor.open(next.id);
 }
 

@@ -36,6 +36,13 @@ export function commandOf(stroke: KeyStroke, place: Place): Command | null {
   );
 }
 
+/** Whether a key press belongs to a command of files even where that can do nothing now: the browser would save or search the page. */
+export function isReserved(stroke: KeyStroke): boolean {
+  return COMMANDS.some(
+    ({ menu, keys }) => menu === "Shot" && keys.some((chord) => chord.startsWith("Ctrl ") && isChord(chord, stroke)),
+  );
+}
+
 /** What commands act on now. */
 export function placeOf(editor: Editor): Place {
   const isInTimeline = Boolean(document.activeElement?.closest(".tracks"));

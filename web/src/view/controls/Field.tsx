@@ -64,7 +64,7 @@ export function Field(props: FieldProps): JSX.Element {
     if (count !== undefined) {
       event.preventDefault();
       move(scaleFor(event).step(value, count));
-    } else if (event.key === "Escape") cancel();
+    } else if (event.key === "Escape" && cancel()) event.preventDefault();
   };
   const typed = { value, disabled, onTyped: commit, onStep: step, onStepped: commit };
   return (
@@ -125,7 +125,8 @@ function useDrag({ value, fresh, startDrag }: FieldProps): {
   value: number;
   move: (value: number) => void;
   commit: (value?: number) => void;
-  cancel: () => void;
+  /** Gives a drag up; returns whether there was one. */
+  cancel: () => boolean;
 } {
   const drag = useRef<Drag<number> | null>(null);
   // The last value that was moved to, which may not have been rendered yet.
@@ -154,10 +155,12 @@ function useDrag({ value, fresh, startDrag }: FieldProps): {
       drag.current = null;
     },
     cancel: () => {
-      givenUp.current = drag.current !== null;
+      const hadOne = drag.current !== null;
+      givenUp.current = hadOne;
       drag.current?.cancel();
       drag.current = null;
       setDraft(null);
+      return hadOne;
     },
   };
 }

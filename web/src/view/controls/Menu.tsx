@@ -34,6 +34,7 @@ export function Menu(props: MenuProps): JSX.Element {
     const outside = (event: Event): void => {
       const isEscape = event instanceof KeyboardEvent && event.key === "Escape";
       if (event instanceof KeyboardEvent ? !isEscape : ref.current?.contains(event.target as Node)) return;
+      if (isEscape) event.preventDefault(); // it stops and deselects nothing else
       if (isEscape && ref.current?.contains(document.activeElement)) button.current?.focus();
       setOpen(false);
     };

@@ -33,7 +33,7 @@ export function Palette({ editor }: { editor: Editor }): JSX.Element {
         if (event.target === dialog.current) close(); // beside it
       }}
     >
-      {isOpen && place && <Search place={place} close={close} />}
+      {isOpen && place && <Search place={{ ...place, session: editor.session.value }} close={close} />}
     </dialog>
   );
 }

@@ -20,13 +20,11 @@ interface CommandMenuProps {
 export function CommandMenu({ editor, label, commands, anchor, close, onAside }: CommandMenuProps): JSX.Element {
   const list = useRef<HTMLDivElement>(null);
   const opener = useRef(document.activeElement);
-  // What was focused before it opened is what the commands are about.
-  const place = useRef(placeOf(editor));
   useFloating(anchor, list, "bottom-start");
   useLayoutEffect(() => {
     itemsOf(list.current)[0]?.focus();
   }, [commands]);
-  useOutside(list, close);
+  useOutside(list, close, onAside !== undefined);
   const leave = (): void => {
     close();
     if (opener.current instanceof HTMLElement) opener.current.focus();
@@ -42,7 +40,7 @@ export function CommandMenu({ editor, label, commands, anchor, close, onAside }:
         if (event.key === "Escape" || event.key === "Tab") leave();
         else if (event.key === "ArrowRight" && onAside) onAside(1);
         else if (event.key === "ArrowLeft" && onAside) onAside(-1);
-        else if (!walk(list.current, event.key)) {
+        else if (event.ctrlKey || event.metaKey || !walk(list.current, event.key)) {
           event.stopPropagation(); // no shortcuts while a menu is open
           return;
         }
@@ -54,11 +52,11 @@ export function CommandMenu({ editor, label, commands, anchor, close, onAside }:
         <Item
           key={command.name}
           command={command}
-          refusal={command.refusal({ ...place.current, session: editor.session.value })}
+          refusal={command.refusal(placeOf(editor))}
           isOn={command.isOn?.(placeOf(editor))}
           act={() => {
             leave();
-            command.act({ ...place.current, session: editor.session.value });
+            command.act(placeOf(editor));
           }}
         />
       ))}
@@ -101,18 +99,18 @@ function Item({ command, refusal, isOn, act }: ItemProps): JSX.Element {
   );
 }
 
-function useOutside(list: { current: HTMLElement | null }, close: () => void): void {
+/** @param isOfBar whether the bar closes and changes it itself. */
+function useOutside(list: { current: HTMLElement | null }, close: () => void, isOfBar: boolean): void {
   useEffect(() => {
     const outside = (event: PointerEvent): void => {
       const target = event.target instanceof Element ? event.target : null;
-      // The menu bar closes and changes its menus itself.
-      if (!list.current?.contains(target) && !target?.closest("[role=menubar]")) close();
+      if (!list.current?.contains(target) && !(isOfBar && target?.closest("[role=menubar]"))) close();
     };
     addEventListener("pointerdown", outside, { capture: true });
     return () => {
       removeEventListener("pointerdown", outside, { capture: true });
     };
-  }, [list, close]);
+  }, [list, close, isOfBar]);
 }
 
 function itemsOf(list: HTMLElement | null): HTMLElement[] {

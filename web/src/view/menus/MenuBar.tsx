@@ -86,8 +86,8 @@ function Head({ name, isEntry, open, toggle, show, goTo }: HeadProps): JSX.Eleme
       aria-haspopup="menu"
       aria-expanded={open === name}
       onClick={toggle}
-      onPointerEnter={() => {
-        if (open !== null && open !== name) show(name);
+      onPointerEnter={({ pointerType }) => {
+        if (pointerType === "mouse" && open !== null && open !== name) show(name);
       }}
       onKeyDown={(event) => {
         if (event.key === "ArrowRight") goTo(after(name, 1));

@@ -4,20 +4,21 @@ import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { Session } from "../../editor/session";
 
-export function Aim({ session: { crosshair, picks, document } }: { session: Session }): JSX.Element {
+export function Aim({ session: { crosshair, picks, document: edited } }: { session: Session }): JSX.Element {
   const place = useRef<HTMLDivElement>(null);
   const isHeld = crosshair.isHeld.value;
   useEffect(() => {
     if (isHeld) place.current?.focus();
   }, [isHeld]);
-  useEffect(
-    () => () => {
+  useEffect(() => {
+    // Another session has come in while the keyboard was here.
+    if (document.activeElement === place.current) crosshair.hold();
+    return () => {
       crosshair.letGo();
-    },
-    [crosshair],
-  );
+    };
+  }, [crosshair]);
   const [x, y] = crosshair.at.value ?? [0.5, 0.5];
-  const canEdit = document.noEdits.value === null && document.hasLens;
+  const canEdit = edited.noEdits.value === null && edited.hasLens;
   return (
     <div
       ref={place}
@@ -33,8 +34,9 @@ export function Aim({ session: { crosshair, picks, document } }: { session: Sess
         crosshair.letGo();
       }}
       onKeyDown={(event) => {
-        if (event.key === "Enter") void picks.click([x, y], picks.toolWith(event));
-        else if (event.key === "Escape") place.current?.blur();
+        if (event.key === "Enter" && isHeld) {
+          if (!event.repeat) void picks.click([x, y], picks.toolWith(event));
+        } else if (event.key === "Escape") place.current?.blur();
         else if (event.ctrlKey || event.altKey || !crosshair.move(event.key, event.shiftKey)) return;
         event.preventDefault();
       }}

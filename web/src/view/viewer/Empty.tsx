@@ -28,10 +28,10 @@ function Invitation({ editor }: { editor: Editor }): JSX.Element {
   const thrown = trash.value.find(({ shot }) => shot === DEMO);
   const mayEdit = editor.identity.noEdits.value === null;
   const first = shots.value?.[0];
-  const offer = demo ?? first;
+  const offer = demo ?? (thrown && mayEdit ? undefined : first);
   const drop = mayEdit
     ? "Drop a USD file here, or a .zip of a shot with what it references"
-    : "Choose a shot on the left";
+    : "Choose one of the shots";
   const open = offer || thrown ? `, or open ${demo || thrown ? "the demo shot" : (offer?.name ?? "")}` : "";
   return (
     <div class="empty">

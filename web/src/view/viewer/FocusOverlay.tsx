@@ -15,13 +15,13 @@ export function hasOverlay({ remembered }: Editor): boolean {
   return remembered.look.value !== "none" || remembered.focusLines.value === "on";
 }
 
-/** Asks for focus maps: with all pictures for the overlay, and for the probe that of the picture that the pointer is on. */
+/** Asks for focus maps: with all pictures for the overlay, and for the probe that of the picture that the pointer or the crosshair is on. */
 export function useFocusMaps(editor: Editor, session: Session): void {
   const isCovered = hasOverlay(editor);
   useLayoutEffect(() => {
     session.focusMaps.value = isCovered;
   }, [session, isCovered]);
-  const isProbed = editor.remembered.probe.value === "on" && session.pointer.value !== null && session.settled.value;
+  const isProbed = editor.remembered.probe.value === "on" && session.probed.value !== null && session.settled.value;
   useEffect(() => {
     if (isProbed) session.pictures.readMap();
   }, [session, isProbed]);

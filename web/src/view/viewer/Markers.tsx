@@ -87,6 +87,7 @@ function Marker({ editor, session, point }: MarkerProps): JSX.Element {
       class={`marker${selected ? " selected" : ""}${active ? "" : " idle"}`}
       style={place(dragged ?? point.screen ?? [0, 0])}
       aria-pressed={selected}
+      aria-label={`Focus point ${[point.name, depth, said].filter(Boolean).join(", ")}`}
       onClick={() => (session.selected.value = point.name)}
       onPointerDown={onPointerDown}
     >
@@ -98,23 +99,12 @@ function Marker({ editor, session, point }: MarkerProps): JSX.Element {
           <Reticle />
         </g>
       </svg>
-      <span class="tag">
-        <span class="visually-hidden">Focus point </span>
+      <span class="tag" aria-hidden="true">
         {point.name}
-        {depth && <Aside kind="">{depth}</Aside>}
-        {verdict && said && <Aside kind={verdict.isSharp ? "sharp" : "soft"}>{said}</Aside>}
+        <small>{depth}</small>
+        {verdict && <small class={verdict.isSharp ? "sharp" : "soft"}>{said}</small>}
       </span>
     </button>
-  );
-}
-
-/** What stands beside the name, read aloud after a pause. */
-function Aside({ kind, children }: { kind: string; children: string }): JSX.Element {
-  return (
-    <>
-      <span class="visually-hidden">, </span>
-      <small class={kind}>{children}</small>
-    </>
   );
 }
 

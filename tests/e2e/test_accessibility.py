@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
+from tests.e2e.conftest import PATIENCE_MS
 from tests.e2e.editor import FAR, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
@@ -52,6 +53,7 @@ def test_axe_finds_nothing_in_any_state(page: Page) -> None:
     page.locator(".lane-key").nth(1).click()
     page.keyboard.press("t")
     page.locator(".graph").wait_for()
+    wait_settled(page)
     assert violations(page) == []
     for name in ("Playback", "Sharpness on the picture", "Download"):
         page.get_by_role("button", name=name).click()
@@ -131,6 +133,8 @@ def test_everything_is_reached_in_a_narrow_window(
 ) -> None:
     size: ViewportSize = {"width": width, "height": height}
     page = browser.new_page(base_url=service, viewport=size, device_scale_factor=0.5, has_touch=touch)
+    page.set_default_timeout(PATIENCE_MS)
+    expect.set_options(timeout=PATIENCE_MS)
     page.goto("/?shot=demo&time=1")
     wait_settled(page, time=1)
     page.locator(".focus-line").wait_for()

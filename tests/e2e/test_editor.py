@@ -89,7 +89,7 @@ def assert_markers_stand_on_their_points(page: Page, placed: dict[str, Any]) -> 
     assert {NEAR, FAR} <= set(shown)
     expect(page.locator(".marker")).to_have_count(len(shown))
     for name, (x, y) in shown.items():
-        marker = page.get_by_role("button", name=re.compile(f"^Focus point {name},")).bounding_box()
+        marker = page.get_by_role("button", name=re.compile(f"^Focus point {name} ")).bounding_box()
         assert marker is not None
         assert marker["x"] + marker["width"] / 2 == pytest.approx(box["x"] + x * box["width"], abs=1.5)
         assert marker["y"] + marker["height"] / 2 == pytest.approx(box["y"] + y * box["height"], abs=1.5)

@@ -87,7 +87,7 @@ function Marker({ editor, session, point }: MarkerProps): JSX.Element {
       class={`marker${selected ? " selected" : ""}${active ? "" : " idle"}`}
       style={place(dragged ?? point.screen ?? [0, 0])}
       aria-pressed={selected}
-      aria-label={`Focus point ${[point.name, depth, said].filter(Boolean).join(", ")}`}
+      aria-label={`Focus point ${[point.name, depth, said].filter(Boolean).join(" ")}`}
       onClick={() => (session.selected.value = point.name)}
       onPointerDown={onPointerDown}
     >
@@ -99,9 +99,8 @@ function Marker({ editor, session, point }: MarkerProps): JSX.Element {
           <Reticle />
         </g>
       </svg>
-      <span class="tag" aria-hidden="true">
-        {point.name}
-        <small>{depth}</small>
+      <span class="tag">
+        {point.name} <small>{depth}</small>{" "}
         {verdict && <small class={verdict.isSharp ? "sharp" : "soft"}>{said}</small>}
       </span>
     </button>

@@ -8,6 +8,10 @@ export type WaitKind =
 /** Waits that a person has asked for by themselves, so that Escape stops them. */
 const ASKED: readonly WaitKind[] = ["opening", "upload", "download", "frames", "pick"];
 
+export function isAsked(kind: WaitKind): boolean {
+  return ASKED.includes(kind);
+}
+
 export interface Wait {
   readonly kind: WaitKind;
   /** What is done: "Metering". */
@@ -98,7 +102,7 @@ export class Waits {
 
   /** The newest of the waits that a person has asked for and can stop; null where there is none. */
   get newest(): Wait | null {
-    return this.#all.value.findLast(({ kind, stop }) => stop !== null && ASKED.includes(kind)) ?? null;
+    return this.#all.value.findLast(({ kind, stop }) => stop !== null && isAsked(kind)) ?? null;
   }
 
   /** Stops the newest of the waits that a person has asked for; returns whether there was one. */

@@ -62,8 +62,10 @@ export function Splitter({ layout, panel, label, of }: SplitterProps): JSX.Eleme
       }}
       onKeyDown={(event) => {
         const [larger, smaller] = GROWING[panel];
-        if (event.key === "Enter") layout.show(panel, false);
-        else if (event.key === larger) layout.resize(panel, measure() + STEP_PX);
+        if (event.key === "Enter") {
+          layout.show(panel, false);
+          document.querySelector<HTMLElement>(`.panels .of-${panel}`)?.focus(); // which shows it again
+        } else if (event.key === larger) layout.resize(panel, measure() + STEP_PX);
         else if (event.key === smaller) layout.resize(panel, measure() - STEP_PX);
         else if (event.key === "Home") layout.resize(panel, least);
         else if (event.key === "End") layout.resize(panel, most);

@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import type { Wait } from "../../editor/waits";
+import { isAsked, type Wait } from "../../editor/waits";
 
 /** Seconds from which a wait says how long it has been. */
 const LONG_S = 2;
@@ -18,7 +18,8 @@ export function Waiting({ wait, said }: WaitingProps): JSX.Element {
   const progress = wait.progress.value;
   return (
     <span class="wait" data-wait={wait.kind}>
-      <span role="status">{said ?? name}…</span>
+      {/* What goes on by itself would be read aloud all the time. */}
+      <span role={isAsked(wait.kind) ? "status" : undefined}>{said ?? name}…</span>
       {progress !== null && <span class="numbers">{Math.round(100 * progress)} %</span>}
       <Elapsed key={wait.beganMs} beganMs={wait.beganMs} />
       {wait.stop && (

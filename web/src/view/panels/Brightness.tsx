@@ -1,8 +1,13 @@
 /** One line that says what sets the brightness; each value goes to the control that sets it. */
 
 import type { JSX } from "preact";
+import { useContext } from "preact/hooks";
 import { brightnessOf, type Brightness, type Part } from "../../model/brightness";
 import type { Photography } from "../../model/photography";
+import { FoldedContext } from "./Section";
+
+/** Sections that have what sets the brightness. */
+const SECTIONS = ["exposure", "film", "glass"];
 
 const HEADS: Readonly<Record<Brightness["by"], string>> = {
   meter: "Brightness: set by the light meter",
@@ -28,13 +33,17 @@ export function BrightnessLine({ current }: { current: Photography }): JSX.Eleme
 }
 
 function Value({ part: { text, setting } }: { part: Part }): JSX.Element {
+  const folded = useContext(FoldedContext);
   if (setting === null) return <>{text}</>;
   return (
     <button
       type="button"
       class="link"
       onClick={() => {
-        focusControl(setting);
+        for (const name of SECTIONS) if (folded?.has(name)) folded.toggle(name);
+        requestAnimationFrame(() => {
+          focusControl(setting);
+        });
       }}
     >
       {text}

@@ -66,7 +66,8 @@ function Metering({ session }: { session: Session }): JSX.Element | null {
   const wait = session.waits.of("meter");
   if (wait) return <Waiting wait={wait} />;
   if (!isStale(session)) return null;
-  if (!session.settled.value) return <p class="wait muted">The light is metered once the picture is there.</p>;
+  if (!session.settled.value)
+    return <p class="wait muted">{session.pictures.refusal ?? "The light is metered once the picture is there."}</p>;
   return (
     <p class="wait">
       <span class="muted">Not metered.</span>

@@ -222,6 +222,12 @@ def test_a_part_that_cannot_be_followed_is_named(stage: Usd.Stage, parts: list[s
     assert message in problem.message
 
 
+def test_a_part_that_is_deactivated_is_named(stage: Usd.Stage) -> None:
+    UsdGeom.Xform.Define(stage, "/off").GetPrim().SetActive(False)
+    follow(stage, "/off")
+    assert "follows the bounds of /off, which is deactivated" in the_problem(stage).message
+
+
 def test_a_place_far_out_of_bounds_is_noticed(stage: Usd.Stage) -> None:
     follow(stage, "/quad", place=(-0.5, 2.0, 0.5))
     assert validate(stage) == []

@@ -83,6 +83,8 @@ def parts(prim: Usd.Prim) -> Iterator[Fault]:
             yield Fault(path, f"focus point {view.name} follows the bounds of one part, got {len(paths)}")
         elif part and not found:
             yield Fault(path, f"focus point {view.name} follows the bounds of {part}, which is not there")
+        elif found and not found.IsActive():
+            yield Fault(path, f"focus point {view.name} follows the bounds of {part}, which is deactivated")
 
 
 def places_in_bounds(prim: Usd.Prim) -> Iterator[Fault]:

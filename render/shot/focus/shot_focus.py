@@ -251,7 +251,13 @@ class ShotFocus:
                 code="bad_part",
                 path=part,
             )
-        followed, position_m = replace(point, part=part), self._anchors.position(point, time)
+        try:
+            position_m = self._anchors.position(point, time)
+        except NotFoundError:
+            if not point.part:
+                raise
+            position_m = self._anchors.position(replace(point, part=""), time)  # its part is lost, its target is not
+        followed = replace(point, part=part)
         x, y, z = self._anchors.place_in_bounds(followed, position_m, time).tolist()
         followed = replace(followed, bounds_point=(x, y, z))
         off_m = np.linalg.norm(self._anchors.position(followed, time) - position_m)

@@ -115,6 +115,16 @@ def test_a_part_that_goes_gives_the_focus_back(shot):
     assert shot.focus.read(CAMERA, 3).source == "camera"
 
 
+def test_another_part_takes_the_place_of_a_lost_one(shot):
+    frame = UsdGeom.Cube.Define(shot.stage, "/World/frame")
+    frame.CreateSizeAttr(100.0)
+    before = position(shot, 3)
+    shot.focus.follow_part(CAMERA, "far", "/World/frame", 3)
+    frame.GetPrim().SetActive(False)
+    assert shot.focus.follow_part(CAMERA, "far", "/World", 3).part == "/World"
+    assert position(shot, 3) == pytest.approx(before, abs=1e-5)
+
+
 def test_a_renamed_point_follows_on_and_others_can_read_it(shot, tmp_path):
     followed = shot.focus.follow_part(CAMERA, "far", "/World", 5)
     shot.focus.rename_point(CAMERA, "far", "pair")

@@ -23,9 +23,11 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
       <TopBar editor={editor} />
       {layout.isShown("shots") && <Shots editor={editor} />}
       {layout.isNarrow.value && layout.drawer.value && <Veil layout={layout} />}
-      <Viewer editor={editor} key={session?.shot.id ?? ""} />
-      {layout.isShown("settings") && <Inspector editor={editor} />}
-      <Timeline editor={editor} />
+      <div class="beside" inert={layout.isNarrow.value && layout.drawer.value}>
+        <Viewer editor={editor} key={session?.shot.id ?? ""} />
+        {layout.isShown("settings") && <Inspector editor={editor} />}
+        <Timeline editor={editor} />
+      </div>
       <Help editor={editor} />
       <Palette editor={editor} />
       <ShotFiles editor={editor} />
@@ -65,6 +67,13 @@ function Veil({ layout }: { layout: Layout }): JSX.Element {
       removeEventListener("keydown", pressed, { capture: true });
     };
   }, [layout]);
+  useEffect(() => {
+    const before = document.activeElement;
+    document.querySelector<HTMLElement>(".shots button")?.focus();
+    return () => {
+      if (before instanceof HTMLElement) before.focus();
+    };
+  }, []);
   return <div class="veil" onClick={() => (layout.drawer.value = false)} />;
 }
 

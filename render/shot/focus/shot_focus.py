@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from pxr import Sdf, Usd
 
 from render.errors import NotFoundError, SettingsError
@@ -18,6 +17,7 @@ from render.shot.edits.edit_layer import Edits, schema_errors_as_settings
 from render.shot.focus.anchor import SurfacePoint, check_not_plate, make_point
 from render.shot.focus.curve import focus_layer, solve_curve
 from render.shot.focus.curve_layer import author_curve
+from render.shot.focus.part_place import place_in_part
 from render.shot.focus.place_readout import PlaceReadout, read_place, read_point
 from render.shot.focus.rack import pull_rack
 from render.shot.focus.readout import PlacedPoint, Readout, make_readout, place_points
@@ -27,15 +27,11 @@ from render.stage import AnchorReader
 from usd_schemas import FocusData, FocusPoint, FocusPointView, Interpolation, Key, Tangents, TiltShiftData
 from usd_schemas.curves import EXACT
 from usd_schemas.racks import WeightRack
-from usd_schemas.settings.focus_point import MOST_BOUNDS_SIZES
 from usd_schemas.settings.tables import FOCUS_SETTINGS
 from usd_schemas.topology import topology_under
 
 if TYPE_CHECKING:  # pictures do without readers of curves
     from render.focus.files import ReadCurve
-
-_SAME_PLACE_M = 1e-3
-"""Farthest that a point may be off as it begins to follow a part: only bounds without depth take it off at all."""
 
 FOCUS_POINTS = "focusPoint:"
 """Prefix of the names of all properties of focus points."""
@@ -213,7 +209,7 @@ class ShotFocus:
         with self._edits.transaction(f"let focus point {name} follow {part or 'its surface'}"):
             if part:
                 point = self._cameras.editable_point(camera_path, name).read(time)
-                fields["bounds_point"] = self._place_in_bounds(point, part, time)
+                fields["bounds_point"] = place_in_part(self._anchors, point, part, time)
             return self.update_point(camera_path, name, time=time, **fields)
 
     def move_point(self, camera_path: str | None, name: str, time: float, **anchor: Any) -> FocusPoint:
@@ -242,32 +238,6 @@ class ShotFocus:
             moved = self.update_point(camera_path, name, time=time, part="", **anchor)
             stays = any(Sdf.Path(path).HasPrefix(Sdf.Path(part)) for path in moved.target)
             return self.follow_part(camera_path, name, part, time) if stays else moved
-
-    def _place_in_bounds(self, point: FocusPoint, part: str, time: float) -> tuple[float, float, float]:
-        """Place in a part's bounds at which a focus point is where it already is."""
-        if not (Sdf.Path.IsValidPathString(part) and Sdf.Path(part).IsPrimPath() and Sdf.Path(part).IsAbsolutePath()):
-            raise SettingsError(
-                f"focus point {point.name} can follow the bounds of a prim, by its absolute path, got {part!r}",
-                code="bad_part",
-                path=part,
-            )
-        try:
-            position_m = self._anchors.position(point, time)
-        except NotFoundError:
-            if not point.part:
-                raise
-            position_m = self._anchors.position(replace(point, part=""), time)  # its part is lost, its target is not
-        followed = replace(point, part=part)
-        x, y, z = self._anchors.place_in_bounds(followed, position_m, time).tolist()
-        followed = replace(followed, bounds_point=(x, y, z))
-        off_m = np.linalg.norm(self._anchors.position(followed, time) - position_m)
-        if not (max(map(abs, (x, y, z))) <= MOST_BOUNDS_SIZES and off_m < _SAME_PLACE_M):
-            raise SettingsError(
-                f"focus point {point.name} is out of reach of the bounds of {part}: follow a part that it is on",
-                code="bad_part",
-                path=part,
-            )
-        return x, y, z
 
     def rename_point(self, camera_path: str | None, name: str, new_name: str) -> None:
         """Rename a focus point, which keeps its values and keys.

@@ -1,33 +1,17 @@
 import { brightnessOf } from "@/model/brightness";
 import type { ExposureReadout, ExposureSettings, FilmSettings } from "@/model/photography";
-import { EXPOSURE_DEFAULTS, FILM_DEFAULTS } from "@/model/settings.gen";
+import { FILM_DEFAULTS } from "@/model/settings.gen";
+import { EXPOSURE, READOUT } from "./exposures";
 
-const PLAIN: ExposureSettings = {
-  ...EXPOSURE_DEFAULTS,
-  shutterEfficiency: [],
-  meteringSpot: [0.5, 0.5],
-  shutterAngleDeg: 180,
-  keys: {},
-};
 /** As a camera on a set. */
 const SET: Partial<ExposureSettings> = { exposureTimeS: 1 / 48, iso: 800, exposureStop: "iris", stopMarking: "t" };
-const READOUT: ExposureReadout = {
-  fStop: 1,
-  effectiveTStop: 1,
-  bellowsFactor: 1,
-  ev100: 0,
-  ndStops: 0,
-  shutterTimeS: 1 / 48,
-  greyNits: 0.18,
-};
-
 function said(
   exposure: Partial<ExposureSettings>,
   readout: Partial<ExposureReadout> = {},
   film: Partial<FilmSettings> = {},
 ): readonly [string, string] {
   const { by, parts } = brightnessOf({
-    exposure: { ...PLAIN, ...exposure },
+    exposure: { ...EXPOSURE, ...exposure },
     readout: { ...READOUT, ...readout },
     film: { ...FILM_DEFAULTS, ...film } as unknown as FilmSettings,
   });
@@ -72,7 +56,7 @@ describe("the brightness", () => {
 
   it("each value has the setting of its control", () => {
     const { parts } = brightnessOf({
-      exposure: { ...PLAIN, ...SET, responsivity: 0.5 },
+      exposure: { ...EXPOSURE, ...SET, responsivity: 0.5 },
       readout: READOUT,
       film: FILM_DEFAULTS as unknown as FilmSettings,
     });

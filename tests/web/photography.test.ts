@@ -10,32 +10,15 @@ import {
   parseShutter,
   setExposureStop,
   setShutter,
-  type ExposureReadout,
   type ExposureSettings,
   type FilmSettings,
   type FilmSummary,
 } from "@/model/photography";
 import { scaleOf } from "@/model/scale";
-import { EXPOSURE_DEFAULTS, EXPOSURE_SLIDERS } from "@/model/settings.gen";
+import { EXPOSURE_SLIDERS } from "@/model/settings.gen";
+import { EXPOSURE, READOUT } from "./exposures";
 
-const EXPOSURE: ExposureSettings = {
-  ...EXPOSURE_DEFAULTS,
-  shutterEfficiency: [],
-  meteringSpot: [0.5, 0.5],
-  shutterAngleDeg: 180,
-  keys: {},
-};
 const ISOS = scaleOf(EXPOSURE_SLIDERS.iso.slider);
-const READOUT: ExposureReadout = {
-  fStop: 1,
-  effectiveTStop: 1,
-  bellowsFactor: 1,
-  ev100: 0,
-  ndStops: 0,
-  shutterTimeS: 1 / 48,
-  greyNits: 0.18,
-};
-
 /** How bright the picture is, by UsdGeomCamera's law; the stop of the iris where that exposes. */
 function scale(exposure: Partial<ExposureSettings>, iris = 1): number {
   const e = { ...EXPOSURE, ...exposure };

@@ -4,6 +4,9 @@ import { computed, effect, signal } from "@preact/signals";
 import { containing, framing, panned, wholeOf, zoomed } from "../model/time_span";
 import type { Playhead } from "./playhead";
 
+/** Zoom for each press of a key. */
+const KEY_ZOOM = 1.5;
+
 export class TimeView {
   readonly span;
   readonly isWhole;
@@ -28,6 +31,16 @@ export class TimeView {
    */
   zoom(factor: number, about = this.#playhead.time.peek()): void {
     this.span.value = zoomed(this.#playhead.range, this.span.peek(), factor, about);
+  }
+
+  /** Shows less about the playhead, as by a press of a key. */
+  zoomIn(): void {
+    this.zoom(1 / KEY_ZOOM);
+  }
+
+  /** Shows more about the playhead. */
+  zoomOut(): void {
+    this.zoom(KEY_ZOOM);
   }
 
   /** Shows what is so many frames later. */

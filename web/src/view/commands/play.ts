@@ -4,9 +4,6 @@ import type { Playhead } from "../../editor/playhead";
 import { EVERY, REPEATS } from "../../model/playback";
 import { nextOf, onShot, type Command, type SessionCommand } from "./command";
 
-/** Zoom of the timeline for each press of a key. */
-const KEY_ZOOM = 1.5;
-
 function onPlayhead(name: string, keys: readonly string[], act: (playhead: Playhead) => void): SessionCommand {
   return {
     name,
@@ -98,7 +95,7 @@ const SHOWN_TIME: readonly SessionCommand[] = [
     keys: ["+", "="],
     repeats: true,
     act: ({ timeView }) => {
-      timeView.zoom(1 / KEY_ZOOM);
+      timeView.zoomIn();
     },
   },
   {
@@ -107,7 +104,7 @@ const SHOWN_TIME: readonly SessionCommand[] = [
     repeats: true,
     refusal: ({ timeView }) => (timeView.isWhole.value ? "All of it is shown." : null),
     act: ({ timeView }) => {
-      timeView.zoom(KEY_ZOOM);
+      timeView.zoomOut();
     },
   },
   {

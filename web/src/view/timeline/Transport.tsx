@@ -162,7 +162,7 @@ function TouchKeys({ session: { touch, timeView } }: { session: Session }): JSX.
         class="button"
         aria-label="Show less of the time"
         onClick={() => {
-          timeView.zoom(1 / 1.5);
+          timeView.zoomIn();
         }}
       >
         +
@@ -172,7 +172,7 @@ function TouchKeys({ session: { touch, timeView } }: { session: Session }): JSX.
         class="button"
         aria-label="Show more of the time"
         onClick={() => {
-          timeView.zoom(1.5);
+          timeView.zoomOut();
         }}
       >
         −

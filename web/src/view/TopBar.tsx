@@ -16,6 +16,7 @@ import { save } from "./hooks";
 import { Icon } from "./icons";
 import { MenuBar } from "./menus/MenuBar";
 import { SharpnessMenu } from "./viewer/SharpnessMenu";
+import { Radios } from "./controls/Radios";
 
 export function TopBar({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
@@ -171,21 +172,15 @@ function Appearance({ editor }: { editor: Editor }): JSX.Element {
           />
         ))}
       </div>
-      <div class="group" role="radiogroup" aria-label="Unit of distances">
-        {(["m", "ft"] as const).map((name) => (
-          <button
-            key={name}
-            type="button"
-            class="button"
-            role="radio"
-            aria-checked={unit.value === name}
-            title={name === "m" ? "Metres" : "Feet and inches"}
-            onClick={() => (unit.value = name)}
-          >
-            {name}
-          </button>
-        ))}
-      </div>
+      <Radios
+        label="Unit of distances"
+        values={["m", "ft"] as const}
+        value={unit.value}
+        names={{ m: "m", ft: "ft" }}
+        titles={{ m: "Metres", ft: "Feet and inches" }}
+        isLarge
+        onChoose={(name) => (unit.value = name)}
+      />
     </>
   );
 }

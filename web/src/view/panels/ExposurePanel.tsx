@@ -14,6 +14,7 @@ import { Setting } from "../controls/Setting";
 import { StopSetting } from "../controls/StopSetting";
 import { Edits } from "../controls/Edits";
 import { Section } from "./Section";
+import { Radios } from "../controls/Radios";
 
 interface PartProps {
   readonly session: Session;
@@ -93,23 +94,16 @@ const MARKINGS = {
 /** What the stops on the barrel are. */
 function Marking({ session, exposure }: { session: Session; exposure: ExposureSettings }): JSX.Element {
   return (
-    <div class="group" role="radiogroup" aria-label="The lens is marked in">
-      {(["f", "t"] as const).map((marking) => (
-        <button
-          key={marking}
-          type="button"
-          class="button small"
-          role="radio"
-          aria-checked={exposure.stopMarking === marking}
-          title={MARKINGS[marking]}
-          onClick={() => {
-            session.photography.setExposure("Stop marking", { stopMarking: marking }, exposure);
-          }}
-        >
-          {marking === "f" ? "f" : "T"}
-        </button>
-      ))}
-    </div>
+    <Radios
+      label="The lens is marked in"
+      values={["f", "t"] as const}
+      value={exposure.stopMarking}
+      names={{ f: "f", t: "T" }}
+      titles={MARKINGS}
+      onChoose={(stopMarking) => {
+        session.photography.setExposure("Stop marking", { stopMarking }, exposure);
+      }}
+    />
   );
 }
 

@@ -9,12 +9,19 @@ import { useChosen } from "../controls/chosen";
 import { ModeSettings } from "./FocusSettings";
 import { Misses } from "./PointVerdict";
 import { Section } from "./Section";
+import { Radios } from "../controls/Radios";
 
-const MODES: Readonly<Record<FocusMode, readonly [name: string, does: string]>> = {
-  manual: ["By hand", "The focus distance is yours to set and to key"],
-  points: ["Points", "One distance, the best for all focus points"],
-  tiltPlane: ["Tilt plane", "The lens tilts so that its plane of focus passes through the points"],
-  surface: ["Surface", "Each point has its own focus, and the picture runs smoothly between them: no lens does this"],
+const MODE_NAMES: Readonly<Record<FocusMode, string>> = {
+  manual: "By hand",
+  points: "Points",
+  tiltPlane: "Tilt plane",
+  surface: "Surface",
+};
+const MODE_TITLES: Readonly<Record<FocusMode, string>> = {
+  manual: "The focus distance is yours to set and to key",
+  points: "One distance, the best for all focus points",
+  tiltPlane: "The lens tilts so that its plane of focus passes through the points",
+  surface: "Each point has its own focus, and the picture runs smoothly between them: no lens does this",
 };
 
 export function FocusPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
@@ -72,22 +79,16 @@ function CurveImport({ session }: { session: Session }): JSX.Element {
 function ModeChooser({ session, mode }: { session: Session; mode: FocusMode }): JSX.Element {
   const [shown, chosen] = useChosen(mode, session.document.fresh.value);
   return (
-    <div class="group modes" role="radiogroup" aria-label="Who focuses">
-      {FOCUS_MODES.map((choice) => (
-        <button
-          key={choice}
-          type="button"
-          class="button small"
-          role="radio"
-          aria-checked={shown === choice}
-          title={MODES[choice][1]}
-          onClick={() => {
-            chosen.choose(choice, session.setFocusMode(choice));
-          }}
-        >
-          {MODES[choice][0]}
-        </button>
-      ))}
-    </div>
+    <Radios
+      label="Who focuses"
+      kind="modes"
+      values={FOCUS_MODES}
+      value={shown}
+      names={MODE_NAMES}
+      titles={MODE_TITLES}
+      onChoose={(choice) => {
+        chosen.choose(choice, session.setFocusMode(choice));
+      }}
+    />
   );
 }

@@ -16,6 +16,7 @@ import { Reading } from "../controls/Reading";
 import { Waiting } from "../controls/Waiting";
 import { ExposureField } from "../controls/ExposureField";
 import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
+import { Radios } from "../controls/Radios";
 
 const REACH = 4;
 const [WIDTH, HEIGHT, MARGIN] = [264, 40, 14];
@@ -93,25 +94,19 @@ function Head({ session, exposure }: MeterProps): JSX.Element {
     meteringMode === "spot" ? { meteringMode, meteringFocusPoint: session.selectedName.value ?? "" } : { meteringMode };
   return (
     <div class="meter-head">
-      <div class="group" role="radiogroup" aria-label="What the meter looks at" data-setting="meteringMode">
-        {MODES.map((choice) => (
-          <button
-            key={choice}
-            type="button"
-            class="button small"
-            role="radio"
-            aria-checked={mode === choice}
-            title={LOOKS_AT[choice]}
-            disabled={decides && session.document.noEdits.value !== null}
-            onClick={() => {
-              photography.meterMode.value = choice;
-              if (decides) photography.setExposure(`Meter: ${MODE_NAMES[choice]}`, decideBy(choice), exposure);
-            }}
-          >
-            {MODE_NAMES[choice]}
-          </button>
-        ))}
-      </div>
+      <Radios
+        label="What the meter looks at"
+        setting="meteringMode"
+        values={MODES}
+        value={mode}
+        names={MODE_NAMES}
+        titles={LOOKS_AT}
+        isDisabled={() => decides && session.document.noEdits.value !== null}
+        onChoose={(choice) => {
+          photography.meterMode.value = choice;
+          if (decides) photography.setExposure(`Meter: ${MODE_NAMES[choice]}`, decideBy(choice), exposure);
+        }}
+      />
       <Edits session={session}>
         <label class="switch-row" title="The meter exposes each frame, smoothed over time so that nothing flickers">
           <input

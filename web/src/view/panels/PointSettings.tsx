@@ -11,6 +11,7 @@ import { formatIn, quantityOf } from "../controls/quantity";
 import { KeyDiamond } from "../timeline/KeyDiamond";
 import { parseQuantity, trim } from "../numbers";
 import { FollowedPart } from "./FollowedPart";
+import { Radios } from "../controls/Radios";
 
 export function PointSettings({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
   const mode = session.document.readout.value?.focusMode;
@@ -38,22 +39,15 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
         />
       </label>
       <FollowedPart session={session} point={point} />
-      <div class="group" role="radiogroup" aria-label={`${point.name} is`}>
-        {(["sharp", "soft"] as const).map((choice) => (
-          <button
-            key={choice}
-            type="button"
-            class="button small"
-            role="radio"
-            aria-checked={kind === choice}
-            onClick={() => {
-              if (choice !== kind) session.pointEdits.setKind(point, choice);
-            }}
-          >
-            {choice === "sharp" ? "Sharp" : "Soft"}
-          </button>
-        ))}
-      </div>
+      <Radios
+        label={`${point.name} is`}
+        values={["sharp", "soft"] as const}
+        value={kind}
+        names={{ sharp: "Sharp", soft: "Soft" }}
+        onChoose={(choice) => {
+          if (choice !== kind) session.pointEdits.setKind(point, choice);
+        }}
+      />
       {kind === "soft" && <Amount session={session} point={point} attribute="blur" />}
       {mode === "surface" && (
         <>

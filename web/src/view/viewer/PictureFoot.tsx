@@ -7,6 +7,7 @@ import type { Session } from "../../editor/session";
 import { Waiting } from "../controls/Waiting";
 import { DrawButton } from "./Poster";
 import { PullChoice } from "./PullChoice";
+import { Radios } from "../controls/Radios";
 
 export function PictureFoot({ session }: { session: Session }): JSX.Element {
   const canEdit = session.document.noEdits.value === null && session.document.hasLens;
@@ -33,24 +34,18 @@ function Tools({ session: { picks, selectedName, gathers } }: { session: Session
     move: selected === null ? "Select a point to move it" : `A click moves ${selected} there (Alt 3; once with Alt)`,
   };
   return (
-    <div class="group tools" role="radiogroup" aria-label="What a click does">
-      {TOOLS.map((tool) => (
-        <button
-          key={tool}
-          type="button"
-          class="button small"
-          role="radio"
-          aria-checked={picks.tool.value === tool}
-          title={titles[tool]}
-          disabled={tool === "move" && selected === null}
-          onClick={() => {
-            picks.choose(tool);
-          }}
-        >
-          {names[tool]}
-        </button>
-      ))}
-    </div>
+    <Radios
+      label="What a click does"
+      kind="tools"
+      values={TOOLS}
+      value={picks.tool.value}
+      names={names}
+      titles={titles}
+      isDisabled={(tool) => tool === "move" && selected === null}
+      onChoose={(tool) => {
+        picks.choose(tool);
+      }}
+    />
   );
 }
 

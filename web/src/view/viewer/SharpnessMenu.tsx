@@ -5,6 +5,7 @@ import type { Editor } from "../../editor/editor";
 import { DELIVERIES, LIMITS, LOOKS, type Delivery, type Limit, type Look } from "../../model/sharpness";
 import { Choice, Options } from "../controls/Choice";
 import { Menu } from "../controls/Menu";
+import { Radios } from "../controls/Radios";
 
 const LOOK_NAMES: Readonly<Record<Look, string>> = { none: "Nothing", peaking: "Peaking", falseColour: "False colour" };
 const LIMIT_NAMES: Readonly<Record<Limit, string>> = {
@@ -20,20 +21,13 @@ export function SharpnessMenu({ editor }: { editor: Editor }): JSX.Element {
     <Menu name="sharpness" label="Sharpness on the picture" title="Sharpness on the picture (P)" head="Sharpness">
       {() => (
         <div class="sharpness-choices">
-          <div class="group" role="radiogroup" aria-label="Sharpness as">
-            {LOOKS.map((name) => (
-              <button
-                key={name}
-                type="button"
-                class="button small"
-                role="radio"
-                aria-checked={look.value === name}
-                onClick={() => (look.value = name)}
-              >
-                {LOOK_NAMES[name]}
-              </button>
-            ))}
-          </div>
+          <Radios
+            label="Sharpness as"
+            values={LOOKS}
+            value={look.value}
+            names={LOOK_NAMES}
+            onChoose={(name) => (look.value = name)}
+          />
           <Switch label="Lines of focus and its limits" choice={focusLines} />
           <Switch label="Probe at the pointer" choice={probe} />
           <Choice

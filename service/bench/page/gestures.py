@@ -22,7 +22,7 @@ PAUSES_MS = (20, 20, 50, 100, 100, 200, 400, 1000, 4000)
 KEPT_GESTURES = 12
 """Gestures that are remembered, to be told with an error."""
 
-# What leaves the page, asks for a file, downloads, or removes the shot is left out.
+# Buttons that leave the page, ask for a file, download, or remove the shot are left out.
 PRESSABLE = (
     ".inspector button, .inspector summary, .inspector input[type=checkbox], .transport button, .topbar button, "
     ".lane-name, [role=menuitem], .menu-list button, .menu-list input, .picture-foot button, dialog[open] button"

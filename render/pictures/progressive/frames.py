@@ -67,8 +67,8 @@ class LiveFrames:
             GraphicsError: OpenGL reports an error.
         """
         renderer = self._renderer
-        view = PinholeView.from_camera(camera, settings.width, settings.height)
-        largest = view.resize(*self._planner.largest_size(view.width, view.height))
+        # From the camera each time, so that pictures of several sizes share the layers of their previews.
+        view = largest = PinholeView.from_camera(camera, *self._planner.largest_size(settings.width, settings.height))
         with renderer.on_device():
             drawn = renderer.drawn_camera(camera, settings)
             is_blurred = engine_class(settings).preview == "blur" and drawn.f_stop > 0

@@ -243,6 +243,19 @@ def test_a_change_of_focus_or_stop_peels_nothing_at_first(
     assert drawn.since() > 0
 
 
+def test_previews_of_pictures_in_several_sizes_share_their_layers(
+    progressive: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shot.camera.set("/cam", focal_length_mm=43.7)
+    moving = PreviewRequest("/cam", 2.0, replace(SETTINGS, width=960, height=540), is_moving=True)
+    for _ in range(2):  # sketched first
+        last(progressive.pictures(moving))
+    drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
+    for width, height in ((864, 486), (1056, 594), (1216, 684)):
+        last(progressive.pictures(replace(moving, settings=replace(SETTINGS, width=width, height=height))))
+    assert drawn.since() == 0
+
+
 def test_more_rays_of_a_preview_are_drawn_only_while_layers_are(
     progressive: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -49,6 +49,8 @@ MAX_OVERDUE = 4
 """Jobs of a lane that may be overdue at a time."""
 UNWANTED_S = 1.0
 """Time that a call may go on after its client has gone, before its process is ended."""
+UNWANTED_STREAM_S = 10.0
+"""The same time of a stream: it ends by itself after a piece of work, and a new process would have to open the shot."""
 TICK_S = 0.1
 ATTEMPTS = 3
 """Processes that a call is sent to, where each has ended before it began."""
@@ -200,7 +202,8 @@ class Lane(Generic[State]):
     def cancel(self, job: Job[State]) -> None:
         """End a job that nobody wants any more, as soon as possible. Does nothing where it has ended.
 
-        A stream ends between two pieces of work. The process of a call is ended where it goes on for longer than `UNWANTED_S`.
+        A stream ends between two pieces of work. The process is ended where it goes on for longer than `UNWANTED_S`, or
+        `UNWANTED_STREAM_S` for a stream.
         """
         with self._changed:
             if job in self._queue:
@@ -399,8 +402,10 @@ class Lane(Generic[State]):
             return
         if now_s - job.begun_s > self._timeout_s:
             job.process.kill("timeout")
-        elif job.unwanted_s is not None and now_s - job.unwanted_s > UNWANTED_S:
-            job.process.kill("cancelled")
+        elif job.unwanted_s is not None:
+            most_s = UNWANTED_STREAM_S if isinstance(job.work, StreamWork) else UNWANTED_S
+            if now_s - job.unwanted_s > most_s:
+                job.process.kill("cancelled")
 
     def _dispatch_beside_overdue(self, now_s: float) -> None:
         if not self._queue:

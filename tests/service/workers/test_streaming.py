@@ -11,7 +11,7 @@ import pytest
 from render.errors import StageError
 from service.workers.calls import StreamCall, call, stream_call
 from service.workers.errors import QueueFullError, WorkerError
-from service.workers.lane import Lane
+from service.workers.lane import TICK_S, Lane
 from service.workers.pool import WorkerPool
 from service.workers.streaming import CROWD, Signals, StaleCheck, create_memory
 from tests.service.conftest import until
@@ -130,6 +130,26 @@ def test_one_that_is_dropped_before_it_showed_anything_ends_too(lane):
     stream.cancel()
     assert stream.code() == "superseded"
     assert stream.items == []
+
+
+def test_the_process_of_a_cancelled_stream_may_finish_a_long_piece(lane, pool, monkeypatch):
+    monkeypatch.setattr("service.workers.lane.UNWANTED_S", 0.01)
+    stream = Watched(lane, stream_call(refine, pieces=2, piece_s=8 * TICK_S))
+    until(lambda: stream.stream.process is not None)
+    starts = pool.starts["tally"]
+    stream.cancel()
+    assert stream.code() == "superseded"
+    assert lane.submit(call(echo)).result(WAIT_S)
+    assert pool.starts["tally"] == starts
+
+
+def test_a_cancelled_stream_that_does_not_end_loses_its_process(lane, pool, monkeypatch):
+    monkeypatch.setattr("service.workers.lane.UNWANTED_STREAM_S", 0.01)
+    stream = Watched(lane, stream_call(refine, piece_s=WAIT_S))
+    until(lambda: stream.stream.process is not None)
+    stream.cancel()
+    assert stream.code() == "superseded"
+    assert pool.ends["tally", "cancelled"] == 1
 
 
 def test_an_error_comes_after_what_was_shown(lane):

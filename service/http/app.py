@@ -18,6 +18,7 @@ from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
 from service.http.hidden_folders import hide_folder
 from service.http.identity import Identity, IdentityMiddleware
+from service.http.last_shot import draw_last_shot
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
 from service.http.reference import install_reference
@@ -74,12 +75,11 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service = Service.start(settings)
         app.state.service = service
-        upkeep = [
-            asyncio.create_task(work(service)) for work in (_empty_trash, _save_usage, fill_caches, end_greedy_workers)
-        ]
+        upkeep = [asyncio.create_task(work(service)) for work in (_empty_trash, _save_usage, end_greedy_workers)]
         try:
             if settings.demo:
                 await _ensure_demo(service)
+            upkeep.append(asyncio.create_task(_prepare_pictures(service)))
             yield
         finally:
             for task in upkeep:
@@ -130,6 +130,12 @@ def create_app(settings: Settings) -> FastAPI:
     install_reference(app)
     install_page(app, settings.static)
     return app
+
+
+async def _prepare_pictures(service: Service) -> None:
+    """Do in advance what makes the first picture late."""
+    await fill_caches(service)
+    await draw_last_shot(service)
 
 
 async def _save_usage(service: Service) -> None:

@@ -69,6 +69,23 @@ def stream_pictures(
             is_first = False
 
 
+@picture_function
+def draw_ahead(state: PictureWorkerState, request: FrameRequest) -> None:
+    """Draw the previews of a picture that nobody waits for yet: the shot is open then, and the layers of its previews are kept.
+
+    Args:
+        state: the worker's state.
+        request: the frame.
+
+    Raises:
+        PullfocusError: as `service.picture.frames.render_frame`.
+    """
+    with state.opened.use(request.record, request.edits) as shot:
+        preview = PreviewRequest(request.camera, request.time, frame_settings(request, shot), is_moving=True)
+        for _ in range(2):  # a view that is new has a coarse preview first
+            list(state.progressive(shot).pictures(preview))
+
+
 def _apply_unsaved(
     state: PictureWorkerState,
     shot: Shot,

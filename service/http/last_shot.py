@@ -1,0 +1,48 @@
+"""The shot that was worked on last is drawn when the service starts, so that who goes on with it finds it open."""
+
+from __future__ import annotations
+
+import logging
+from contextlib import suppress
+
+from starlette.concurrency import run_in_threadpool
+
+from render.errors import PullfocusError
+from service.http.errors import ServiceError
+from service.http.frame_requests import frame_request
+from service.http.service import Service
+from service.models.frames import PictureQuery
+from service.picture.calls import live
+from service.stage.calls import shots
+from service.storage.store import ShotRecord
+from service.workers.calls import call
+from service.workers.errors import WorkerError
+
+log = logging.getLogger("pullfocus.service")
+
+
+async def draw_last_shot(service: Service) -> None:
+    """Have one preview of the shot drawn that was added or edited last. Failure costs its next viewer time alone."""
+    record = await run_in_threadpool(_last_shot, service)
+    if record is None:
+        return
+    try:
+        shot = await service.call_stage(shots.describe_shot, record)
+        picture = PictureQuery(time=shot.frame_range.start)
+        edits = await run_in_threadpool(record.edit_text)
+        request = frame_request(record, edits, picture, service.admission.check_preview(picture))
+        await service.lanes.live.result(call(live.draw_ahead, request), service.place_of(record))
+    except (PullfocusError, ServiceError, WorkerError) as error:
+        log.info("shot %s was not drawn in advance: %s", record.id, error)
+
+
+def _last_shot(service: Service) -> ShotRecord | None:
+    return max(service.store.list(), key=_worked_on_s, default=None)
+
+
+def _worked_on_s(record: ShotRecord) -> float:
+    """Return when a shot was added or edited last, s since the epoch."""
+    worked_on_s = record.created_at.timestamp()
+    with suppress(OSError):  # no edits yet
+        worked_on_s = max(worked_on_s, record.edits.stat().st_mtime)
+    return worked_on_s

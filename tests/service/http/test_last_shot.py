@@ -1,0 +1,68 @@
+"""The shot that was worked on last, drawn when the service starts."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+from pathlib import Path
+
+import pytest
+
+from service.http.last_shot import draw_last_shot
+from service.http.settings import Settings
+from tests.service.conftest import Running, running, until
+
+LATE_S = 4e9
+"""A time in the future, s since the epoch."""
+
+
+@pytest.fixture
+def settings(tmp_path) -> Settings:
+    return Settings(data=tmp_path, demo=False)
+
+
+def upload(service: Running, file: Path) -> str:
+    with file.open("rb") as sent:
+        return service.client.post("/v1/shots", files={"file": sent}).json()["id"]
+
+
+def write_edits(settings: Settings, shot: str, text: str) -> None:
+    edits = settings.data / "shots" / shot / "edits" / "edits.usda"
+    edits.parent.mkdir(exist_ok=True)
+    edits.write_text(text)
+    os.utime(edits, (LATE_S, LATE_S))
+
+
+def shot_drawn(service: Running) -> str | None:
+    """The one shot that a worker of live pictures has drawn."""
+    lane = service.internal.lanes.live
+    until(lambda: lane.running == 0 and any(each.role == lane.role for each in service.internal.pool.processes()))
+    (worker,) = [each for each in service.internal.pool.processes() if each.role == lane.role]
+    assert worker.has_served
+    return worker.place.key
+
+
+def test_the_shot_of_the_last_work_is_drawn_at_the_start(settings, room_file):
+    with running(settings) as service:
+        old, new = upload(service, room_file), upload(service, room_file)
+    with running(settings) as service:
+        assert shot_drawn(service) == new
+    write_edits(settings, old, "#usda 1.0\n")
+    with running(settings) as service:
+        assert shot_drawn(service) == old
+
+
+def test_a_shot_that_cannot_be_drawn_does_no_harm(settings, room_file, caplog):
+    with running(settings) as service:
+        shot = upload(service, room_file)
+        write_edits(settings, shot, "no layer")
+        with caplog.at_level(logging.INFO, "pullfocus.service"):
+            asyncio.run(draw_last_shot(service.internal))
+        assert f"shot {shot} was not drawn in advance" in caplog.text
+
+
+def test_a_service_without_shots_draws_none(settings):
+    with running(settings) as service:
+        asyncio.run(draw_last_shot(service.internal))
+        assert service.internal.pool.processes() == []

@@ -2,11 +2,14 @@ import { signal } from "@preact/signals";
 import { ShotDocument } from "@/editor/document";
 import { Pictures } from "@/editor/pictures";
 import type { Changes } from "@/model/changes";
+import type { FocusPoint } from "@/model/shot";
 import { restQuality } from "@/model/quality";
 import { errorOf } from "@/net/errors";
 import { FakeService, FOCUS_MAP, SHOT } from "./fake_service";
+import { point } from "./points";
 
 const REST = restQuality(800, 400);
+const PIP = point("pip");
 const UNSAVED: Changes = [{ type: "movePoint", name: "hero", place: [0.5, 0.5], time: 1 }];
 
 beforeEach(() => {
@@ -37,6 +40,37 @@ function opened(onFail: (error: unknown) => void = fail): {
 function fail(error: unknown): void {
   throw error;
 }
+
+describe("the points of a picture", () => {
+  it("do not hold it up", async () => {
+    const { fake, pictures, want } = opened();
+    let tell: (points: FocusPoint[]) => void = fail;
+    const read = new Promise<FocusPoint[]>((resolve) => (tell = resolve));
+    vi.spyOn(fake, "focusPoints").mockReturnValue(read);
+    want(5, true);
+    await fake.show("preview");
+    expect(pictures.displayed.value).toMatchObject({ time: 5, points: [] });
+    tell([PIP]);
+    await vi.waitFor(() => {
+      expect(pictures.displayed.value).toMatchObject({ time: 5, points: [PIP] });
+    });
+  });
+
+  it("are those of the picture before until they are read", async () => {
+    const { fake, pictures, want } = opened();
+    vi.spyOn(fake, "focusPoints")
+      .mockResolvedValueOnce([PIP])
+      .mockReturnValue(new Promise(() => undefined));
+    want(5, true);
+    await fake.show("preview");
+    await vi.waitFor(() => {
+      expect(pictures.displayed.value?.points).toEqual([PIP]);
+    });
+    want(6, true);
+    await fake.show("preview");
+    expect(pictures.displayed.value).toMatchObject({ time: 6, points: [PIP] });
+  });
+});
 
 describe("focus maps", () => {
   it("come with the first picture and go on with those that follow", async () => {

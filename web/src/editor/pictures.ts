@@ -177,7 +177,7 @@ export class Pictures {
     const cached = request.moving && isSaved ? this.#cachedFor(request.time, request.focusMaps) : null;
     if (cached) {
       this.#sendNothing();
-      void this.#show(cached, request, this.#document.pointsByTime.known(request.time) ?? []);
+      void this.#show(cached, request, { readsPoints: false }); // many come in a second
       return;
     }
     const kept = this.#keptFor(request);
@@ -272,15 +272,11 @@ export class Pictures {
   /** Takes a picture that was made. Resolves when it is on screen. */
   #take(picture: LivePicture, request: NumberedRequest): Promise<void> {
     this.#keep(picture, request);
-    return this.#show(picture, request, this.#document.pointsAt(request.time));
+    return this.#show(picture, request);
   }
 
   /** Shows a picture, unless one of a later request or a better one is shown. Resolves when it is on screen. */
-  async #show(
-    picture: LivePicture,
-    request: NumberedRequest,
-    pointsThen: readonly FocusPoint[] | Promise<readonly FocusPoint[]>,
-  ): Promise<void> {
+  async #show(picture: LivePicture, request: NumberedRequest, { readsPoints = true } = {}): Promise<void> {
     if (request.number < this.#answered) return;
     this.#answered = request.number;
     const serial = (this.#serial += 1);
@@ -289,16 +285,33 @@ export class Pictures {
     if (encoded) this.#map = { number, read: this.#decode(encoded) };
     // The map is that of the request: it goes on while its pictures get better.
     const map = this.#map?.number === number ? this.#map.read : null;
-    const [bitmap, points, focusMap] = await Promise.all([createImageBitmap(blob), pointsThen, map]);
+    const [bitmap, focusMap] = await Promise.all([createImageBitmap(blob), map]);
     if (serial < this.#shownSerial || this.#current === null) {
       bitmap.close();
       return;
     }
     this.#shownSerial = serial;
-    this.displayed.peek()?.bitmap.close();
-    this.displayed.value = { ...facts, number, bitmap, time, revision, quality, unsaved, points, focusMap };
+    const [before, points] = [this.displayed.peek(), this.#document.pointsByTime.known(time)];
+    before?.bitmap.close();
+    this.displayed.value = {
+      ...facts,
+      ...{ number, bitmap, time, revision, quality, unsaved, focusMap },
+      points: points ?? before?.points ?? [],
+    };
+    if (!points && readsPoints) void this.#addPoints(bitmap, time);
     if (request.focusMaps) this.readMap();
     if (facts.stage === "final" && isSame(this.#current, request)) this.drawing.value = null;
+  }
+
+  /** Reads the points of the picture on screen, which has those of the one before until then. */
+  async #addPoints(bitmap: ImageBitmap, time: number): Promise<void> {
+    try {
+      const points = await this.#document.pointsAt(time);
+      const shown = this.displayed.peek();
+      if (shown?.bitmap === bitmap) this.displayed.value = { ...shown, points };
+    } catch {
+      // The document follows the time, too, and tells of what fails there.
+    }
   }
 
   /** Decodes a map; a picture is shown without one that cannot be read. */

@@ -1,14 +1,17 @@
 /** The place of the picture in its surround: as large as fits, with its edges on device pixels. */
 
 import type { ComponentChildren, JSX } from "preact";
-import { useLayoutEffect, useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { letterbox } from "../../model/quality";
 import { usePixelRatio, useSize } from "../hooks";
+
+/** Rest of the layout before its picture is asked for: each size costs the service a picture, ms. */
+const SETTLE_MS = 60;
 
 interface FrameProps {
   /** Width over height of the picture. */
   readonly aspect: number;
-  /** Takes the size of the picture in device pixels. */
+  /** Takes the size of the picture in device pixels, once it stays. */
   readonly onBox?: (box: { readonly width: number; readonly height: number }) => void;
   readonly onPointerMove?: (event: PointerEvent) => void;
   readonly onPointerLeave?: () => void;
@@ -22,8 +25,15 @@ export function Frame({ aspect, onBox, onPointerMove, onPointerLeave, children, 
   const size = useSize(surround);
   const ratio = usePixelRatio();
   const { left, top, width, height } = snapToPixels(letterbox(size.width, size.height, aspect), ratio);
-  useLayoutEffect(() => {
-    if (width > 0 && height > 0) onBox?.({ width: Math.round(width * ratio), height: Math.round(height * ratio) });
+  useEffect(() => {
+    if (!onBox || width <= 0 || height <= 0) return undefined;
+    const timer = setTimeout(onBox, SETTLE_MS, {
+      width: Math.round(width * ratio),
+      height: Math.round(height * ratio),
+    });
+    return () => {
+      clearTimeout(timer);
+    };
   }, [onBox, width, height, ratio]);
   const style = { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` };
   return (

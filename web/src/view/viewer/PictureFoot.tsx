@@ -62,9 +62,7 @@ function PictureState({ session }: { session: Session }): JSX.Element {
           Stopped <DrawButton session={session} />
         </span>
       )}
-      <span class="numbers" aria-live="off">
-        {shown && <PictureFacts shown={shown} />}
-      </span>
+      {shown && <PictureFacts shown={shown} />}
     </span>
   );
 }
@@ -79,7 +77,9 @@ function PictureFacts({ shown }: { shown: Displayed }): JSX.Element {
   facts.push(tookMs < 1000 ? `${Math.round(tookMs)} ms` : `${(tookMs / 1000).toFixed(1)} s`);
   return (
     <>
-      {facts.join(" · ")}{" "}
+      <span class="numbers" aria-live="off">
+        {facts.join(" · ")}
+      </span>
       <i class="stage" data-stage={stage} title={STAGES[stage]} aria-label={STAGES[stage]} role="img" />
     </>
   );

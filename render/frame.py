@@ -253,6 +253,10 @@ class FrameRenderer:
         """Whether `load` would do nothing: the scene is on the device, with its shadows as this camera's pictures have them."""
         return self.device.peeler.has_shadows(self._scenes.scene(scene, camera), shadow_region(camera))
 
+    def has_scene(self, scene: Scene, camera: Camera) -> bool:
+        """Whether the scene is on the device, with any shadows."""
+        return self.device.peeler.has_scene(self._scenes.scene(scene, camera))
+
     def measure(self, color: FloatArray, scene: Scene, request: DrawRequest) -> Frame:
         """Make a frame of a picture, and measure the AOVs of the loaded scene.
 

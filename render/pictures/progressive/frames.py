@@ -45,6 +45,7 @@ class LiveFrames:
         clock: Clock,
         *,
         budget_ms: float,
+        is_moving: bool = False,
         is_hurried: bool = False,
         rays: int | None = None,
     ) -> tuple[FloatArray, int]:
@@ -56,6 +57,7 @@ class LiveFrames:
             settings: of the final picture.
             clock: runs since the request; takes note of ``peel`` and ``blur``.
             budget_ms: time by that clock at which the picture should be drawn.
+            is_moving: as in `PreviewRequest`.
             is_hurried: as in `PreviewRequest`.
             rays: rays per pixel, in place of as many as fit.
 
@@ -77,10 +79,15 @@ class LiveFrames:
                 sketch = "always"
             unlit = settings.shading == "unlit"
             previewer, peeler = renderer.device.previewer, renderer.device.peeler
-            kept = previewer.find_sketch(scene, camera, largest, unlit=unlit) if is_hurried else None
+            is_brief = is_hurried or (is_moving and renderer.graphics.is_software)
+            kept = previewer.find_sketch(scene, camera, largest, unlit=unlit) if is_brief else None
+            is_again = kept is not None and not is_hurried and renderer.has_scene(scene, camera)
+            if is_again and sketch != "always":
+                # The same view once more, so that something else changes: it is worth whole layers.
+                kept, is_brief, sketch = None, False, "never"
             if kept is None:
                 renderer.load(scene, camera, settings, is_preview=True)
-                if is_hurried:
+                if is_brief:
                     kept = previewer.peel_sketch(peeler, scene, drawn, largest, unlit=unlit)
                 else:
                     kept = previewer.peel(peeler, drawn, largest, unlit=unlit, sketch=sketch)

@@ -163,6 +163,7 @@ class ProgressiveRenderer:
                 job.settings,
                 job.clock,
                 budget_ms=budget_ms,
+                is_moving=job.request.is_moving,
                 is_hurried=job.request.is_hurried,
             )
             yield self._with_focus(job, self._show(job, "preview", light, rays))

@@ -180,8 +180,8 @@ def test_a_preview_that_waits_for_its_layers_has_more_rays(
     assert work[1] > 2 * work[0]
 
 
-def test_a_hurried_preview_of_a_new_view_has_one_layer(
-    progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch
+def test_a_brief_preview_of_a_new_view_has_one_layer(
+    progressive: ProgressiveRenderer, renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     layers: list[int] = []
     peel = Peeler.peel_by
@@ -191,10 +191,20 @@ def test_a_hurried_preview_of_a_new_view_has_one_layer(
         return peel(self, key, **named)
 
     monkeypatch.setattr(Peeler, "peel_by", note_layers)
-    for is_hurried, time in ((False, 1.0), (True, 3.0)):
-        request = PreviewRequest("/cam", time, SETTINGS, is_moving=True, is_hurried=is_hurried)
-        assert [shown.stage for shown in progressive.pictures(request)] == ["preview"]
-    assert layers == [2, 1]
+    for time, named in ((1.0, {}), (2.0, {"is_hurried": True}), (3.0, {"is_moving": True})):
+        assert next(progressive.pictures(PreviewRequest("/cam", time, SETTINGS, **named))).stage == "preview"
+    assert layers == [2, 1, 1 if renderer.graphics.is_software else 2]
+
+
+def test_a_view_that_is_shown_again_while_it_moves_needs_no_new_layers(
+    progressive: ProgressiveRenderer, renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
+    for time in (1.0, 3.0, 2.0):
+        next(progressive.pictures(PreviewRequest("/cam", time, SETTINGS, is_moving=True)))
+    assert drawn.since() > 0
+    next(progressive.pictures(PreviewRequest("/cam", 1.0, SETTINGS, is_moving=True)))
+    assert drawn.since() == 0 or not renderer.graphics.is_software
 
 
 def test_hurried_previews_keep_the_layers_of_many_views(

@@ -35,6 +35,8 @@ POINT_EXAMPLE: JsonDict = ANCHOR_EXAMPLE | {
     "offset": [0.0, 0.0, 0.0],
     "part": "",
     "boundsPoint": [0.5, 0.5, 0.5],
+    "color": "teal",
+    "group": "cast",
     "kind": "sharp",
     "blurMm": 0.0,
     "weight": 1.0,

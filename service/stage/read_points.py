@@ -24,6 +24,7 @@ from service.stage.read_cameras import camera_tag, is_framed
 from usd_schemas import FocusPoint as AuthoredPoint
 from usd_schemas import Key as AuthoredKey
 from usd_schemas import LensCamera
+from usd_schemas.settings.focus_point import FocusPointColor
 from usd_schemas.settings.tables import rest_settings
 
 _NAMES = {item.field_name: item.name for item in rest_settings("focusPoint")}
@@ -56,6 +57,8 @@ def read_point(shot: Shot, camera: str | None, time: float, name: str) -> FocusP
 def _point(shot: Shot, camera: str | None, placed: PlacedPoint) -> FocusPoint:
     point = placed.point
     authored = {field: getattr(point, name) for field, name in _NAMES.items()}
+    if point.color not in get_args(FocusPointColor):  # it harms no picture; `inspect` reports it
+        authored["color"] = "none"
     return FocusPoint(
         **authored,
         name=point.name,

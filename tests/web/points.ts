@@ -12,6 +12,8 @@ export function point(name: string, keys: Keys = {}, settings: Partial<FocusPoin
     name,
     anchor: { target: [`/World/${name}`], face: 0, fanTriangle: 0, barycentric: [1, 0, 0], instance: -1 },
     part: "",
+    color: "none",
+    group: "",
     settings: {
       enabled: true,
       weight: 1,

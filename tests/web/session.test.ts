@@ -286,3 +286,33 @@ describe("a subject", () => {
     expect(fake.made).toEqual([[{ ...change, part: "/World" }], [{ ...change, part: null }]]);
   });
 });
+
+describe("colours and groups of points", () => {
+  it("are edits of one point each", async () => {
+    const { fake, session } = await opened();
+    const time = session.playhead.time.value;
+    await session.pointEdits.setColor(point("far"), "teal");
+    await session.pointEdits.setGroup(point("far"), " cast ");
+    const made = [{ color: "teal" }, { group: "cast" }].map((values) => [
+      { type: "alterPoint", name: "far", values, time },
+    ]);
+    expect(fake.made).toEqual(made);
+    expect(await session.pointEdits.setGroup({ ...point("far"), group: "cast" }, "cast")).toBe(false);
+    expect(fake.made).toHaveLength(2);
+  });
+
+  it("switch the points of a group that are not so yet, in one edit", async () => {
+    const { fake, session } = await opened();
+    const [off, on] = [point("off", {}, { enabled: false }), point("on")];
+    await session.pointEdits.setGroupEnabled("cast", [off, on], true);
+    expect(fake.made.map((changes) => changes.map((change) => "name" in change && change.name))).toEqual([["off"]]);
+  });
+
+  it("fold a group, and unfold it", async () => {
+    const { session } = await opened();
+    session.foldGroup("a, b", true);
+    expect([...session.foldedGroups.value]).toEqual(["a, b"]);
+    session.foldGroup("a, b", false);
+    expect(session.foldedGroups.value.size).toBe(0);
+  });
+});

@@ -10,6 +10,7 @@ from typing import Literal
 from usd_schemas.settings.setting import Bounds, Slider, Triple, relationship, schema_group, setting
 
 FocusPointKind = Literal["sharp", "soft"]
+FocusPointColor = Literal["none", "red", "orange", "yellow", "green", "teal", "blue", "purple", "pink"]
 MAX_INDEX = 2**31 - 1
 """The largest int of USD."""
 MOST_BOUNDS_SIZES = 1000.0
@@ -170,6 +171,25 @@ class FocusPoint:
         soft=(0.1, 10),
         bounds=Bounds(0, 1e6),
         slider=Slider(0, 4, 0.1, unit="×", label="Depth"),
+    )
+    color: FocusPointColor = setting(
+        "color",
+        "none",
+        "Colour",
+        "Colour in which an editor draws the point, its keys and its distance, to tell it from the others.",
+        "It changes nothing in a picture.",
+        unit="none, a token",
+        keyable=False,
+    )
+    group: str = setting(
+        "group",
+        "",
+        "Group",
+        "Name of the group that an editor lists the point in, with the others of that name; empty for none.",
+        "It changes nothing in a picture.",
+        unit="none, text",
+        bounds=Bounds(length=100),
+        keyable=False,
     )
     topology: str = setting(
         "topology",

@@ -196,7 +196,7 @@ def test_a_brief_preview_of_a_new_view_has_one_layer(
     assert layers == [2, 1, 1 if renderer.graphics.is_software else 2]
 
 
-def test_a_view_that_is_shown_again_while_it_moves_needs_no_new_layers(
+def test_a_moving_view_that_is_shown_again_needs_no_new_layers(
     progressive: ProgressiveRenderer, renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")

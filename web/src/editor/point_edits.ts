@@ -3,7 +3,7 @@
 import type { ReadonlySignal, Signal } from "@preact/signals";
 import { setAttribute, setKind } from "../model/changes";
 import { freshName } from "../model/pull";
-import { primName, type Ease, type FocusPoint, type PointSettings } from "../model/shot";
+import { primName, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
 import type { ShotDocument } from "./document";
 
 export class PointEdits {
@@ -32,6 +32,35 @@ export class PointEdits {
     const label = part === "" ? `Put ${point.name} on its surface` : `Let ${point.name} follow ${primName(part)}`;
     const change = { type: "followPart", name: point.name, part: part || null, time: this.#time.value } as const;
     return this.#document.edit(label, [change]);
+  }
+
+  setColor(point: FocusPoint, color: PointColor): Promise<boolean> {
+    return this.#alter(
+      color === "none" ? `Take the colour off ${point.name}` : `Colour ${point.name} ${color}`,
+      point,
+      {
+        color,
+      },
+    );
+  }
+
+  /** Puts a point in a group, with an empty name in none; resolves to whether it is in another one then. */
+  async setGroup(point: FocusPoint, typed: string): Promise<boolean> {
+    const group = typed.trim();
+    if (group === point.group) return false;
+    const label = group === "" ? `Take ${point.name} out of ${point.group}` : `Put ${point.name} in ${group}`;
+    return this.#alter(label, point, { group });
+  }
+
+  /** Lets all points of a group count, or none of them. */
+  setGroupEnabled(group: string, points: readonly FocusPoint[], enabled: boolean): Promise<boolean> {
+    const others = points.filter(({ settings }) => settings.enabled !== enabled);
+    const changes = others.flatMap((point) => setAttribute(point, "enabled", Number(enabled), this.#time.value));
+    return this.#document.edit(`${enabled ? "Enable" : "Disable"} ${group}`, changes);
+  }
+
+  #alter(label: string, { name }: FocusPoint, values: Partial<Pick<FocusPoint, "color" | "group">>): Promise<boolean> {
+    return this.#document.edit(label, [{ type: "alterPoint", name, values, time: this.#time.value }]);
   }
 
   setKind(point: FocusPoint, kind: PointSettings["kind"]): void {

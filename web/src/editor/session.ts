@@ -25,6 +25,7 @@ import {
   type FocusSwitch,
   type Lens,
   type Note,
+  type PointColor,
   type PointSharpness,
   type Readout,
   type Shot,
@@ -94,6 +95,9 @@ export class Session {
   readonly focusMaps = signal(false);
   /** Device pixels that the picture has on screen. */
   readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
+
+  /** Names of the groups of points that lists show folded. */
+  readonly foldedGroups = signal<ReadonlySet<string>>(new Set());
 
   readonly #service: Service;
   readonly #fail: Fail;
@@ -172,6 +176,16 @@ export class Session {
     const shown = this.pictures.displayed.value;
     return shown && !sameTime(shown.time, this.playhead.time.value) ? shown.points : this.document.points.value;
   });
+
+  foldGroup(name: string, isFolded: boolean): void {
+    const others = [...this.foldedGroups.value].filter((other) => other !== name);
+    this.foldedGroups.value = new Set(isFolded ? [...others, name] : others);
+  }
+
+  /** Colours of the points by name. */
+  readonly pointColors = computed<ReadonlyMap<string, PointColor>>(
+    () => new Map(this.document.points.value.map(({ name, color }) => [name, color])),
+  );
 
   /** How sharp a point is: with the unsaved changes of the lens where these are in the picture. */
   sharpnessOf(point: FocusPoint): PointSharpness {

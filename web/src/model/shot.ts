@@ -153,12 +153,19 @@ export interface PointSharpness {
   readonly focusDistanceM: number | null;
 }
 
+/** Colours that tell points apart, as USD names them. */
+export const POINT_COLORS = ["none", "red", "orange", "yellow", "green", "teal", "blue", "purple", "pink"] as const;
+export type PointColor = (typeof POINT_COLORS)[number];
+
 /** A focus point at one time. */
 export interface FocusPoint {
   readonly name: string;
   readonly anchor: Anchor;
   /** Path of a prim whose bounds it follows in place of its anchor, or empty. */
   readonly part: string;
+  readonly color: PointColor;
+  /** Name of the group that lists show it in, or empty. */
+  readonly group: string;
   readonly settings: PointSettings;
   /** By attribute; those that are not keyed are not there. */
   readonly keys: Readonly<Partial<Record<KeyedAttribute, readonly Key[]>>>;

@@ -129,6 +129,8 @@ export function toPoint(json: Json["FocusPoint"]): FocusPoint {
     name: json.name,
     anchor: toAnchor(json),
     part: json.part,
+    color: json.color,
+    group: json.group,
     settings: { enabled, weight, kind, blurMm, falloff, offset, surfaceOffset, extent },
     keys: Object.fromEntries(KEYED_ATTRIBUTES.map((attribute) => [attribute, toKeys(json.keys[attribute])])),
     share: json.share,

@@ -2277,6 +2277,7 @@ export interface components {
          *                 0.5
          *               ],
          *               "cocMm": 0,
+         *               "color": "teal",
          *               "depthM": 3.42,
          *               "enabled": true,
          *               "etag": "\"0b64bf18a0860070\"",
@@ -2285,6 +2286,7 @@ export interface components {
          *               "falloff": 0,
          *               "fanTriangle": 0,
          *               "focusDistanceM": 3.42,
+         *               "group": "cast",
          *               "instance": -1,
          *               "keys": {
          *                 "weight": [
@@ -3947,6 +3949,7 @@ export interface components {
          *         0.5
          *       ],
          *       "cocMm": 0,
+         *       "color": "teal",
          *       "depthM": 3.42,
          *       "enabled": true,
          *       "etag": "\"0b64bf18a0860070\"",
@@ -3955,6 +3958,7 @@ export interface components {
          *       "falloff": 0,
          *       "fanTriangle": 0,
          *       "focusDistanceM": 3.42,
+         *       "group": "cast",
          *       "instance": -1,
          *       "keys": {
          *         "weight": [
@@ -4024,6 +4028,12 @@ export interface components {
              */
             readonly cocMm: number | null;
             /**
+             * Color
+             * @description Colour in which an editor draws the point, its keys and its distance, to tell it from the others. It changes nothing in a picture.
+             * @enum {string}
+             */
+            readonly color: "none" | "red" | "orange" | "yellow" | "green" | "teal" | "blue" | "purple" | "pink";
+            /**
              * Depthm
              * @description Along the view axis, negative behind the camera; null without a place.
              */
@@ -4063,6 +4073,11 @@ export interface components {
              * @description Depth of the focal surface where it stands in the picture; null is infinity or, where `cocMm` is null too, no place there.
              */
             readonly focusDistanceM: number | null;
+            /**
+             * Group
+             * @description Name of the group that an editor lists the point in, with the others of that name; empty for none. It changes nothing in a picture.
+             */
+            readonly group: string;
             /**
              * Instance
              * @description Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for invisibleIds); -1 where the target is none. Instancers in instancers are numbered by index, each as the digits of one number: outer index times the count of inner instances, plus the inner index.
@@ -4210,6 +4225,13 @@ export interface components {
                 number
             ];
             /**
+             * Color
+             * @description Colour in which an editor draws the point, its keys and its distance, to tell it from the others. It changes nothing in a picture.
+             * @default none
+             * @enum {string}
+             */
+            readonly color?: "none" | "red" | "orange" | "yellow" | "green" | "teal" | "blue" | "purple" | "pink";
+            /**
              * Enabled
              * @description Whether the point counts at all. Keys hold their value until the next.
              * @default true
@@ -4239,6 +4261,12 @@ export interface components {
              * @default 0
              */
             readonly fanTriangle?: number;
+            /**
+             * Group
+             * @description Name of the group that an editor lists the point in, with the others of that name; empty for none. It changes nothing in a picture.
+             * @default
+             */
+            readonly group?: string;
             /**
              * Instance
              * @description Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for invisibleIds); -1 where the target is none. Instancers in instancers are numbered by index, each as the digits of one number: outer index times the count of inner instances, plus the inner index.
@@ -4328,6 +4356,11 @@ export interface components {
                 number
             ] | null;
             /**
+             * Color
+             * @description Colour in which an editor draws the point, its keys and its distance, to tell it from the others. It changes nothing in a picture.
+             */
+            readonly color?: ("none" | "red" | "orange" | "yellow" | "green" | "teal" | "blue" | "purple" | "pink") | null;
+            /**
              * Enabled
              * @description Whether the point counts at all. Keys hold their value until the next.
              */
@@ -4352,6 +4385,11 @@ export interface components {
              * @description Which triangle of the face: triangle i joins the face's corners 0, i + 1 and i + 2 in authored order.
              */
             readonly fanTriangle?: number | null;
+            /**
+             * Group
+             * @description Name of the group that an editor lists the point in, with the others of that name; empty for none. It changes nothing in a picture.
+             */
+            readonly group?: string | null;
             /**
              * Instance
              * @description Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for invisibleIds); -1 where the target is none. Instancers in instancers are numbered by index, each as the digits of one number: outer index times the count of inner instances, plus the inner index.
@@ -4411,6 +4449,7 @@ export interface components {
          *             0.5
          *           ],
          *           "cocMm": 0,
+         *           "color": "teal",
          *           "depthM": 3.42,
          *           "enabled": true,
          *           "etag": "\"0b64bf18a0860070\"",
@@ -4419,6 +4458,7 @@ export interface components {
          *           "falloff": 0,
          *           "fanTriangle": 0,
          *           "focusDistanceM": 3.42,
+         *           "group": "cast",
          *           "instance": -1,
          *           "keys": {
          *             "weight": [

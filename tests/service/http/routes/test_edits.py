@@ -156,10 +156,26 @@ def test_a_point_is_added_with_a_part_and_reads_as_plain_usd(client, shot):
     assert near_point(client, shot)["positionM"][2] == pytest.approx(-3)
 
 
+def test_a_point_has_a_colour_and_a_group_that_change_no_picture(client, shot):
+    edited(client, shot, *TWO_POINTS)
+    states = client.get(f"{shot}/picture-states", params={"camera": "/World/cam"}).json()["states"]
+    labels = {"color": "teal", "group": "cast, main"}
+    edited(client, shot, {"type": "alterPoint", "name": "near", "values": labels, "time": 3})
+    assert near_point(client, shot).items() >= labels.items()
+    text = layer(client, shot)
+    assert 'uniform token focusPoint:near:color = "teal"' in text
+    assert 'uniform string focusPoint:near:group = "cast, main"' in text
+    assert client.get(f"{shot}/picture-states", params={"camera": "/World/cam"}).json()["states"] == states
+    client.post(f"{shot}/edits/undo")
+    assert near_point(client, shot).items() >= {"color": "none", "group": ""}.items()
+
+
 @pytest.mark.parametrize(
     ("change", "status", "code"),
     [
         ({"type": "removePoint", "name": "nobody"}, 404, "not_found"),
+        ({"type": "alterPoint", "name": "near", "values": {"color": "mauve"}, "time": 3}, 422, "invalid_request"),
+        ({"type": "alterPoint", "name": "near", "values": {"group": "g" * 101}, "time": 3}, 422, "invalid_request"),
         ({"type": "followPart", "name": "nobody", "part": "/World", "time": 3}, 404, "not_found"),
         ({"type": "followPart", "name": "near", "part": "/World/gone", "time": 3}, 404, "anchor_not_found"),
         ({"type": "followPart", "name": "near", "part": "/World/cam", "time": 3}, 404, "anchor_not_found"),

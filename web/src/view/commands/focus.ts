@@ -4,7 +4,7 @@ import type { Session } from "../../editor/session";
 import { TOOLS, type Tool } from "../../editor/picks";
 import { REACHES, type Reach } from "../../model/pull";
 import { softest } from "../../model/sharpness";
-import { FOCUS_MODES, inFrame, type FocusMode, type FocusPoint } from "../../model/shot";
+import { FOCUS_MODES, inFrame, POINT_COLORS, type FocusMode, type FocusPoint } from "../../model/shot";
 import { onShot, type Command, type SessionCommand } from "./command";
 
 const NO_POINT = "No focus point is selected.";
@@ -140,6 +140,10 @@ const POINTS: readonly SessionCommand[] = [
   onPoint("Set or remove the point’s weight key", ["S"], (session, point) => void session.toggleKey(point, "weight")),
   onPoint("Make the point sharp or soft", ["Shift S"], ({ pointEdits }, point) => {
     pointEdits.setKind(point, point.settings.kind === "sharp" ? "soft" : "sharp");
+  }),
+  onPoint("Give the point the next colour", ["Shift G"], ({ pointEdits }, point) => {
+    const next = POINT_COLORS[(POINT_COLORS.indexOf(point.color) + 1) % POINT_COLORS.length];
+    if (next) void pointEdits.setColor(point, next);
   }),
   onPoint(
     "Let the point count, or not",

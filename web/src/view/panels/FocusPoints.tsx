@@ -6,6 +6,7 @@ import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { WEIGHTS } from "../../model/scale";
+import { groupsOf, type PointGroup } from "../../model/groups";
 import { holderOf } from "../../model/parts";
 import { inFrame, type FocusPoint } from "../../model/shot";
 import { useChosen } from "../controls/chosen";
@@ -26,12 +27,75 @@ export function FocusPoints({ editor, session }: { editor: Editor; session: Sess
       aside={<span class="muted">{points.length > 0 ? points.length : ""}</span>}
     >
       {points.length === 0 && <p class="muted pad">None yet. Click on what must be sharp.</p>}
-      <ul>
-        {points.map((point) => (
-          <PointRow key={point.name} editor={editor} session={session} point={point} />
-        ))}
-      </ul>
+      {groupsOf(points).map((group) => (
+        <Group key={group.name} editor={editor} session={session} group={group} />
+      ))}
     </Section>
+  );
+}
+
+interface GroupProps {
+  readonly editor: Editor;
+  readonly session: Session;
+  readonly group: PointGroup;
+}
+
+/** The points of a group under its name, which folds all but the selected one; those of no group without a heading. */
+function Group({ editor, session, group: { name, points } }: GroupProps): JSX.Element {
+  const isFolded = session.foldedGroups.value.has(name);
+  const shown = isFolded ? points.filter((point) => point.name === session.selected.value) : points;
+  return (
+    <>
+      {name !== "" && (
+        <div class="point-group">
+          <Edits session={session}>
+            <GroupSwitch session={session} name={name} points={points} />
+          </Edits>
+          <h3>
+            <button
+              type="button"
+              class="fold"
+              aria-expanded={!isFolded}
+              onClick={() => {
+                session.foldGroup(name, !isFolded);
+              }}
+            >
+              {name}
+            </button>
+          </h3>
+          <span class="muted">{points.length}</span>
+        </div>
+      )}
+      {shown.length > 0 && (
+        <ul aria-label={name === "" ? undefined : name}>
+          {shown.map((point) => (
+            <PointRow key={point.name} editor={editor} session={session} point={point} />
+          ))}
+        </ul>
+      )}
+    </>
+  );
+}
+
+/** Whether the points of a group count: all, none, or some of them. */
+function GroupSwitch({
+  session,
+  name,
+  points,
+}: Pick<RowProps, "session"> & Pick<PointGroup, "name" | "points">): JSX.Element {
+  const count = points.filter(({ settings }) => settings.enabled).length;
+  return (
+    <input
+      type="checkbox"
+      class="switch"
+      checked={count === points.length}
+      indeterminate={count > 0 && count < points.length}
+      aria-label={`All of ${name} enabled`}
+      title="Enable or disable all points of the group"
+      onChange={() => {
+        void session.pointEdits.setGroupEnabled(name, points, count < points.length);
+      }}
+    />
   );
 }
 
@@ -77,6 +141,7 @@ function PointRow({ editor, session, point }: RowProps): JSX.Element {
   return (
     <li
       ref={row}
+      data-color={point.color}
       class={`point${selected ? " selected" : ""}${settings.enabled ? "" : " off"}`}
       onClick={() => (session.selected.value = name)}
     >

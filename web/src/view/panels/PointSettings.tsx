@@ -11,6 +11,7 @@ import { formatIn, quantityOf } from "../controls/quantity";
 import { KeyDiamond } from "../timeline/KeyDiamond";
 import { parseQuantity, trim } from "../numbers";
 import { FollowedPart } from "./FollowedPart";
+import { PointColorChoice, PointGroup } from "./PointLabels";
 import { Radios } from "../controls/Radios";
 
 export function PointSettings({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
@@ -38,6 +39,8 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
           }}
         />
       </label>
+      <PointColorChoice session={session} point={point} />
+      <PointGroup session={session} point={point} />
       <FollowedPart session={session} point={point} />
       <Radios
         label={`${point.name} is`}

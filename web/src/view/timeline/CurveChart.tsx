@@ -53,7 +53,7 @@ export function CurveChart({ session, axis, unit, onScrub }: CurveChartProps): J
           <Grid axis={axis} distances={distances} plot={plot} unit={unit} />
           <g clip-path="url(#plot-clip)">
             <Band curve={curve} plot={plot} />
-            <PointTracks curve={curve} plot={plot} selected={session.selected.value} right={axis.right} />
+            <PointTracks session={session} curve={curve} plot={plot} right={axis.right} />
             <FocusLine curve={curve} plot={plot} />
           </g>
           {axis.has(session.playhead.time.value) && <NowDot session={session} plot={plot} />}
@@ -154,14 +154,15 @@ function FocusLine({ curve, plot }: { curve: Curve; plot: Plot }): JSX.Element {
 }
 
 interface PointTracksProps {
+  readonly session: Session;
   readonly curve: Curve;
   readonly plot: Plot;
-  readonly selected: string | null;
   readonly right: number;
 }
 
 /** The depths of the focus points over time, dotted. */
-export function PointTracks({ curve, plot, selected, right }: PointTracksProps): JSX.Element {
+export function PointTracks({ session, curve, plot, right }: PointTracksProps): JSX.Element {
+  const [selected, colors] = [session.selected.value, session.pointColors.value];
   const tracks = useMemo(
     () =>
       pointNames(curve).map((name) => ({
@@ -177,7 +178,7 @@ export function PointTracks({ curve, plot, selected, right }: PointTracksProps):
   return (
     <>
       {tracks.map(({ name, depths }) => (
-        <g key={name} class={name === selected ? "track selected" : "track"}>
+        <g key={name} class={name === selected ? "track selected" : "track"} data-color={colors.get(name)}>
           <path d={polyline(depths, plot)} />
           {labels.has(name) && (
             <text x={right - 6} y={labels.get(name)} text-anchor="end">

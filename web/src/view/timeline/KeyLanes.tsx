@@ -107,7 +107,10 @@ function Lane({ session, axis, lane }: { session: Session; axis: TimeAxis; lane:
   const shown = lane.stacks.filter((stack) => axis.has(session.keys.shownAs(stack).time));
   const entry = shown.find(({ id }) => selected.has(id)) ?? shown[0];
   return (
-    <div class={isSelected ? "lane selected" : "lane"}>
+    <div
+      class={isSelected ? "lane selected" : "lane"}
+      data-color={lane.point === null ? undefined : session.pointColors.value.get(lane.point)}
+    >
       <button
         type="button"
         class="lane-name"

@@ -60,12 +60,7 @@ export function ValueGraph({ session, axis, unit, curve, saved, onScrub }: Value
             <Marks plot={plot} />
             <g clip-path="url(#graph-clip)">
               {isDistance(curve.owner) && (
-                <PointTracks
-                  curve={session.document.curve.value}
-                  plot={plot}
-                  selected={session.selected.value}
-                  right={axis.right}
-                />
+                <PointTracks session={session} curve={session.document.curve.value} plot={plot} right={axis.right} />
               )}
               <path class="value-line" d={lineOf(keys.length > 0 ? curveOf(keys, STEPS) : [], plot)} />
               {curve.keys.map(

@@ -99,7 +99,7 @@ function Marker({ editor, session, point }: MarkerProps): JSX.Element {
           <Reticle />
         </g>
       </svg>
-      <span class="tag">
+      <span class="tag" data-color={point.color}>
         {point.name} <small>{depth}</small>{" "}
         {verdict && <small class={verdict.isSharp ? "sharp" : "soft"}>{said}</small>}
       </span>

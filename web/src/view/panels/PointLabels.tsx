@@ -1,0 +1,71 @@
+/** What tells a focus point from the others: its colour, and the group that it is listed in. */
+
+import type { JSX } from "preact";
+import type { Session } from "../../editor/session";
+import { groupNames } from "../../model/groups";
+import { POINT_COLORS, type FocusPoint } from "../../model/shot";
+import { useChosen } from "../controls/chosen";
+
+interface LabelProps {
+  readonly session: Session;
+  readonly point: FocusPoint;
+}
+
+export function PointColorChoice({ session, point }: LabelProps): JSX.Element {
+  const time = session.playhead.time.value;
+  const [color, chosen] = useChosen(point.color, session.document.fresh.value, time);
+  return (
+    <div class="choice">
+      <span>Colour</span>
+      <div class="colors" role="radiogroup" aria-label={`Colour of ${point.name}`}>
+        {POINT_COLORS.map((name) => (
+          <button
+            key={name}
+            type="button"
+            class="color"
+            role="radio"
+            data-color={name}
+            aria-checked={color === name}
+            aria-label={name === "none" ? "No colour" : name}
+            title={name === "none" ? "No colour" : name}
+            onClick={() => {
+              if (name !== color) chosen.choose(name, session.pointEdits.setColor(point, name), time);
+            }}
+          />
+        ))}
+      </div>
+    </div>
+  );
+}
+
+export function PointGroup({ session, point }: LabelProps): JSX.Element {
+  const others = groupNames(session.document.points.value);
+  return (
+    <label class="choice">
+      <span>Group</span>
+      <input
+        key={`${point.name} ${point.group}`}
+        type="text"
+        class="value"
+        list="groups-of-points"
+        maxLength={100}
+        defaultValue={point.group}
+        placeholder="none"
+        title="Points of one group are listed and switched together"
+        onKeyDown={({ key, currentTarget }) => {
+          if (key === "Escape") currentTarget.value = point.group;
+        }}
+        onChange={({ currentTarget }) => {
+          void session.pointEdits.setGroup(point, currentTarget.value).then((isMade) => {
+            if (!isMade) currentTarget.value = point.group;
+          });
+        }}
+      />
+      <datalist id="groups-of-points">
+        {others.map((name) => (
+          <option key={name} value={name} />
+        ))}
+      </datalist>
+    </label>
+  );
+}

@@ -22,18 +22,29 @@ log = logging.getLogger("pullfocus.service")
 
 
 async def draw_last_shot(service: Service) -> None:
-    """Have one preview of the shot drawn that was added or edited last. Failure costs its next viewer time alone."""
+    """Have previews of the shot drawn that was added or edited last. Failure costs its next viewer time alone."""
     record = await run_in_threadpool(_last_shot, service)
     if record is None:
         return
+    service.drawing_ahead.set()
     try:
-        shot = await service.call_stage(shots.describe_shot, record)
-        picture = PictureQuery(time=shot.frame_range.start)
-        edits = await run_in_threadpool(record.edit_text)
-        request = frame_request(record, edits, picture, service.admission.check_preview(picture))
-        await service.lanes.live.result(call(live.draw_ahead, request), service.place_of(record))
+        await _draw(service, record)
     except (PullfocusError, ServiceError, WorkerError) as error:
         log.info("shot %s was not drawn in advance: %s", record.id, error)
+    finally:
+        service.drawing_ahead.clear()
+
+
+async def _draw(service: Service, record: ShotRecord) -> None:
+    """Have a coarse preview drawn and then, unless somebody waits for pictures by now, a whole one."""
+    shot = await service.call_stage(shots.describe_shot, record)
+    picture = PictureQuery(time=shot.frame_range.start)
+    edits = await run_in_threadpool(record.edit_text)
+    request = frame_request(record, edits, picture, service.admission.check_preview(picture))
+    lane = service.lanes.live
+    await lane.result(call(live.draw_ahead, request), service.place_of(record))
+    if lane.waiting == 0:
+        await lane.result(call(live.draw_ahead, request), service.place_of(record))
 
 
 def _last_shot(service: Service) -> ShotRecord | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import secrets
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -62,6 +63,7 @@ class Service:
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
         stopping: whether it is stopping.
+        drawing_ahead: set while the shot of the last work is drawn, at the start.
         run_id: changes with each start: the same inputs may give other pixels after an update.
     """
 
@@ -77,6 +79,7 @@ class Service:
     frame_cache: FrameCache
     metrics: Metrics
     stopping: Stopping = field(default_factory=Stopping)
+    drawing_ahead: threading.Event = field(default_factory=threading.Event)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))
 
     @classmethod

@@ -71,7 +71,7 @@ def stream_pictures(
 
 @picture_function
 def draw_ahead(state: PictureWorkerState, request: FrameRequest) -> None:
-    """Draw the previews of a picture that nobody waits for yet: the shot is open then, and the layers of its previews are kept.
+    """Draw a preview that nobody waits for: the shot is open then, and the second time the layers of its previews are kept.
 
     Args:
         state: the worker's state.
@@ -82,8 +82,8 @@ def draw_ahead(state: PictureWorkerState, request: FrameRequest) -> None:
     """
     with state.opened.use(request.record, request.edits) as shot:
         preview = PreviewRequest(request.camera, request.time, frame_settings(request, shot), is_moving=True)
-        for _ in range(2):  # a view that is new has a coarse preview first
-            list(state.progressive(shot).pictures(preview))
+        for _ in state.progressive(shot).pictures(preview):
+            pass
 
 
 def _apply_unsaved(

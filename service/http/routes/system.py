@@ -31,7 +31,7 @@ class Readiness(Health):
     model_config = shown_as({"status": "ok", "warming": False})
 
     warming: bool = Field(
-        description="Whether shaders are compiled in advance: the first picture of a shot takes longer."
+        description="Whether shaders are compiled, or the last shot is drawn, in advance: the first picture takes longer."
     )
 
 
@@ -54,7 +54,7 @@ async def livez() -> Health:
 async def readyz(service: ServiceDep) -> Readiness:
     """Answer while workers answer, the data folder can be written and no request has waited for long."""
     await check_ready(service)
-    return Readiness(warming=service.caches.is_filling)
+    return Readiness(warming=service.caches.is_filling or service.drawing_ahead.is_set())
 
 
 @router.get(

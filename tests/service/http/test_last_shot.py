@@ -11,6 +11,7 @@ import pytest
 
 from service.http.last_shot import draw_last_shot
 from service.http.settings import Settings
+from service.workers.lane import Lane
 from tests.service.conftest import Running, running, until
 
 LATE_S = 4e9
@@ -51,6 +52,19 @@ def test_the_shot_of_the_last_work_is_drawn_at_the_start(settings, room_file):
     write_edits(settings, old, "#usda 1.0\n")
     with running(settings) as service:
         assert shot_drawn(service) == old
+
+
+@pytest.mark.parametrize("waiting", [0, 1])
+def test_a_whole_preview_is_left_out_where_others_wait(settings, room_file, monkeypatch, waiting):
+    with running(settings) as service:
+        upload(service, room_file)
+        lane = service.internal.lanes.live
+        finished: list[str] = []
+        monkeypatch.setattr(lane, "_on_finished", lambda job: finished.append(job.lane))
+        monkeypatch.setattr(Lane, "waiting", waiting)
+        asyncio.run(draw_last_shot(service.internal))
+        until(lambda: lane.running == 0)
+        assert finished == ["live"] * (2 - waiting)
 
 
 def test_a_shot_that_cannot_be_drawn_does_no_harm(settings, room_file, caplog):

@@ -7034,7 +7034,7 @@ export interface components {
             readonly status?: "ok";
             /**
              * Warming
-             * @description Whether shaders are compiled in advance: the first picture of a shot takes longer.
+             * @description Whether shaders are compiled, or the last shot is drawn, in advance: the first picture takes longer.
              */
             readonly warming: boolean;
         };

@@ -301,6 +301,13 @@ describe("colours and groups of points", () => {
     expect(fake.made).toHaveLength(2);
   });
 
+  it("are not edited where the point is gone by then", async () => {
+    const { fake, session, failed } = await opened();
+    expect(await session.pointEdits.setColor(point("gone"), "teal")).toBe(false);
+    expect(await session.pointEdits.rename(point("gone"), "new")).toBe(false);
+    expect([fake.made, failed.length]).toEqual([[], 2]);
+  });
+
   it("switch the points of a group that are not so yet, in one edit", async () => {
     const { fake, session } = await opened();
     const [off, on] = [point("off", {}, { enabled: false }), point("on")];

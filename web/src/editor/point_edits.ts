@@ -1,9 +1,10 @@
 /** Edits of focus points as a whole: their names, what they are, whether they count, and racks between them. */
 
 import type { ReadonlySignal, Signal } from "@preact/signals";
-import { setAttribute, setKind } from "../model/changes";
+import { setAttribute, setKind, type Changes } from "../model/changes";
 import { freshName } from "../model/pull";
 import { primName, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
+import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
 
 export class PointEdits {
@@ -22,7 +23,7 @@ export class PointEdits {
     const newName = freshName(typed.trim(), others);
     if (newName === point.name) return false;
     const change = { type: "renamePoint", name: point.name, newName } as const;
-    const isMade = await this.#document.edit(`Rename a point to ${newName}`, [change]);
+    const isMade = await this.#onPoint(`Rename a point to ${newName}`, point, [change]);
     if (isMade && this.#selected.value === point.name) this.#selected.value = newName;
     return isMade;
   }
@@ -59,8 +60,18 @@ export class PointEdits {
     return this.#document.edit(`${enabled ? "Enable" : "Disable"} ${group}`, changes);
   }
 
-  #alter(label: string, { name }: FocusPoint, values: Partial<Pick<FocusPoint, "color" | "group">>): Promise<boolean> {
-    return this.#document.edit(label, [{ type: "alterPoint", name, values, time: this.#time.value }]);
+  #alter(label: string, point: FocusPoint, values: Partial<Pick<FocusPoint, "color" | "group">>): Promise<boolean> {
+    return this.#onPoint(label, point, [{ type: "alterPoint", name: point.name, values, time: this.#time.value }]);
+  }
+
+  /** Makes an edit of a point, unless an edit before it, such as an undo, removes the point. */
+  #onPoint(label: string, { name }: FocusPoint, changes: Changes): Promise<boolean> {
+    const time = this.#time.value;
+    return this.#document.edit(label, async () => {
+      const points = await this.#document.pointsAt(time);
+      if (points.some((point) => point.name === name)) return changes;
+      throw new HintError(`There is no ${name} any more.`, "Select another point.");
+    });
   }
 
   setKind(point: FocusPoint, kind: PointSettings["kind"]): void {

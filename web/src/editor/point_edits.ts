@@ -36,13 +36,8 @@ export class PointEdits {
   }
 
   setColor(point: FocusPoint, color: PointColor): Promise<boolean> {
-    return this.#alter(
-      color === "none" ? `Take the colour off ${point.name}` : `Colour ${point.name} ${color}`,
-      point,
-      {
-        color,
-      },
-    );
+    const label = color === "none" ? `Take the colour off ${point.name}` : `Colour ${point.name} ${color}`;
+    return this.#alter(label, point, { color });
   }
 
   /** Puts a point in a group, with an empty name in none; resolves to whether it is in another one then. */

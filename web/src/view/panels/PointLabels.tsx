@@ -5,6 +5,7 @@ import type { Session } from "../../editor/session";
 import { groupNames } from "../../model/groups";
 import { POINT_COLORS, type FocusPoint } from "../../model/shot";
 import { useChosen } from "../controls/chosen";
+import { TextSetting } from "../controls/TextSetting";
 
 interface LabelProps {
   readonly session: Session;
@@ -41,31 +42,21 @@ export function PointColorChoice({ session, point }: LabelProps): JSX.Element {
 export function PointGroup({ session, point }: LabelProps): JSX.Element {
   const others = groupNames(session.document.points.value);
   return (
-    <label class="choice">
-      <span>Group</span>
-      <input
+    <>
+      <TextSetting
         key={`${point.name} ${point.group}`}
-        type="text"
-        class="value"
-        list="groups-of-points"
-        maxLength={100}
-        defaultValue={point.group}
+        label="Group"
+        value={point.group}
         placeholder="none"
         title="Points of one group are listed and switched together"
-        onKeyDown={({ key, currentTarget }) => {
-          if (key === "Escape") currentTarget.value = point.group;
-        }}
-        onChange={({ currentTarget }) => {
-          void session.pointEdits.setGroup(point, currentTarget.value).then((isMade) => {
-            if (!isMade) currentTarget.value = point.group;
-          });
-        }}
+        list="groups-of-points"
+        onType={(typed) => session.pointEdits.setGroup(point, typed)}
       />
       <datalist id="groups-of-points">
         {others.map((name) => (
           <option key={name} value={name} />
         ))}
       </datalist>
-    </label>
+    </>
   );
 }

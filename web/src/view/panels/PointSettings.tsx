@@ -13,32 +13,20 @@ import { parseQuantity, trim } from "../numbers";
 import { FollowedPart } from "./FollowedPart";
 import { PointColorChoice, PointGroup } from "./PointLabels";
 import { Radios } from "../controls/Radios";
+import { TextSetting } from "../controls/TextSetting";
 
 export function PointSettings({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
   const mode = session.document.readout.value?.focusMode;
   const { kind } = point.settings;
   return (
     <div class="point-more">
-      <label class="choice">
-        <span>Name</span>
-        <input
-          key={point.name}
-          type="text"
-          class="value"
-          maxLength={100}
-          defaultValue={point.name}
-          title="Enter renames the point; its keys stay"
-          onKeyDown={({ key, currentTarget }) => {
-            if (key === "Escape") currentTarget.value = point.name;
-          }}
-          onChange={({ currentTarget }) => {
-            const typed = currentTarget.value.trim() || point.name;
-            void session.pointEdits.rename(point, typed).then((isRenamed) => {
-              if (!isRenamed) currentTarget.value = point.name;
-            });
-          }}
-        />
-      </label>
+      <TextSetting
+        key={point.name}
+        label="Name"
+        value={point.name}
+        title="Enter renames the point; its keys stay"
+        onType={(typed) => session.pointEdits.rename(point, typed.trim() || point.name)}
+      />
       <PointColorChoice session={session} point={point} />
       <PointGroup session={session} point={point} />
       <FollowedPart session={session} point={point} />

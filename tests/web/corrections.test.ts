@@ -1,7 +1,12 @@
 import { signal } from "@preact/signals";
 import { Session } from "@/editor/session";
+import type { Drag } from "@/editor/document";
+import { setKey, type KeyOwner } from "@/model/key_lanes";
 import type { Key } from "@/model/keys";
+import type { FilmSettings } from "@/model/photography";
+import type { FocusSettings } from "@/model/shot";
 import { FakeService, SHOT, turn } from "./fake_service";
+import { point } from "./points";
 
 const KEYS: Key[] = Array.from({ length: 60 }, (_, i) => ({ time: i + 1, value: 4, interpolation: "linear" }));
 
@@ -75,4 +80,37 @@ it("a correction that is refused leaves nothing to widen", async () => {
   expect(session.corrections.last.value).toBeNull();
   await session.corrections.widen(5);
   expect(fake.made).toEqual([]);
+});
+
+it.each<[string, KeyOwner, (session: Session) => Drag<number>]>([
+  [
+    "a tilt",
+    { setting: "tiltDeg" },
+    (session) => session.dragFocus("tilt", "tiltDeg", { keys: { tiltDeg: KEYS } } as unknown as FocusSettings),
+  ],
+  [
+    "a film setting",
+    { setting: "grainAmount" },
+    ({ photography }) =>
+      photography.dragFilm("grainAmount", "grainAmount", { keys: { grainAmount: KEYS } } as unknown as FilmSettings),
+  ],
+  [
+    "a point’s weight",
+    { point: "eye", attribute: "weight" },
+    (session) =>
+      session.dragPoint(
+        "weight",
+        point("eye", { weight: Object.fromEntries(KEYS.map(({ time, value }) => [time, value])) }),
+        "weight",
+      ),
+  ],
+])("a value on the dense curve of %s bends it", async (_, owner, drag) => {
+  const { fake, session } = await opened();
+  drag(session).commit(8);
+  await turn();
+  expect(fake.made[0]).toHaveLength(23);
+  expect(fake.made[0]).toEqual(
+    fake.made[0]?.map((change) => ("key" in change ? setKey(owner, change.key as Key) : null)),
+  );
+  expect(session.corrections.last.value).toMatchObject({ owner, time: 30, width: 12 });
 });

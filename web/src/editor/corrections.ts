@@ -1,12 +1,22 @@
 /** Corrections of dense curves: a value that is set at a frame bends the curve around it, as widely as the person says. */
 
 import { computed, signal } from "@preact/signals";
-import { correct, recorrect, type Correction } from "../model/correction";
-import type { Key, KeyedSetting } from "../model/keys";
+import type { Changes } from "../model/changes";
+import { correct, isDense, recorrect, type Correction } from "../model/correction";
+import type { KeyOwner } from "../model/key_lanes";
+import type { Key } from "../model/keys";
 import type { Drag, ShotDocument } from "./document";
 
-/** Reads the keys of a setting as the service has them now. */
-export type ReadKeys = (setting: KeyedSetting) => Promise<readonly Key[]>;
+/** Reads the keys of a setting or attribute as the service has them now. */
+export type ReadKeys = (owner: KeyOwner) => Promise<readonly Key[]>;
+
+/** A curve, and where a value of it is set. */
+export interface CurvePlace {
+  readonly owner: KeyOwner;
+  readonly keys: readonly Key[];
+  /** USD time code. */
+  readonly time: number;
+}
 
 /** A correction that has been made. */
 interface Made extends Correction {
@@ -38,9 +48,14 @@ export class Corrections {
     return made?.revision === revision.value && pending.value === 0 ? made : null;
   });
 
-  /** Starts a drag of the value that a curve is to have at a time. */
-  drag(label: string, setting: KeyedSetting, keys: readonly Key[], time: number): Drag<number> {
-    const to = (value: number): Correction => ({ setting, keys, time, value });
+  /**
+   * Starts a drag of a value. On a dense curve it bends the curve around its time.
+   *
+   * @param plain changes that set the value elsewhere.
+   */
+  drag(label: string, at: CurvePlace, plain: (value: number) => Changes): Drag<number> {
+    if (!isDense(at.keys, at.time)) return this.#document.drag(label, plain);
+    const to = (value: number): Correction => ({ ...at, value });
     const drag = this.#document.drag(label, (value: number) => correct(to(value), this.width.peek()));
     return { ...drag, commit: (value) => void this.#make(label, to(value)) };
   }
@@ -67,7 +82,7 @@ export class Corrections {
       document.pending.peek() === 0
         ? unsaved
         : async () => {
-            correction = { ...shown, keys: await this.#read(shown.setting) };
+            correction = { ...shown, keys: await this.#read(shown.owner) };
             return correct(correction, width);
           };
     document.unsaved.value = unsaved;

@@ -20,6 +20,7 @@ import {
 import { setExposure, setFilm } from "../model/changes";
 import { NewestWins } from "../net/newest";
 import type { Service } from "../net/service";
+import type { Corrections } from "./corrections";
 import type { At, Drag, ShotDocument } from "./document";
 import type { Fail } from "./fail";
 
@@ -40,11 +41,13 @@ export class CameraPhotography {
   readonly #follow: NewestWins<At, Photography>;
   readonly #followMeter: NewestWins<At & { request: MeterRequest | null }, MeterReading>;
   readonly #service: Service;
+  readonly #corrections: Corrections;
   readonly #fail: Fail;
 
-  constructor(service: Service, document: ShotDocument, time: () => number, fail: Fail) {
+  constructor(service: Service, document: ShotDocument, corrections: Corrections, time: () => number, fail: Fail) {
     this.#service = service;
     this.#document = document;
+    this.#corrections = corrections;
     this.#time = time;
     this.#fail = fail;
     const onError = (error: unknown): void => {
@@ -120,7 +123,9 @@ export class CameraPhotography {
 
   dragExposure(label: string, name: ExposureNumber, before: ExposureSettings): Drag<number> {
     const time = this.#time();
-    return this.#document.drag(label, (value: number) => setExposure({ [name]: value }, time, before));
+    return this.#corrections.drag(label, { owner: { setting: name }, keys: before.keys[name] ?? [], time }, (value) =>
+      setExposure({ [name]: value }, time, before),
+    );
   }
 
   dragShutter(before: ExposureSettings): Drag<number> {
@@ -144,7 +149,9 @@ export class CameraPhotography {
 
   dragFilm(label: string, name: FilmNumber, before: FilmSettings): Drag<number> {
     const time = this.#time();
-    return this.#document.drag(label, (value: number) => setFilm({ [name]: value }, time, before));
+    return this.#corrections.drag(label, { owner: { setting: name }, keys: before.keys[name] ?? [], time }, (value) =>
+      setFilm({ [name]: value }, time, before),
+    );
   }
 
   close(): void {

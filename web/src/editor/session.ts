@@ -6,12 +6,10 @@ import {
   setFocus,
   setFocusMode,
   setLens,
-  toggleKey,
   toggleSettingKey,
   type FocusChange,
   type SimpleAttribute,
 } from "../model/changes";
-import { isDense } from "../model/correction";
 import type { KeyedSetting } from "../model/keys";
 import { restQuality } from "../model/quality";
 import {
@@ -31,7 +29,6 @@ import {
   type Shot,
 } from "../model/shot";
 import { sameTime } from "../model/time";
-import { HintError } from "../net/errors";
 import type { Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { CacheFiller } from "./cache_filler";
@@ -49,7 +46,7 @@ import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 import { PointEdits } from "./point_edits";
 import { Pulls, usualPull, type PullChoice } from "./pulls";
-import { readSetting } from "./setting_state";
+import { readKeys, readSetting } from "./setting_state";
 import { followWaits } from "./session_waits";
 import { TimeView } from "./time_view";
 import { Waits } from "./waits";
@@ -123,15 +120,20 @@ export class Session {
     this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail, noEdits);
     this.cache = new FrameCache(service, this.document, this.playhead.time);
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek(), this.cache);
-    this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
+    this.corrections = new Corrections(this.document, (owner) =>
+      readKeys(service, this.document, owner, this.playhead.time.peek()),
+    );
+    this.photography = new CameraPhotography(
+      service,
+      this.document,
+      this.corrections,
+      () => this.playhead.time.value,
+      fail,
+    );
     this.pulls = new Pulls(this.document, this.playhead.time, pullChoice);
     this.pointEdits = new PointEdits(this.document, this.playhead.time, this.selected);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, fail);
-    this.corrections = new Corrections(this.document, async (setting) => {
-      const { keys } = await readSetting(service, this.document.view, setting, this.playhead.time.peek());
-      return keys[setting] ?? [];
-    });
     this.playhead.watch(this.pictures.displayed);
     this.filler = new CacheFiller(service, this, fail);
     this.mounting = new Mounting(this.document);
@@ -220,7 +222,9 @@ export class Session {
 
   dragFocus(label: string, name: FocusNumber, before: FocusSettings): Drag<number> {
     const time = this.playhead.time.value;
-    return this.document.drag(label, (value: number) => setFocus({ [name]: value }, time, before));
+    return this.corrections.drag(label, { owner: { setting: name }, keys: before.keys[name] ?? [], time }, (value) =>
+      setFocus({ [name]: value }, time, before),
+    );
   }
 
   /** Whether the points are many that are to be sharp at once, so that a click adds one more. */
@@ -239,26 +243,24 @@ export class Session {
 
   dragPoint(label: string, point: FocusPoint, attribute: SimpleAttribute): Drag<number> {
     const time = this.playhead.time.value;
-    return this.document.drag(label, (value: number) => setAttribute(point, attribute, value, time));
+    const owner = { point: point.name, attribute };
+    return this.corrections.drag(label, { owner, keys: keysOf(point, attribute), time }, (value) =>
+      setAttribute(point, attribute, value, time),
+    );
   }
 
   /** Sets or removes a key of a point where the playhead is, which stays there. */
-  toggleKey({ name }: FocusPoint, attribute: SimpleAttribute): Promise<boolean> {
+  toggleKey(point: FocusPoint, attribute: SimpleAttribute): Promise<boolean> {
     this.playhead.pause();
-    const time = this.playhead.time.value;
-    return this.document.edit(`Key of ${name}`, async () => {
-      const point = (await this.document.pointsAt(time)).find((candidate) => candidate.name === name);
-      if (!point) throw new HintError(`There is no ${name} any more.`, "Select another point.");
-      return toggleKey(point, attribute, time);
-    });
+    return this.pointEdits.toggleKey(point, attribute);
   }
 
   dragLens(label: string, name: keyof Lens, before: Readout): Drag<number> {
     const [time, curve] = [this.playhead.time.value, this.document.curve.value];
     const keys = this.document.focusSettings.value?.keys ?? {};
-    const own = keys[name] ?? [];
-    if (isDense(own, time)) return this.corrections.drag(label, name, own, time);
-    return this.document.drag(label, (value: number) => setLens(name, value, time, before, curve, keys));
+    return this.corrections.drag(label, { owner: { setting: name }, keys: keys[name] ?? [], time }, (value) =>
+      setLens(name, value, time, before, curve, keys),
+    );
   }
 
   /** Whether the focus points set the f-number, so that nobody else does. */

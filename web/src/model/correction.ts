@@ -1,13 +1,15 @@
 /** Corrections of a dense curve, such as an imported or recorded one: a value that is wanted at a frame bends the curve around it. */
 
 import { FAR_AWAY_M, type Changes } from "./changes";
-import { sliderOf } from "./key_lanes";
-import type { Key, KeyedSetting } from "./keys";
+import { setKey, type KeyOwner } from "./key_lanes";
+import type { Key } from "./keys";
 import { valueAt } from "./spline";
 import { sameTime } from "./time";
+import { valueScaleOf, type ValueScale } from "./value_scale";
 
 export interface Correction {
-  readonly setting: KeyedSetting;
+  /** What has the curve. */
+  readonly owner: KeyOwner;
   /** The curve before it. */
   readonly keys: readonly Key[];
   /** USD time code. */
@@ -37,7 +39,7 @@ export function isDense(keys: readonly Key[], time: number): boolean {
 
 /** Bends a dense curve to a value: most where it is wanted, and less and less up to `width` frames before and after. */
 export function correct(correction: Correction, width: number): Changes {
-  return toChanges(correction.setting, bent(correction, width));
+  return toChanges(correction.owner, bent(correction, width));
 }
 
 /** Bends a curve that a correction has bent already, as if that one had been of another width. */
@@ -47,17 +49,17 @@ export function recorrect(correction: Correction, before: number, width: number)
     ({ time }) => correction.keys.find((key) => sameTime(key.time, time)) ?? [],
   );
   const restored = old.filter(({ time }) => !wanted.some((key) => sameTime(key.time, time)));
-  return toChanges(correction.setting, [...restored, ...wanted]);
+  return toChanges(correction.owner, [...restored, ...wanted]);
 }
 
-function toChanges(setting: KeyedSetting, keys: readonly Key[]): Changes {
-  return keys.toSorted((a, b) => a.time - b.time).map((key): Changes[number] => ({ type: "keySetting", setting, key }));
+function toChanges(owner: KeyOwner, keys: readonly Key[]): Changes {
+  return keys.toSorted((a, b) => a.time - b.time).map((key) => setKey(owner, key));
 }
 
 /** The keys that a correction sets. */
-function bent({ setting, keys, time, value }: Correction, width: number): Key[] {
-  const scale = scaleOf(setting, [...keys.map((key) => key.value), value]);
-  const wanted = setting === "focusDistanceM" ? Math.min(value, FAR_AWAY_M) : value;
+function bent({ owner, keys, time, value }: Correction, width: number): Key[] {
+  const scale = valueScaleOf(owner, [...keys.map((key) => key.value), value]);
+  const wanted = "setting" in owner && owner.setting === "focusDistanceM" ? Math.min(value, FAR_AWAY_M) : value;
   const by = scale.to(wanted) - scale.to(valueAt(keys, time) ?? wanted);
   const others = keys.filter((key) => !sameTime(key.time, time));
   const farthest = others.map((key) => Math.abs(key.time - time)).toSorted((a, b) => a - b)[MOST_KEYS];
@@ -74,33 +76,11 @@ function shapeAfter(key: Key | undefined): Key["interpolation"] {
   return key === undefined || key.interpolation === "bezier" ? "auto" : key.interpolation;
 }
 
-/** What a value is bent in: distances in their inverse, as a focus ring turns, and f-numbers and the like in stops. */
-interface BendScale {
-  readonly to: (value: number) => number;
-  readonly from: (bent: number) => number;
-  /** Change of `to` for a small change of the value. */
-  readonly slope: (value: number) => number;
-}
-
-const PLAIN: BendScale = { to: (value) => value, from: (value) => value, slope: () => 1 };
-const STOPS: BendScale = { to: Math.log, from: Math.exp, slope: (value) => 1 / value };
-const RING: BendScale = {
-  to: (value) => 1 / value,
-  from: (w) => 1 / Math.max(w, 1 / FAR_AWAY_M),
-  slope: (value) => -1 / (value * value),
-};
-
-function scaleOf(setting: KeyedSetting, values: readonly number[]): BendScale {
-  const scale = sliderOf({ setting })?.scale ?? "linear";
-  if (scale === "linear" || values.some((value) => value <= 0)) return PLAIN;
-  return scale === "ring" ? RING : STOPS;
-}
-
 /**
  * @param u place of the key from -1 to 1 over the width of the correction.
  * @param by the correction at its middle, in the scale.
  */
-function bendKey(key: Key, u: number, by: number, width: number, scale: BendScale): Key {
+function bendKey(key: Key, u: number, by: number, width: number, scale: ValueScale): Key {
   const [share, turn] = [(1 - u * u) ** 2, (-4 * u * (1 - u * u)) / width];
   const value = scale.from(scale.to(key.value) + by * share);
   const { tangents } = key;

@@ -20,8 +20,8 @@ def test_points_have_a_colour_and_a_group(page: Page, service: str, tmp_path: Pa
     row.locator(".point-name").click()
     revision = revision_of(page)
     row.get_by_role("radio", name="teal").click()
-    expect(row).to_have_attribute("data-color", "teal")  # before it is saved
     wait_edited(page, revision)
+    expect(row).to_have_attribute("data-color", "teal")
     for place in (".track", ".lane", ".marker .tag"):
         expect(page.locator(f'{place}[data-color="teal"]')).to_have_count(1)
     for name in (FAR, NEAR):
@@ -32,7 +32,8 @@ def test_points_have_a_colour_and_a_group(page: Page, service: str, tmp_path: Pa
         group.fill("cast")
         group.press("Enter")
         wait_edited(page, revision)
-    expect(page.get_by_role("list", name="cast").get_by_role("listitem")).to_have_count(2)
+        expect(group).to_be_focused()
+    expect(page.locator(".point[data-group=cast]")).to_have_count(2)
     page.get_by_role("button", name="cast", exact=True).click()
     expect(page.locator(".point")).to_have_count(1)  # the selected one
     revision = revision_of(page)

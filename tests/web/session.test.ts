@@ -235,7 +235,7 @@ describe("a pull", () => {
     expect(fake.gestures[1]).toBe(fake.gestures[0]);
     expect(session.pulls.choice.frames.value).toBe(20);
     expect(session.pulls.span.value).toEqual({ start: 20, arrival: 40, held: null });
-    session.pointEdits.setKind(point("near"), "soft");
+    await session.pointEdits.setKind(point("near"), "soft");
     await turn();
     expect(session.pulls.last.value).toBeNull();
     await session.pulls.change({ reach: "shot" });
@@ -311,7 +311,9 @@ describe("colours and groups of points", () => {
   it("switch the points of a group that are not so yet, in one edit", async () => {
     const { fake, session } = await opened();
     const [off, on] = [point("off", {}, { enabled: false }), point("on")];
-    await session.pointEdits.setGroupEnabled("cast", [off, on], true);
+    fake.points = [off, on].map((each) => ({ ...each, group: "cast" })).concat(point("other", {}, { enabled: false }));
+    session.document.pointsByTime.forget(null);
+    await session.pointEdits.setGroupEnabled("cast", true);
     expect(fake.made.map((changes) => changes.map((change) => "name" in change && change.name))).toEqual([["off"]]);
   });
 

@@ -16,8 +16,11 @@ import { PointsByTime } from "./points_by_time";
 import { SolvedCurve } from "./solved_curve";
 
 const NO_CHANGES: Changes = [];
-/** Shots of up to this many frames get their focus curve with the result of each edit; longer ones read it afterwards. */
-const MOST_CURVE_FRAMES = 500;
+/**
+ * Shots of up to so many frames get their focus curve with the result of each edit; longer ones read it afterwards. An edit’s
+ * label may have so many characters.
+ */
+const [MOST_CURVE_FRAMES, MOST_LABEL] = [500, 200];
 
 /** Time and revision of something read. */
 export interface At {
@@ -219,7 +222,8 @@ export class ShotDocument {
     const [time, withCurve] = [this.#time.peek(), frameCount(this.shot.range) <= MOST_CURVE_FRAMES];
     const task = async (): Promise<TimedResult> => {
       const known = typeof changes === "function" ? await changes() : changes;
-      const result = await this.#service.edit(this.view, { label, gesture, changes: known, time, withCurve });
+      const edit = { label: label.slice(0, MOST_LABEL), gesture, changes: known, time, withCurve };
+      const result = await this.#service.edit(this.view, edit);
       this.history.value = result.history;
       const created = result.cameras.at(-1);
       if (created !== undefined) this.successor.value = { ...this.view, camera: created };

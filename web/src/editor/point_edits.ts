@@ -1,7 +1,7 @@
 /** Edits of focus points as a whole: their names, what they are, whether they count, and racks between them. */
 
 import type { ReadonlySignal, Signal } from "@preact/signals";
-import { setAttribute, setKind, type Changes } from "../model/changes";
+import { setAttribute, setKind, toggleKey, type Changes, type SimpleAttribute } from "../model/changes";
 import { freshName } from "../model/pull";
 import { primName, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
 import { HintError } from "../net/errors";
@@ -12,9 +12,18 @@ export class PointEdits {
   readonly #time: ReadonlySignal<number>;
   /** Name of the selected focus point. */
   readonly #selected: Signal<string | null>;
+  /** By the names of points. */
+  readonly #identities = new Map<string, number>();
 
   constructor(document: ShotDocument, time: ReadonlySignal<number>, selected: Signal<string | null>) {
     [this.#document, this.#time, this.#selected] = [document, time, selected];
+  }
+
+  /** An identity that a point keeps when it is renamed; for the keys of lists. */
+  identityOf(name: string): number {
+    const identity = this.#identities.get(name) ?? this.#identities.size;
+    this.#identities.set(name, identity);
+    return identity;
   }
 
   /** Gives a point another name, made of what is typed; resolves to whether it has another one then. */
@@ -23,7 +32,10 @@ export class PointEdits {
     const newName = freshName(typed.trim(), others);
     if (newName === point.name) return false;
     const change = { type: "renamePoint", name: point.name, newName } as const;
-    const isMade = await this.#onPoint(`Rename a point to ${newName}`, point, [change]);
+    const [identity, replaced] = [this.identityOf(point.name), this.identityOf(newName)];
+    this.#identities.set(newName, identity).set(point.name, replaced);
+    const isMade = await this.#onPoint(`Rename a point to ${newName}`, point, () => [change]);
+    if (!isMade) this.#identities.set(newName, replaced).set(point.name, identity);
     if (isMade && this.#selected.value === point.name) this.#selected.value = newName;
     return isMade;
   }
@@ -32,7 +44,7 @@ export class PointEdits {
   follow(point: FocusPoint, part: string): Promise<boolean> {
     const label = part === "" ? `Put ${point.name} on its surface` : `Let ${point.name} follow ${primName(part)}`;
     const change = { type: "followPart", name: point.name, part: part || null, time: this.#time.value } as const;
-    return this.#document.edit(label, [change]);
+    return this.#onPoint(label, point, () => [change]);
   }
 
   setColor(point: FocusPoint, color: PointColor): Promise<boolean> {
@@ -49,33 +61,34 @@ export class PointEdits {
   }
 
   /** Lets all points of a group count, or none of them. */
-  setGroupEnabled(group: string, points: readonly FocusPoint[], enabled: boolean): Promise<boolean> {
-    const others = points.filter(({ settings }) => settings.enabled !== enabled);
-    const changes = others.flatMap((point) => setAttribute(point, "enabled", Number(enabled), this.#time.value));
-    return this.#document.edit(`${enabled ? "Enable" : "Disable"} ${group}`, changes);
-  }
-
-  #alter(label: string, point: FocusPoint, values: Partial<Pick<FocusPoint, "color" | "group">>): Promise<boolean> {
-    return this.#onPoint(label, point, [{ type: "alterPoint", name: point.name, values, time: this.#time.value }]);
-  }
-
-  /** Makes an edit of a point, unless an edit before it, such as an undo, removes the point. */
-  #onPoint(label: string, { name }: FocusPoint, changes: Changes): Promise<boolean> {
-    const time = this.#time.value;
-    return this.#document.edit(label, async () => {
-      const points = await this.#document.pointsAt(time);
-      if (points.some((point) => point.name === name)) return changes;
-      throw new HintError(`There is no ${name} any more.`, "Select another point.");
+  setGroupEnabled(group: string, enabled: boolean): Promise<boolean> {
+    const label = `${enabled ? "Enable" : "Disable"} ${group}`;
+    return this.#onPoints(label, (points, time) => {
+      const members = points.filter((point) => point.group === group);
+      const others = members.filter(({ settings }) => settings.enabled !== enabled);
+      if (others.length === 0)
+        throw new HintError(`No point of ${group} is to be switched any more.`, "Look at the group as it is now.");
+      return others.flatMap((point) => setAttribute(point, "enabled", Number(enabled), time));
     });
   }
 
-  setKind(point: FocusPoint, kind: PointSettings["kind"]): void {
-    void this.#document.edit(`Make ${point.name} ${kind}`, setKind(point, kind, this.#time.value));
+  setKind(point: FocusPoint, kind: PointSettings["kind"]): Promise<boolean> {
+    return this.#onPoint(`Make ${point.name} ${kind}`, point, (now, time) => setKind(now, kind, time));
   }
 
   setEnabled(point: FocusPoint, enabled: boolean): Promise<boolean> {
-    const change = setAttribute(point, "enabled", Number(enabled), this.#time.value);
-    return this.#document.edit(`${enabled ? "Enable" : "Disable"} ${point.name}`, change);
+    const label = `${enabled ? "Enable" : "Disable"} ${point.name}`;
+    return this.#onPoint(label, point, (now, time) => setAttribute(now, "enabled", Number(enabled), time));
+  }
+
+  /** Sets or removes a key of a point at the present time. */
+  toggleKey(point: FocusPoint, attribute: SimpleAttribute): Promise<boolean> {
+    return this.#onPoint(`Key of ${point.name}`, point, (now, time) => toggleKey(now, attribute, time));
+  }
+
+  remove(point: FocusPoint): Promise<boolean> {
+    if (this.#selected.value === point.name) this.#selected.value = null;
+    return this.#onPoint(`Remove ${point.name}`, point, () => [{ type: "removePoint", name: point.name }]);
   }
 
   /** Racks the focus from one point to another, from now on. */
@@ -85,8 +98,26 @@ export class PointEdits {
     void this.#document.edit(`Rack to ${to}`, [...this.#document.byPoints(), { type: "rack", rack }]);
   }
 
-  remove(point: FocusPoint): void {
-    if (this.#selected.value === point.name) this.#selected.value = null;
-    void this.#document.edit(`Remove ${point.name}`, [{ type: "removePoint", name: point.name }]);
+  #alter(label: string, point: FocusPoint, values: Partial<Pick<FocusPoint, "color" | "group">>): Promise<boolean> {
+    return this.#onPoint(label, point, ({ name }, time) => [{ type: "alterPoint", name, values, time }]);
+  }
+
+  /** Makes an edit of a point, unless an edit before it, such as an undo, removes the point. */
+  #onPoint(
+    label: string,
+    { name }: FocusPoint,
+    changesOf: (now: FocusPoint, time: number) => Changes,
+  ): Promise<boolean> {
+    return this.#onPoints(label, (points, time) => {
+      const now = points.find((point) => point.name === name);
+      if (!now) throw new HintError(`There is no ${name} any more.`, "Select another point.");
+      return changesOf(now, time);
+    });
+  }
+
+  /** Makes an edit of the points as the edits before it leave them. */
+  #onPoints(label: string, changesOf: (points: readonly FocusPoint[], time: number) => Changes): Promise<boolean> {
+    const time = this.#time.value;
+    return this.#document.edit(label, async () => changesOf(await this.#document.pointsAt(time), time));
   }
 }

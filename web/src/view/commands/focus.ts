@@ -139,7 +139,7 @@ const POINTS: readonly SessionCommand[] = [
   }),
   onPoint("Set or remove the point’s weight key", ["S"], (session, point) => void session.toggleKey(point, "weight")),
   onPoint("Make the point sharp or soft", ["Shift S"], ({ pointEdits }, point) => {
-    pointEdits.setKind(point, point.settings.kind === "sharp" ? "soft" : "sharp");
+    void pointEdits.setKind(point, point.settings.kind === "sharp" ? "soft" : "sharp");
   }),
   onPoint("Give the point the next colour", ["Shift G"], ({ pointEdits }, point) => {
     const next = POINT_COLORS[(POINT_COLORS.indexOf(point.color) + 1) % POINT_COLORS.length];
@@ -151,7 +151,7 @@ const POINTS: readonly SessionCommand[] = [
     ({ pointEdits }, point) => void pointEdits.setEnabled(point, !point.settings.enabled),
   ),
   onPoint("Remove the point", ["Delete", "Backspace"], ({ pointEdits }, point) => {
-    pointEdits.remove(point);
+    void pointEdits.remove(point);
   }),
 ];
 

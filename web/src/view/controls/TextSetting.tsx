@@ -1,6 +1,7 @@
 /** A short text that is an edit once Enter is pressed or the field is left; Escape brings the saved one back. */
 
 import type { JSX } from "preact";
+import { useLayoutEffect, useRef } from "preact/hooks";
 
 interface TextSettingProps {
   readonly label: string;
@@ -16,15 +17,23 @@ interface TextSettingProps {
 }
 
 export function TextSetting({ label, value, title, placeholder, list, onType }: TextSettingProps): JSX.Element {
+  const field = useRef<HTMLInputElement>(null);
+  const isFocused = field.current !== null && document.activeElement === field.current;
+  useLayoutEffect(() => {
+    const input = field.current;
+    if (!input) return;
+    if (input.dataset.saved !== value) input.value = input.dataset.saved = value;
+    if (isFocused && document.activeElement !== input) input.focus(); // it has moved in its list
+  });
   return (
     <label class="choice">
       <span>{label}</span>
       <input
+        ref={field}
         type="text"
         class="value"
         list={list}
         maxLength={100}
-        defaultValue={value}
         placeholder={placeholder}
         title={title}
         onKeyDown={({ key, currentTarget }) => {

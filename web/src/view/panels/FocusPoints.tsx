@@ -1,7 +1,7 @@
 /** The list of focus points: what each asks for at this time, its keys, and where it is. */
 
 import type { JSX, RefObject } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
@@ -27,73 +27,81 @@ export function FocusPoints({ editor, session }: { editor: Editor; session: Sess
       aside={<span class="muted">{points.length > 0 ? points.length : ""}</span>}
     >
       {points.length === 0 && <p class="muted pad">None yet. Click on what must be sharp.</p>}
-      {groupsOf(points).map((group) => (
-        <Group key={group.name} editor={editor} session={session} group={group} />
-      ))}
+      {points.length > 0 && (
+        // One list, so that a row stays what it is when its point comes into another group.
+        <ul aria-label="Focus points">
+          {groupsOf(points).flatMap((group) => [
+            group.name !== "" && <GroupHead key={`group ${group.name}`} session={session} group={group} />,
+            ...shownOf(session, group).map((point) => (
+              <PointRow
+                key={session.pointEdits.identityOf(point.name)}
+                editor={editor}
+                session={session}
+                point={point}
+              />
+            )),
+          ])}
+        </ul>
+      )}
     </Section>
   );
 }
 
+/** The points of a group that the list shows: of a folded one the selected point alone. */
+function shownOf(session: Session, { name, points }: PointGroup): readonly FocusPoint[] {
+  const isFolded = session.foldedGroups.value.has(name);
+  return isFolded ? points.filter((point) => point.name === session.selected.value) : points;
+}
+
 interface GroupProps {
-  readonly editor: Editor;
   readonly session: Session;
   readonly group: PointGroup;
 }
 
-/** The points of a group under its name, which folds all but the selected one; those of no group without a heading. */
-function Group({ editor, session, group: { name, points } }: GroupProps): JSX.Element {
+/** The name of a group, which folds it, and the switch of its points. */
+function GroupHead({ session, group }: GroupProps): JSX.Element {
+  const { name, points } = group;
   const isFolded = session.foldedGroups.value.has(name);
-  const shown = isFolded ? points.filter((point) => point.name === session.selected.value) : points;
   return (
-    <>
-      {name !== "" && (
-        <div class="point-group">
-          <Edits session={session}>
-            <GroupSwitch session={session} name={name} points={points} />
-          </Edits>
-          <h3>
-            <button
-              type="button"
-              class="fold"
-              aria-expanded={!isFolded}
-              onClick={() => {
-                session.foldGroup(name, !isFolded);
-              }}
-            >
-              {name}
-            </button>
-          </h3>
-          <span class="muted">{points.length}</span>
-        </div>
-      )}
-      {shown.length > 0 && (
-        <ul aria-label={name === "" ? undefined : name}>
-          {shown.map((point) => (
-            <PointRow key={point.name} editor={editor} session={session} point={point} />
-          ))}
-        </ul>
-      )}
-    </>
+    <li class="point-group">
+      <Edits session={session}>
+        <GroupSwitch session={session} group={group} />
+      </Edits>
+      <h3>
+        <button
+          type="button"
+          class="fold"
+          aria-expanded={!isFolded}
+          onClick={() => {
+            session.foldGroup(name, !isFolded);
+          }}
+        >
+          {name}
+        </button>
+      </h3>
+      <span class="muted">{points.length}</span>
+    </li>
   );
 }
 
 /** Whether the points of a group count: all, none, or some of them. */
-function GroupSwitch({
-  session,
-  name,
-  points,
-}: Pick<RowProps, "session"> & Pick<PointGroup, "name" | "points">): JSX.Element {
+function GroupSwitch({ session, group: { name, points } }: GroupProps): JSX.Element {
+  const box = useRef<HTMLInputElement>(null);
   const count = points.filter(({ settings }) => settings.enabled).length;
+  useLayoutEffect(() => {
+    // A click takes the mark away, also where its edit fails.
+    if (box.current) box.current.indeterminate = count > 0 && count < points.length;
+  });
   return (
     <input
+      ref={box}
       type="checkbox"
       class="switch"
       checked={count === points.length}
-      indeterminate={count > 0 && count < points.length}
       aria-label={`All of ${name} enabled`}
       title="Enable or disable all points of the group"
       onChange={() => {
-        void session.pointEdits.setGroupEnabled(name, points, count < points.length);
+        void session.pointEdits.setGroupEnabled(name, count < points.length);
       }}
     />
   );
@@ -142,6 +150,7 @@ function PointRow({ editor, session, point }: RowProps): JSX.Element {
     <li
       ref={row}
       data-color={point.color}
+      data-group={point.group}
       class={`point${selected ? " selected" : ""}${settings.enabled ? "" : " off"}`}
       onClick={() => (session.selected.value = name)}
     >
@@ -177,7 +186,7 @@ function PointRow({ editor, session, point }: RowProps): JSX.Element {
             title="Remove (Delete)"
             onClick={(event) => {
               event.stopPropagation();
-              session.pointEdits.remove(point);
+              void session.pointEdits.remove(point);
             }}
           >
             <Icon name="trash" />

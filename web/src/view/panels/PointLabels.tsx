@@ -13,8 +13,7 @@ interface LabelProps {
 }
 
 export function PointColorChoice({ session, point }: LabelProps): JSX.Element {
-  const time = session.playhead.time.value;
-  const [color, chosen] = useChosen(point.color, session.document.fresh.value, time);
+  const [color, chosen] = useChosen(point.color, session.document.fresh.value);
   return (
     <div class="choice">
       <span>Colour</span>
@@ -30,7 +29,7 @@ export function PointColorChoice({ session, point }: LabelProps): JSX.Element {
             aria-label={name === "none" ? "No colour" : name}
             title={name === "none" ? "No colour" : name}
             onClick={() => {
-              if (name !== color) chosen.choose(name, session.pointEdits.setColor(point, name), time);
+              if (name !== color) chosen.choose(name, session.pointEdits.setColor(point, name));
             }}
           />
         ))}
@@ -39,12 +38,11 @@ export function PointColorChoice({ session, point }: LabelProps): JSX.Element {
   );
 }
 
-export function PointGroup({ session, point }: LabelProps): JSX.Element {
+export function PointGroupField({ session, point }: LabelProps): JSX.Element {
   const others = groupNames(session.document.points.value);
   return (
     <>
       <TextSetting
-        key={`${point.name} ${point.group}`}
         label="Group"
         value={point.group}
         placeholder="none"

@@ -11,7 +11,7 @@ import { formatIn, quantityOf } from "../controls/quantity";
 import { KeyDiamond } from "../timeline/KeyDiamond";
 import { parseQuantity, trim } from "../numbers";
 import { FollowedPart } from "./FollowedPart";
-import { PointColorChoice, PointGroup } from "./PointLabels";
+import { PointColorChoice, PointGroupField } from "./PointLabels";
 import { Radios } from "../controls/Radios";
 import { TextSetting } from "../controls/TextSetting";
 
@@ -21,14 +21,13 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
   return (
     <div class="point-more">
       <TextSetting
-        key={point.name}
         label="Name"
         value={point.name}
         title="Enter renames the point; its keys stay"
         onType={(typed) => session.pointEdits.rename(point, typed.trim() || point.name)}
       />
       <PointColorChoice session={session} point={point} />
-      <PointGroup session={session} point={point} />
+      <PointGroupField session={session} point={point} />
       <FollowedPart session={session} point={point} />
       <Radios
         label={`${point.name} is`}
@@ -36,7 +35,7 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
         value={kind}
         names={{ sharp: "Sharp", soft: "Soft" }}
         onChoose={(choice) => {
-          if (choice !== kind) session.pointEdits.setKind(point, choice);
+          if (choice !== kind) void session.pointEdits.setKind(point, choice);
         }}
       />
       {kind === "soft" && <Amount session={session} point={point} attribute="blur" />}

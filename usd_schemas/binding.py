@@ -117,7 +117,9 @@ def _changes(data: Any, prim: Usd.Prim, time: Time, prefix: str) -> Iterator[tup
         elif "usd" in item.metadata:
             attribute = prim.GetAttribute(prefix + item.metadata["usd"])
             keyed_at = None if attribute.GetVariability() == Sdf.VariabilityUniform else time
-            if stored_value(attribute, value) != _read_or_default(attribute, keyed_at, item.default):
+            current = _read_or_default(attribute, keyed_at, item.default)
+            # What the prim says already is not checked: another tool may have written what is not allowed.
+            if value != current and stored_value(attribute, value) != current:
                 _refuse_hidden(attribute, value, keyed_at)
                 yield attribute, value, keyed_at
 
@@ -134,6 +136,18 @@ def _refuse_hidden(attribute: Usd.Attribute, value: Any, keyed_at: Time) -> None
             f"{attribute.GetPath()} has keys: expected the time at which it shall be {value!r}, or its keys to be "
             "removed first"
         )
+
+
+def allowed(data: Data, prim: Usd.Prim, prefix: str = "") -> Data:
+    """Return a dataclass with the defaults of its fields in place of values that are not allowed."""
+    refused: dict[str, Any] = {}
+    for item in fields(data):  # type: ignore[arg-type]
+        if "usd" in item.metadata:
+            try:
+                usd_value(prim.GetAttribute(prefix + item.metadata["usd"]), getattr(data, item.name))
+            except SchemaError:
+                refused[item.name] = item.default
+    return replace(data, **refused)  # type: ignore[type-var]
 
 
 def author_all(data: Any, prim: Usd.Prim, prefix: str = "") -> None:

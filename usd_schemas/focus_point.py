@@ -37,6 +37,10 @@ class FocusPointView:
         """
         return binding.read(FocusPoint, self.prim, time, self._prefix, name=self.name, **self._related())
 
+    def allowed(self, point: FocusPoint) -> FocusPoint:
+        """Return a point with defaults in place of values that are not allowed, such as another tool may write."""
+        return binding.allowed(point, self.prim, self._prefix)
+
     def read_over(self, times: Sequence[float]) -> tuple[FocusPoint, ...]:
         """Read the point at several time codes.
 

@@ -151,7 +151,7 @@ class LensCamera:
         return view
 
     def rename_focus_point(self, name: str, new_name: str) -> FocusPointView:
-        """Rename a focus point. It keeps its values and keys; of the points that the edit target applies it becomes the last.
+        """Rename a focus point. It keeps its allowed values and its keys; of those that the edit target applies it becomes last.
 
         Args:
             name: of the point.
@@ -161,7 +161,7 @@ class LensCamera:
             SchemaError: the camera has none of that name, or the new one is taken or no identifier.
         """
         old = self.focus_point(name)
-        renamed = self.add_focus_point(new_name, old.read())
+        renamed = self.add_focus_point(new_name, old.allowed(old.read()))
         for before, after in zip(old.attributes(), renamed.attributes(), strict=True):
             copy_values(before, after)
         self.remove_focus_point(name)

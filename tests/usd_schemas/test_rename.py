@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -67,3 +68,14 @@ def test_what_cannot_be_is_refused_and_leaves_all(
     with pytest.raises(SchemaError):
         camera.rename_focus_point(name, new_name)
     assert stage.ExportToString() == before
+
+
+def test_a_colour_that_does_not_exist_holds_nothing_up(camera: LensCamera) -> None:
+    point = camera.focus_point("pip")
+    color = camera.prim.GetAttribute("focusPoint:pip:color")
+    color.Set("mauve")
+    point.author(replace(point.read(), part=""))
+    assert (point.read().part, color.Get()) == ("", "mauve")
+    with pytest.raises(SchemaError, match="color"):
+        point.author(replace(point.read(), color="puce"))
+    assert camera.rename_focus_point("pip", "robot").read().color == "none"

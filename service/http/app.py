@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager
+from typing import Any
 
 from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import PullfocusError
 from service.http.auditing import AuditMiddleware
-from service.http.cache_upkeep import end_greedy_workers, fill_caches
+from service.http.cache_upkeep import end_greedy_workers, fill_caches, retry_filling
 from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
@@ -75,11 +76,11 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service = Service.start(settings)
         app.state.service = service
-        upkeep = [asyncio.create_task(work(service)) for work in (_empty_trash, _save_usage, end_greedy_workers)]
+        upkeep = [_begin(work, service) for work in (_empty_trash, _save_usage, end_greedy_workers)]
         try:
             if settings.demo:
                 await _ensure_demo(service)
-            upkeep.append(asyncio.create_task(_prepare_pictures(service)))
+            upkeep.append(_begin(_prepare_pictures, service))
             yield
         finally:
             for task in upkeep:
@@ -132,10 +133,28 @@ def create_app(settings: Settings) -> FastAPI:
     return app
 
 
+def _begin(work: Callable[[Service], Coroutine[Any, Any, None]], service: Service) -> asyncio.Task[None]:
+    """Begin work in the background. What ends it before the service does is logged."""
+
+    def log_end(task: asyncio.Task[None]) -> None:
+        if not task.cancelled() and task.exception() is not None:
+            log.error("work in the background has failed: %s", task.get_name(), exc_info=task.exception())
+
+    task = asyncio.create_task(work(service), name=work.__name__)
+    task.add_done_callback(log_end)
+    return task
+
+
 async def _prepare_pictures(service: Service) -> None:
     """Do in advance what makes the first picture late."""
-    await fill_caches(service)
-    await draw_last_shot(service)
+    service.preparing.set()
+    try:
+        is_filled = await fill_caches(service)
+        await draw_last_shot(service)
+    finally:
+        service.preparing.clear()
+    if not is_filled:
+        await retry_filling(service)
 
 
 async def _save_usage(service: Service) -> None:

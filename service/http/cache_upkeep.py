@@ -36,21 +36,26 @@ NICENESS = 15
 """Priority of the worker that draws it: users come first."""
 
 
-async def fill_caches(service: Service) -> None:
-    """Have the demo shot drawn where no cache holds its compiled shaders yet. Failure costs the users time alone."""
-    has_failed = False
-    while True:
-        try:
-            await run_in_threadpool(service.caches.fill_base, lambda folder: _fill(service, folder))
-            return
-        except (PullfocusError, WorkerError, NotBegunError, OSError) as error:
-            if not has_failed:
-                log.warning(
-                    "shaders cannot be compiled in advance, so that the first picture of each shot will be late: %s",
-                    error,
-                )
-            has_failed = True
+async def fill_caches(service: Service) -> bool:
+    """Have the demo shot drawn where no cache holds its compiled shaders yet. Failure costs the users time alone.
+
+    Returns:
+        Whether there is a cache that holds them.
+    """
+    try:
+        await run_in_threadpool(service.caches.fill_base, lambda folder: _fill(service, folder))
+        return True
+    except (PullfocusError, WorkerError, NotBegunError, OSError) as error:
+        log.warning("shaders are not compiled in advance, so that the first picture of a shot will be late: %s", error)
+        return False
+
+
+async def retry_filling(service: Service) -> None:
+    """Try now and then to fill the caches, until it is done."""
+    is_filled = False
+    while not is_filled:
         await asyncio.sleep(RETRY_S)
+        is_filled = await fill_caches(service)
 
 
 async def end_greedy_workers(service: Service) -> None:

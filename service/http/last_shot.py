@@ -22,26 +22,28 @@ log = logging.getLogger("pullfocus.service")
 
 
 async def draw_last_shot(service: Service) -> None:
-    """Have previews of the shot drawn that was added or edited last. Failure costs its next viewer time alone."""
-    record = await run_in_threadpool(_last_shot, service)
-    if record is None:
-        return
-    service.drawing_ahead.set()
+    """Have previews of the shot drawn that was added or edited last, unless somebody has pictures drawn by then.
+
+    Failure costs its next viewer time alone. A shot that has ended a worker is left alone, as each start would count against it.
+    """
+    record = None
     try:
-        await _draw(service, record)
-    except (PullfocusError, ServiceError, WorkerError) as error:
-        log.info("shot %s was not drawn in advance: %s", record.id, error)
-    finally:
-        service.drawing_ahead.clear()
+        record = await run_in_threadpool(_last_shot, service)
+        if record is not None and not service.quarantine.is_blamed(record):
+            await _draw(service, record)
+    except (PullfocusError, ServiceError, WorkerError, OSError, ValueError) as error:
+        log.info("shot %s was not drawn in advance: %s", record.id if record else "?", error)
 
 
 async def _draw(service: Service, record: ShotRecord) -> None:
-    """Have a coarse preview drawn and then, unless somebody waits for pictures by now, a whole one."""
+    """Have a coarse preview drawn where nobody draws, and then a whole one unless somebody waits by then."""
     shot = await service.call_stage(shots.describe_shot, record)
     picture = PictureQuery(time=shot.frame_range.start)
     edits = await run_in_threadpool(record.edit_text)
     request = frame_request(record, edits, picture, service.admission.check_preview(picture))
     lane = service.lanes.live
+    if lane.running > 0 or lane.waiting > 0:
+        return
     await lane.result(call(live.draw_ahead, request), service.place_of(record))
     if lane.waiting == 0:
         await lane.result(call(live.draw_ahead, request), service.place_of(record))

@@ -47,6 +47,10 @@ class Quarantine:
         blames = read_blames(record.folder)
         return REASONS.get(blames.reason, "unknown") if blames.count >= self._max_blames else None
 
+    def is_blamed(self, record: ShotRecord) -> bool:
+        """Whether a shot has ended a worker, be it too few for the quarantine."""
+        return read_blames(record.folder).count > 0
+
     def check(self, record: ShotRecord) -> None:
         """Raise `ServiceError` 423 where a shot is in quarantine."""
         reason = self.reason(record)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import secrets
-import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -63,7 +63,7 @@ class Service:
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
         stopping: whether it is stopping.
-        drawing_ahead: set while the shot of the last work is drawn, at the start.
+        preparing: set while it does in advance, after its start, what makes the first picture late.
         run_id: changes with each start: the same inputs may give other pixels after an update.
     """
 
@@ -79,7 +79,7 @@ class Service:
     frame_cache: FrameCache
     metrics: Metrics
     stopping: Stopping = field(default_factory=Stopping)
-    drawing_ahead: threading.Event = field(default_factory=threading.Event)
+    preparing: asyncio.Event = field(default_factory=asyncio.Event)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))
 
     @classmethod

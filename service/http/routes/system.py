@@ -54,7 +54,7 @@ async def livez() -> Health:
 async def readyz(service: ServiceDep) -> Readiness:
     """Answer while workers answer, the data folder can be written and no request has waited for long."""
     await check_ready(service)
-    return Readiness(warming=service.caches.is_filling or service.drawing_ahead.is_set())
+    return Readiness(warming=service.preparing.is_set() or service.caches.is_filling)
 
 
 @router.get(

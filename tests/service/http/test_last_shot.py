@@ -55,16 +55,39 @@ def test_the_shot_of_the_last_work_is_drawn_at_the_start(settings, room_file):
 
 
 @pytest.mark.parametrize("waiting", [0, 1])
-def test_a_whole_preview_is_left_out_where_others_wait(settings, room_file, monkeypatch, waiting):
+def test_nothing_is_drawn_ahead_of_those_who_wait(settings, room_file, monkeypatch, waiting):
     with running(settings) as service:
         upload(service, room_file)
-        lane = service.internal.lanes.live
-        finished: list[str] = []
-        monkeypatch.setattr(lane, "_on_finished", lambda job: finished.append(job.lane))
-        monkeypatch.setattr(Lane, "waiting", waiting)
-        asyncio.run(draw_last_shot(service.internal))
-        until(lambda: lane.running == 0)
-        assert finished == ["live"] * (2 - waiting)
+        assert drawn(service, monkeypatch, waiting) == 2 * (1 - waiting)
+
+
+def test_a_shot_that_has_ended_a_worker_is_left_alone(settings, room_file, monkeypatch):
+    with running(settings) as service:
+        service.internal.quarantine.blame(upload(service, room_file), "memory")
+        assert drawn(service, monkeypatch) == 0
+
+
+def drawn(service: Running, monkeypatch: pytest.MonkeyPatch, waiting: int = 0) -> int:
+    """Draw the last shot, and count the jobs that it takes."""
+    lane = service.internal.lanes.live
+    until(lambda: not service.internal.preparing.is_set())
+    finished: list[str] = []
+    monkeypatch.setattr(lane, "_on_finished", lambda job: finished.append(job.lane))
+    monkeypatch.setattr(Lane, "waiting", waiting)
+    asyncio.run(draw_last_shot(service.internal))
+    until(lambda: lane.running == 0)
+    assert set(finished) <= {"live"}
+    return len(finished)
+
+
+def test_a_start_at_an_absurd_time_does_no_harm(settings, tmp_path, caplog):
+    file = tmp_path / "late.usda"
+    file.write_text('#usda 1.0\n(startTimeCode = 2e9\nendTimeCode = 2.1e9)\ndef Camera "cam" {}\n')
+    with running(settings) as service:
+        shot = upload(service, file)
+        with caplog.at_level(logging.INFO, "pullfocus.service"):
+            asyncio.run(draw_last_shot(service.internal))
+        assert f"shot {shot} was not drawn in advance" in caplog.text
 
 
 def test_a_shot_that_cannot_be_drawn_does_no_harm(settings, room_file, caplog):

@@ -6,6 +6,7 @@ some frames only, so that the pictures of all other frames stay of use.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from pxr import Sdf, Usd
@@ -18,6 +19,8 @@ _SIZE_PX = (1920, 1080)
 """Picture that cameras are fitted to: what changes the gate changes its state, whatever the shape of the picture."""
 _SOLVED = "focus"
 """Beginning of the names of attributes that act through the focus alone: settings of the solver, and focus points."""
+_LABEL = re.compile(r"focusPoint:\w+:(color|group)")
+"""Names of attributes that no picture depends on."""
 
 
 def picture_states(shot: Shot, camera_path: str | None, times: Sequence[float]) -> list[str | None]:
@@ -83,10 +86,15 @@ def _edits_elsewhere(layer: Sdf.Layer, path: str) -> str:
 
 
 def _text_of(layer: Sdf.Layer) -> str:
-    """Text of a layer without what it says of itself."""
+    """Text of a layer without what it says of itself, and without what only tells focus points from each other."""
     copy = Sdf.Layer.CreateAnonymous(".usda")
     copy.TransferContent(layer)
     copy.documentation = copy.comment = ""
     copy.customLayerData = {}
+    labels: list[Sdf.Path] = []
+    copy.Traverse(Sdf.Path.absoluteRootPath, lambda path: labels.append(path) if _LABEL.fullmatch(path.name) else None)
+    for label in labels:
+        prim = copy.GetPrimAtPath(label.GetPrimPath())
+        prim.RemoveProperty(prim.properties[label.name])
     text: str = copy.ExportToString()
     return text

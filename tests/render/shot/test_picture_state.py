@@ -137,3 +137,12 @@ def test_digests_are_of_what_values_hold() -> None:
         1.0,
     ]
     assert len({digest_of(value) for value in different}) == len(different)
+
+
+@pytest.mark.parametrize("metering", ["manual", "average"])
+def test_labels_of_points_change_no_picture(shot: Shot, metering: str) -> None:
+    shot.focus.add_point(CAMERA, "near", FocusPoint("near", target=(NEAR,)))
+    author(shot, CAMERA, "film:metering:mode", Sdf.ValueTypeNames.Token, metering)
+    for label in ("color", "group"):
+        attribute = shot.stage.GetPrimAtPath(CAMERA).GetAttribute(f"focusPoint:near:{label}")
+        assert changed(shot, lambda attribute=attribute: attribute.Set("teal")) == []

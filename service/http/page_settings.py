@@ -30,12 +30,21 @@ export interface SliderRange {
   readonly unit: string;
 }
 
+/** Numbers that the service takes. */
+export interface Allowed {
+  readonly least: number;
+  readonly most: number;
+  /** Whether numbers must be above `least`. */
+  readonly above: boolean;
+}
+
 export interface Declared {
   readonly name: string;
   readonly panel: string;
   readonly label: string;
   readonly hint: string;
   readonly keyable: boolean;
+  readonly allowed: Allowed;
   readonly slider: SliderRange;
 }
 """
@@ -67,6 +76,7 @@ def _declared(item: Setting, slider: Slider) -> dict[str, Any]:
         "label": slider.label or item.label,
         "hint": item.help,
         "keyable": item.rest_keyable,
+        "allowed": {"least": item.sent.least, "most": item.sent.most, "above": item.sent.above},
         "slider": {
             "least": slider.least,
             "most": slider.most,

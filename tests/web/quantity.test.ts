@@ -26,4 +26,10 @@ describe("a declared setting", () => {
     expect(quantityOf(FILM_SLIDERS.push).parse("-1")).toBe(-1);
     expect(quantityOf(FILM_SLIDERS.push).parse("much")).toBeNull();
   });
+
+  it("takes no number that the service refuses", () => {
+    const { compensationStops, iso } = EXPOSURE_SLIDERS;
+    expect(["1e9", "-101", "100"].map(quantityOf(compensationStops).parse)).toEqual([null, null, 100]);
+    expect(["0", "100"].map(quantityOf(iso, { parse: Number }).parse)).toEqual([null, 100]);
+  });
 });

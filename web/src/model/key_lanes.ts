@@ -3,6 +3,7 @@
  * The keys of a lane that stand at one time are a *stack*: they are selected, moved and removed as one.
  */
 
+import { isAllowed } from "./allowed";
 import { FAR_AWAY_M, type Changes } from "./changes";
 import type { Interpolation, Key, Keyed, KeyedSetting, Tangents } from "./keys";
 import {
@@ -105,6 +106,12 @@ export function labelOf(owner: KeyOwner): string {
 /** The slider of a setting or attribute; null where it has none. */
 export function sliderOf(owner: KeyOwner): SliderRange | null {
   return declaredOf(owner)?.slider ?? null;
+}
+
+/** Whether a setting or attribute may have a value. */
+export function mayBe(owner: KeyOwner, value: number): boolean {
+  const declared = declaredOf(owner);
+  return declared === undefined || isAllowed(declared.allowed, value);
 }
 
 function declaredOf(owner: KeyOwner): Declared | undefined {

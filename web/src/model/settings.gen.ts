@@ -12,12 +12,21 @@ export interface SliderRange {
   readonly unit: string;
 }
 
+/** Numbers that the service takes. */
+export interface Allowed {
+  readonly least: number;
+  readonly most: number;
+  /** Whether numbers must be above `least`. */
+  readonly above: boolean;
+}
+
 export interface Declared {
   readonly name: string;
   readonly panel: string;
   readonly label: string;
   readonly hint: string;
   readonly keyable: boolean;
+  readonly allowed: Allowed;
   readonly slider: SliderRange;
 }
 
@@ -28,6 +37,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "ISO",
     "hint": "Speed that the camera is set to; twice the speed is a stop.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000000.0,
+      "above": true
+    },
     "slider": {
       "least": 12.5,
       "most": 51200,
@@ -43,6 +57,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "Stop",
     "hint": "f-number that the exposure goes by, which need not be the iris's.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000000.0,
+      "above": true
+    },
     "slider": {
       "least": 0.7,
       "most": 32,
@@ -58,6 +77,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "Compensation",
     "hint": "Stops brighter (positive) or darker than what is set; it does not count where the meter exposes.",
     "keyable": true,
+    "allowed": {
+      "least": -100,
+      "most": 100,
+      "above": false
+    },
     "slider": {
       "least": -6,
       "most": 6,
@@ -73,6 +97,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "Passes",
     "hint": "The part of the light that comes through the glass: the T-stop is fStop / sqrt(transmittance).",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 1,
@@ -88,6 +117,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "ND",
     "hint": "Optical density of the neutral filter in front: 0.3 takes about one stop.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 20,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 3,
@@ -103,6 +137,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "Ghosts",
     "hint": "Strength of the reflections between pairs of surfaces: 0 off, 1 as the prescription has them.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 5,
@@ -118,6 +157,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "Star",
     "hint": "Strength of the spikes that diffraction at the iris draws around bright points: 0 off, 1 physical.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 5,
@@ -133,6 +177,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "Brighter",
     "hint": "Stops by which the metered light is brighter than middle grey: what the dial on a camera that meters by itself sets.",
     "keyable": true,
+    "allowed": {
+      "least": -20,
+      "most": 20,
+      "above": false
+    },
     "slider": {
       "least": -6,
       "most": 6,
@@ -148,6 +197,11 @@ export const EXPOSURE_SLIDERS = {
     "label": "Shutter",
     "hint": "Opening of a rotating shutter that is open for as long; 360 is a whole frame.",
     "keyable": false,
+    "allowed": {
+      "least": 0,
+      "most": 360000,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 360,
@@ -221,6 +275,11 @@ export const FILM_SLIDERS = {
     "label": "Push",
     "hint": "Longer (push, positive) or shorter (pull, negative) development: it moves the stock's curve by log10 2 of exposure for each stop, and leaves its shape alone.",
     "keyable": true,
+    "allowed": {
+      "least": -5,
+      "most": 5,
+      "above": false
+    },
     "slider": {
       "least": -2,
       "most": 3,
@@ -236,6 +295,11 @@ export const FILM_SLIDERS = {
     "label": "Balance",
     "hint": "Colour temperature of the light that shall look neutral; 0 leaves the working space's white.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 40000,
+      "above": false
+    },
     "slider": {
       "least": 2000,
       "most": 10000,
@@ -251,6 +315,11 @@ export const FILM_SLIDERS = {
     "label": "Grain",
     "hint": "Multiplies the grain: 0 none, 1 as the stock has it.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 2,
@@ -266,6 +335,11 @@ export const FILM_SLIDERS = {
     "label": "Halation",
     "hint": "Part of the light that the film base throws back around bright points.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 0.1,
@@ -323,6 +397,11 @@ export const FOCUS_SLIDERS = {
     "label": "Sharp up to",
     "hint": "Diameter on the film up to which a point counts as sharp, for near and far limits; 0 takes 1/1500 of the gate's diagonal.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 0.1,
@@ -338,6 +417,11 @@ export const FOCUS_SLIDERS = {
     "label": "Smoothing",
     "hint": "Time over which the solved focus is smoothed; it stays exact at keys.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 2,
@@ -353,6 +437,11 @@ export const FOCUS_SLIDERS = {
     "label": "Lag",
     "hint": "Delay with which the focus follows a moving point, like an assistant's hand.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 2,
@@ -368,6 +457,11 @@ export const FOCUS_SLIDERS = {
     "label": "Dead zone",
     "hint": "Circle of confusion that a followed point may reach before the focus moves.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 0.1,
@@ -383,6 +477,11 @@ export const FOCUS_SLIDERS = {
     "label": "Ring speed",
     "hint": "Largest speed of the focus ring, with lens:focusThrow; 0 sets no bound.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 720,
@@ -398,6 +497,11 @@ export const FOCUS_SLIDERS = {
     "label": "Near priority",
     "hint": "Exponent by which nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 16,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 4,
@@ -413,6 +517,11 @@ export const FOCUS_SLIDERS = {
     "label": "Locality",
     "hint": "Locality of the focal surface: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).",
     "keyable": true,
+    "allowed": {
+      "least": 1,
+      "most": 16,
+      "above": false
+    },
     "slider": {
       "least": 2,
       "most": 4,
@@ -428,6 +537,11 @@ export const FOCUS_SLIDERS = {
     "label": "Expressive",
     "hint": "From what a lens can do (0) to what is drawn (1): where focus:mode is surface, from the plane of focus to the focal surface; in all modes, how much of focus:fieldOffsets there is.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 1,
@@ -443,6 +557,11 @@ export const FOCUS_SLIDERS = {
     "label": "Tilt",
     "hint": "Turn of the lens about the camera's +X axis: positive looks up, negative lays the plane of focus down over the ground.",
     "keyable": true,
+    "allowed": {
+      "least": -89,
+      "most": 89,
+      "above": false
+    },
     "slider": {
       "least": -20,
       "most": 20,
@@ -458,6 +577,11 @@ export const FOCUS_SLIDERS = {
     "label": "Swing",
     "hint": "Turn of the lens about the camera's +Y axis, before the tilt: positive looks to the left.",
     "keyable": true,
+    "allowed": {
+      "least": -89,
+      "most": 89,
+      "above": false
+    },
     "slider": {
       "least": -20,
       "most": 20,
@@ -473,6 +597,11 @@ export const FOCUS_SLIDERS = {
     "label": "Largest angle",
     "hint": "Largest angle that focus points may tilt and swing the lens together.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 89,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 45,
@@ -530,6 +659,11 @@ export const LENS_SLIDERS = {
     "label": "f-number",
     "hint": "f-number; 0 is a pinhole.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000,
+      "above": false
+    },
     "slider": {
       "least": 0.7,
       "most": 32,
@@ -545,6 +679,11 @@ export const LENS_SLIDERS = {
     "label": "Focal length",
     "hint": "Focal length of the lens.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 100000,
+      "above": true
+    },
     "slider": {
       "least": 8,
       "most": 400,
@@ -560,6 +699,11 @@ export const LENS_SLIDERS = {
     "label": "Focus distance",
     "hint": "Depth of the plane of focus; 0 focuses at infinity.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0.05,
       "most": 200,
@@ -578,6 +722,11 @@ export const POINT_SLIDERS = {
     "label": "Blur",
     "hint": "Wanted diameter of the circle of confusion at the target: for a soft point what it shall have, for a sharp point what it may have at most where the points also set the stop.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 1,
@@ -593,6 +742,11 @@ export const POINT_SLIDERS = {
     "label": "Weight",
     "hint": "Weight of the point among the others; 0 equals absence.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 1,
@@ -608,6 +762,11 @@ export const POINT_SLIDERS = {
     "label": "Reach",
     "hint": "Screen distance at which the point has lost its influence on the focal surface, in frame widths; 0 reaches everywhere.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 1,
@@ -623,6 +782,11 @@ export const POINT_SLIDERS = {
     "label": "Depth",
     "hint": "Depth of field around the target in surface mode, relative to the lens's own: 2 is twice as deep.",
     "keyable": true,
+    "allowed": {
+      "least": 0,
+      "most": 1000000.0,
+      "above": false
+    },
     "slider": {
       "least": 0,
       "most": 4,

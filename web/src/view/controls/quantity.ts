@@ -2,6 +2,7 @@
 
 import { formatStops } from "../../model/photography";
 import { scaleOf, type Scale } from "../../model/scale";
+import { isAllowed } from "../../model/allowed";
 import type { Declared, SliderRange } from "../../model/settings.gen";
 import { parseQuantity, trim } from "../numbers";
 
@@ -16,14 +17,21 @@ export interface Quantity {
 }
 
 /** The field of a declared setting; `special` stands in for a part that is shown or typed in its own way. */
-export function quantityOf({ label, hint, slider }: Declared, special: Partial<Quantity> = {}): Quantity {
+export function quantityOf({ label, hint, slider, allowed }: Declared, special: Partial<Quantity> = {}): Quantity {
   const scale = scaleOf(slider);
   const format = (value: number): string => (value === 0 && slider.zero ? slider.zero : formatIn(slider, value));
   const parse = (text: string): number | null => {
     const value = slider.zero && text.trim() === slider.zero ? 0 : parseIn(slider, text);
     return value !== null && value < 0 && slider.least >= 0 ? null : value;
   };
-  return { label, hint, scale, example: format(scale.toValue(0.75)), format, parse, ...special };
+  const quantity = { label, hint, scale, example: format(scale.toValue(0.75)), format, parse, ...special };
+  return {
+    ...quantity,
+    parse: (text) => {
+      const value = quantity.parse(text);
+      return value !== null && isAllowed(allowed, value) ? value : null;
+    },
+  };
 }
 
 const PLACES: Readonly<Record<string, number>> = { K: 0, "°": 1, "°/s": 0, mm: 3 };

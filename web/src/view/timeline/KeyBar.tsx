@@ -9,11 +9,14 @@ import {
   labelOf,
   laneOf,
   lengthOf,
+  mayBe,
   shapeOfAll,
   type KeyLane,
+  type KeyOwner,
   type KeyShape,
   type OwnedKey,
 } from "../../model/key_lanes";
+import { FAR_AWAY_M } from "../../model/changes";
 import { parseDistance, type LengthUnit } from "../../model/distance";
 import type { KeyedSetting } from "../../model/keys";
 import { formatFrame } from "../../model/time";
@@ -124,6 +127,12 @@ function manyOf(keys: readonly OwnedKey[], lanes: readonly KeyLane[]): KeyedSett
   return isAll && keys.every((key) => isSameOwner(key.owner, owner)) ? owner.setting : null;
 }
 
+/** A value that is typed; null for what is none, or may not be. */
+function parseValue(owner: KeyOwner, text: string, unit: LengthUnit): number | null {
+  const value = isDistance(owner) ? parseDistance(text, unit) : parseQuantity(text, "");
+  return value !== null && mayBe(owner, Math.min(value, FAR_AWAY_M)) ? value : null;
+}
+
 /** The value of one key; a distance in the unit of the page. */
 function Value({ session, owned, unit }: { session: Session; owned: OwnedKey; unit: LengthUnit }): JSX.Element {
   const { owner } = owned;
@@ -132,7 +141,7 @@ function Value({ session, owned, unit }: { session: Session; owned: OwnedKey; un
       label={`Value of ${labelOf(owner)}`}
       value={owned.key.value}
       format={(value) => formatValue(owner, value, unit)}
-      parse={isDistance(owner) ? (text) => parseDistance(text, unit) : (text) => parseQuantity(text, "")}
+      parse={(text) => parseValue(owner, text, unit)}
       example={formatValue(owner, isDistance(owner) ? 3 : owned.key.value, unit)}
       onTyped={(value) => {
         session.keys.setValue(value);

@@ -203,7 +203,7 @@ class Lane(Generic[State]):
         """End a job that nobody wants any more, as soon as possible. Does nothing where it has ended.
 
         A stream ends between two pieces of work. The process is ended where it goes on for longer than `UNWANTED_S`, or
-        `UNWANTED_STREAM_S` for a stream.
+        `UNWANTED_STREAM_S` for a stream, unless work on another shot waits.
         """
         with self._changed:
             if job in self._queue:
@@ -403,7 +403,10 @@ class Lane(Generic[State]):
         if now_s - job.begun_s > self._timeout_s:
             job.process.kill("timeout")
         elif job.unwanted_s is not None:
-            most_s = UNWANTED_STREAM_S if isinstance(job.work, StreamWork) else UNWANTED_S
+            # Work on the same shot waits the better for the process that has it open.
+            is_in_the_way = any(other.place != job.place for other in self._queue)
+            is_patient = isinstance(job.work, StreamWork) and not is_in_the_way
+            most_s = UNWANTED_STREAM_S if is_patient else UNWANTED_S
             if now_s - job.unwanted_s > most_s:
                 job.process.kill("cancelled")
 

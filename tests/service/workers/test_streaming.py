@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -12,6 +13,7 @@ from render.errors import StageError
 from service.workers.calls import StreamCall, call, stream_call
 from service.workers.errors import QueueFullError, WorkerError
 from service.workers.lane import TICK_S, Lane
+from service.workers.places import Place
 from service.workers.pool import WorkerPool
 from service.workers.streaming import CROWD, Signals, StaleCheck, create_memory
 from tests.service.conftest import until
@@ -147,9 +149,22 @@ def test_a_cancelled_stream_that_does_not_end_loses_its_process(lane, pool, monk
     monkeypatch.setattr("service.workers.lane.UNWANTED_STREAM_S", 0.01)
     stream = Watched(lane, stream_call(refine, piece_s=WAIT_S))
     until(lambda: stream.stream.process is not None)
+    ends = pool.ends["tally", "cancelled"]
     stream.cancel()
     assert stream.code() == "superseded"
-    assert pool.ends["tally", "cancelled"] == 1
+    assert pool.ends["tally", "cancelled"] == ends + 1
+
+
+def test_a_cancelled_stream_makes_way_for_another_shot(pool, monkeypatch):
+    monkeypatch.setattr("service.workers.lane.UNWANTED_S", 0.01)
+    with tally_lane(pool, slots=1) as lane:
+        stream = Watched(lane, stream_call(refine, piece_s=WAIT_S))
+        until(lambda: stream.stream.process is not None)
+        time.sleep(2 * TICK_S)  # it is in its piece of work
+        ends = pool.ends["tally", "cancelled"]
+        stream.cancel()
+        assert lane.submit(call(echo), Place("another")).result(WAIT_S)
+        assert pool.ends["tally", "cancelled"] == ends + 1
 
 
 def test_an_error_comes_after_what_was_shown(lane):

@@ -32,6 +32,7 @@ _FOCUS_CURVE = """() => {
     choice.dispatchEvent(new Event("change", { bubbles: true }));
 }"""
 _WHOLE_SHOT = 'button:text-is("Whole shot")[title^="Show"]'
+_FOLDED_PANELS = '.panels button[aria-pressed="false"]'
 _HIDDEN_MARKERS = '[aria-label="Show focus points on the picture"][aria-pressed="false"]'
 _UNDO_PAUSE_MS = 50
 
@@ -127,6 +128,8 @@ def _undo_all(page: Page, watch: _Watch) -> int:
 
 def _show_as_at_first(page: Page) -> None:
     """Show of the page what it showed when it was opened, so that its memory compares."""
+    while (folded := page.locator(_FOLDED_PANELS)).count() > 0:
+        folded.first.click()
     for tab in ("Camera & film", "Lens & focus"):  # what was unfolded in a panel is folded again
         page.get_by_role("tab", name=tab).click()
     page.evaluate("() => document.activeElement?.blur()")

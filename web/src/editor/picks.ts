@@ -11,6 +11,7 @@ import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
 import { noCameraHint, noEditsHint } from "./hints";
 import type { Playhead } from "./playhead";
+import type { PointEdits } from "./point_edits";
 import type { Pulls } from "./pulls";
 
 /** What a click on the picture does: it pulls the focus, adds a point to the others, or moves the selected one. */
@@ -25,6 +26,7 @@ interface Picked {
   readonly document: ShotDocument;
   readonly playhead: Playhead;
   readonly pulls: Pulls;
+  readonly pointEdits: PointEdits;
   /** Device pixels that the picture has on screen. */
   readonly box: ReadonlySignal<{ readonly width: number; readonly height: number } | null>;
   /** Name of the selected focus point. */
@@ -87,8 +89,9 @@ export class Picks {
    * @param unsaved changes that the picture shows until then.
    */
   move(name: string, at: Place, unsaved?: Changes): Promise<void> {
+    const point = { name, identity: this.#session.pointEdits.identityOf(name) };
     return this.#pick(at, async (anchor, time) => {
-      await this.#session.document.edit(`Move ${name}`, [{ type: "movePoint", name, anchor, time }], unsaved);
+      await this.#session.pointEdits.move(point, anchor, time, unsaved);
     });
   }
 

@@ -3,9 +3,22 @@
 import type { ReadonlySignal, Signal } from "@preact/signals";
 import { setAttribute, setKind, toggleKey, type Changes, type SimpleAttribute } from "../model/changes";
 import { freshName } from "../model/pull";
-import { primName, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
+import { primName, type Anchor, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
 import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
+
+interface Named {
+  readonly name: string;
+  /** By default that of the name now. */
+  readonly identity?: number;
+}
+
+interface EditOptions {
+  /** Of the edit; by default the present one. */
+  readonly time?: number;
+  /** Changes that the picture shows until it is made. */
+  readonly unsaved?: Changes | undefined;
+}
 
 export class PointEdits {
   readonly #document: ShotDocument;
@@ -26,15 +39,26 @@ export class PointEdits {
     return identity;
   }
 
+  /**
+   * Moves a point to a place of a surface at a time.
+   *
+   * @param unsaved changes that the picture shows until then.
+   */
+  move(point: Named, anchor: Anchor, time: number, unsaved?: Changes): Promise<boolean> {
+    const label = `Move ${point.name}`;
+    return this.#onPoint(label, point, ({ name }) => [{ type: "movePoint", name, anchor, time }], { time, unsaved });
+  }
+
   /** Gives a point another name, made of what is typed; resolves to whether it has another one then. */
   async rename(point: FocusPoint, typed: string): Promise<boolean> {
     const others = this.#document.points.value.map(({ name }) => name).filter((name) => name !== point.name);
     const newName = freshName(typed.trim(), others);
     if (newName === point.name) return false;
-    const change = { type: "renamePoint", name: point.name, newName } as const;
     const [identity, replaced] = [this.identityOf(point.name), this.identityOf(newName)];
     this.#identities.set(newName, identity).set(point.name, replaced);
-    const isMade = await this.#onPoint(`Rename a point to ${newName}`, point, () => [change]);
+    const isMade = await this.#onPoint(`Rename a point to ${newName}`, point, ({ name }) => [
+      { type: "renamePoint", name, newName },
+    ]);
     if (!isMade) this.#identities.set(newName, replaced).set(point.name, identity);
     if (isMade && this.#selected.value === point.name) this.#selected.value = newName;
     return isMade;
@@ -43,8 +67,7 @@ export class PointEdits {
   /** Lets a point follow the bounds of a part from where it is now, or its surface again; resolves to whether it does. */
   follow(point: FocusPoint, part: string): Promise<boolean> {
     const label = part === "" ? `Put ${point.name} on its surface` : `Let ${point.name} follow ${primName(part)}`;
-    const change = { type: "followPart", name: point.name, part: part || null, time: this.#time.value } as const;
-    return this.#onPoint(label, point, () => [change]);
+    return this.#onPoint(label, point, ({ name }, time) => [{ type: "followPart", name, part: part || null, time }]);
   }
 
   setColor(point: FocusPoint, color: PointColor): Promise<boolean> {
@@ -88,7 +111,7 @@ export class PointEdits {
 
   remove(point: FocusPoint): Promise<boolean> {
     if (this.#selected.value === point.name) this.#selected.value = null;
-    return this.#onPoint(`Remove ${point.name}`, point, () => [{ type: "removePoint", name: point.name }]);
+    return this.#onPoint(`Remove ${point.name}`, point, ({ name }) => [{ type: "removePoint", name }]);
   }
 
   /** Racks the focus from one point to another, from now on. */
@@ -102,22 +125,28 @@ export class PointEdits {
     return this.#onPoint(label, point, ({ name }, time) => [{ type: "alterPoint", name, values, time }]);
   }
 
-  /** Makes an edit of a point, unless an edit before it, such as an undo, removes the point. */
+  /** Makes an edit of a point, whatever edits before it call it, unless one of them, such as an undo, removes it. */
   #onPoint(
     label: string,
-    { name }: FocusPoint,
+    point: Named,
     changesOf: (now: FocusPoint, time: number) => Changes,
+    options: EditOptions = {},
   ): Promise<boolean> {
-    return this.#onPoints(label, (points, time) => {
-      const now = points.find((point) => point.name === name);
-      if (!now) throw new HintError(`There is no ${name} any more.`, "Select another point.");
+    const identity = point.identity ?? this.identityOf(point.name);
+    const edit = (points: readonly FocusPoint[], time: number): Changes => {
+      const now = points.find(({ name }) => this.identityOf(name) === identity);
+      if (!now) throw new HintError(`There is no ${point.name} any more.`, "Select another point.");
       return changesOf(now, time);
-    });
+    };
+    return this.#onPoints(label, edit, options);
   }
 
   /** Makes an edit of the points as the edits before it leave them. */
-  #onPoints(label: string, changesOf: (points: readonly FocusPoint[], time: number) => Changes): Promise<boolean> {
-    const time = this.#time.value;
-    return this.#document.edit(label, async () => changesOf(await this.#document.pointsAt(time), time));
+  #onPoints(
+    label: string,
+    changesOf: (points: readonly FocusPoint[], time: number) => Changes,
+    { time = this.#time.value, unsaved }: EditOptions = {},
+  ): Promise<boolean> {
+    return this.#document.edit(label, async () => changesOf(await this.#document.pointsAt(time), time), unsaved);
   }
 }

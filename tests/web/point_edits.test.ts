@@ -1,0 +1,87 @@
+import { turn } from "./fake_service";
+import { opened } from "./pointed_session";
+import { point } from "./points";
+
+beforeEach(() => {
+  vi.stubGlobal("cancelAnimationFrame", () => undefined);
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+describe("a name", () => {
+  it("that is typed becomes one that none has, and stays selected", async () => {
+    const { fake, session } = await opened();
+    await session.pointEdits.rename(point("far"), " near ");
+    await session.pointEdits.rename(point("near"), "near");
+    expect(fake.made).toEqual([[{ type: "renamePoint", name: "far", newName: "near_2" }]]);
+    expect(session.selected.value).toBe("near_2");
+  });
+
+  it("that changes while a place is picked for the point lets the move go on", async () => {
+    const { fake, session, failed } = await opened();
+    let answer = (): void => undefined;
+    fake.pickGate = () => new Promise((resolve) => (answer = resolve));
+    const move = session.picks.move("far", [0.5, 0.5]);
+    await turn();
+    const rename = session.pointEdits.rename(point("far"), "mara");
+    fake.points = [point("near"), point("mara")];
+    await rename;
+    session.document.pointsByTime.forget(null);
+    answer();
+    await move;
+    expect(fake.made[1]).toMatchObject([{ type: "movePoint", name: "mara" }]);
+    expect(failed).toEqual([]);
+  });
+});
+
+describe("a subject", () => {
+  it("follows a part from now on, or its surface again, in one edit", async () => {
+    const { fake, session } = await opened();
+    session.playhead.goTo(40);
+    await session.pointEdits.follow(point("far"), "/World");
+    await session.pointEdits.follow({ ...point("far"), part: "/World" }, "");
+    const change = { type: "followPart", name: "far", time: 40 };
+    expect(fake.made).toEqual([[{ ...change, part: "/World" }], [{ ...change, part: null }]]);
+  });
+});
+
+describe("colours and groups of points", () => {
+  it("are edits of one point each", async () => {
+    const { fake, session } = await opened();
+    const time = session.playhead.time.value;
+    await session.pointEdits.setColor(point("far"), "teal");
+    await session.pointEdits.setGroup(point("far"), " cast ");
+    const made = [{ color: "teal" }, { group: "cast" }].map((values) => [
+      { type: "alterPoint", name: "far", values, time },
+    ]);
+    expect(fake.made).toEqual(made);
+    expect(await session.pointEdits.setGroup({ ...point("far"), group: "cast" }, "cast")).toBe(false);
+    expect(fake.made).toHaveLength(2);
+  });
+
+  it("are not edited where the point is gone by then", async () => {
+    const { fake, session, failed } = await opened();
+    expect(await session.pointEdits.setColor(point("gone"), "teal")).toBe(false);
+    expect(await session.pointEdits.rename(point("gone"), "new")).toBe(false);
+    expect([fake.made, failed.length]).toEqual([[], 2]);
+  });
+
+  it("switch the points of a group that are not so yet, in one edit", async () => {
+    const { fake, session } = await opened();
+    const [off, on] = [point("off", {}, { enabled: false }), point("on")];
+    fake.points = [off, on].map((each) => ({ ...each, group: "cast" })).concat(point("other", {}, { enabled: false }));
+    session.document.pointsByTime.forget(null);
+    await session.pointEdits.setGroupEnabled("cast", true);
+    expect(fake.made.map((changes) => changes.map((change) => "name" in change && change.name))).toEqual([["off"]]);
+  });
+
+  it("fold a group, and unfold it", async () => {
+    const { session } = await opened();
+    session.foldGroup("a, b", true);
+    expect([...session.foldedGroups.value]).toEqual(["a, b"]);
+    session.foldGroup("a, b", false);
+    expect(session.foldedGroups.value.size).toBe(0);
+  });
+});

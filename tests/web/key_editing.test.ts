@@ -295,3 +295,22 @@ it("keys are stretched to a length and turned round, each in one edit", async ()
   await session.document.idle();
   expect(fake.made).toHaveLength(2);
 });
+
+it("keys are stretched to a playhead after the first of them, and their values are spread", async () => {
+  const { fake, session } = await opened();
+  session.keys.select([stackAt(session, 10), stackAt(session, 20)]);
+  expect(session.keys.noStretch).toContain("not after");
+  session.playhead.goTo(30);
+  expect(session.keys.noStretch).toBeNull();
+  session.keys.stretchToPlayhead();
+  await session.document.idle();
+  expect(fake.made[0]?.slice(1)).toMatchObject([{ key: { time: 30 } }]);
+  nowAt(fake, 1, 10, 20);
+  await session.document.edit("other", [{ type: "setFocus", values: { lagS: 1 } }]);
+  await turn();
+  fake.made.length = 0;
+  session.keys.select([stackAt(session, 1), stackAt(session, 10)]);
+  session.keys.respan(0.25, 0.5);
+  await session.document.idle();
+  expect(fake.made[0]).toMatchObject([{ key: { value: 0.5 } }, { key: { value: 0.5 } }]);
+});

@@ -83,3 +83,14 @@ it("several keys stay in the shot together", async () => {
   await session.keys.drag(stackAt(session, 10)).commit({ by: 90, reach: null });
   expect(fake.made[0]?.slice(3)).toMatchObject([{ key: { time: 77 } }, { key: { time: 86 } }, { key: { time: 96 } }]);
 });
+
+it("a drag of a key that an edit under way has removed sets it where it goes", async () => {
+  const { fake, session, failed } = await opened();
+  session.keys.select([stackAt(session, 10)]);
+  const other = session.document.edit("other", [{ type: "setFocus", values: { lagS: 1 } }]);
+  const drag = session.keys.drag(stackAt(session, 10)).commit({ by: 4, reach: null });
+  nowAt(fake, 1, 20);
+  await Promise.all([other, drag]);
+  expect(fake.made[1]).toMatchObject([{ type: "keyPoint", key: { time: 14 } }]);
+  expect(failed).toEqual([]);
+});

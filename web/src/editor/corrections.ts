@@ -5,10 +5,8 @@ import type { Changes } from "../model/changes";
 import { correct, isDense, recorrect, type Correction } from "../model/correction";
 import type { KeyOwner } from "../model/key_lanes";
 import type { Key } from "../model/keys";
+import type { ReadKeys } from "./current_keys";
 import type { Drag, ShotDocument } from "./document";
-
-/** Reads the keys of a setting or attribute as the service has them now. */
-export type ReadKeys = (owner: KeyOwner) => Promise<readonly Key[]>;
 
 /** A curve, and where a value of it is set. */
 export interface CurvePlace {

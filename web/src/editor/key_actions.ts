@@ -66,6 +66,24 @@ const MIRROR: KeyAction = {
   },
 };
 
+const STRETCH: KeyAction = {
+  label: "Stretch to the playhead",
+  keys: ["Shift T"],
+  refusal: (keys) => mayEditSome(keys) ?? keys.noStretch,
+  act: (keys) => {
+    keys.stretchToPlayhead();
+  },
+};
+const SIMPLIFY: KeyAction = {
+  label: "Simplify the curve",
+  keys: ["Shift U"],
+  refusal: (keys) =>
+    mayEditSome(keys) ?? (keys.whole.value ? null : "Select all keys of one curve that has several: Ctrl A."),
+  act: (keys) => {
+    if (keys.whole.value) void keys.simplify(keys.whole.value);
+  },
+};
+
 const SHAPE_ACTIONS = Object.entries(SHAPES).map(([shape, label], at): KeyAction => ({
   label,
   keys: [`${at + 1}`],
@@ -76,4 +94,13 @@ const SHAPE_ACTIONS = Object.entries(SHAPES).map(([shape, label], at): KeyAction
 }));
 
 /** In the order of the menu. */
-export const KEY_ACTIONS: readonly KeyAction[] = [COPY, PASTE, MIRROR, SELECT_LANES, ...SHAPE_ACTIONS, REMOVE];
+export const KEY_ACTIONS: readonly KeyAction[] = [
+  COPY,
+  PASTE,
+  MIRROR,
+  STRETCH,
+  SIMPLIFY,
+  SELECT_LANES,
+  ...SHAPE_ACTIONS,
+  REMOVE,
+];

@@ -11,6 +11,7 @@ import {
   movedStack,
   pasteKeys,
   labelOf,
+  firstTime,
   lengthOf,
   keepMode,
   laneOf,
@@ -22,6 +23,7 @@ import {
   stackId,
   stretched,
   valued,
+  wholeSetting,
   type KeyOwner,
   type KeyShape,
   type KeyStack,
@@ -32,9 +34,12 @@ import type { FocusMode } from "../model/shot";
 import { formatFrame } from "../model/time";
 import { insertion } from "../model/spline";
 import { curvesOf } from "../model/value_curves";
+import { respanned } from "../model/value_scale";
 import { HintError } from "../net/errors";
+import { withoutGone, type ReadKeys } from "./current_keys";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
+import { idsOf, named, type KeyDrag, type KeyShift } from "./key_drag";
 import type { CameraPhotography } from "./photography";
 import type { Playhead } from "./playhead";
 
@@ -45,24 +50,6 @@ interface KeyedParts {
   readonly document: ShotDocument;
   readonly photography: CameraPhotography;
   readonly playhead: Playhead;
-}
-
-/** How far a pointer or a key has moved stacks. */
-export interface KeyShift {
-  /** Time codes. */
-  readonly by: number;
-  /** How near something must be to be snapped to, time codes; null does not snap, not even to frames. */
-  readonly reach: number | null;
-  /** What else becomes of each of their keys: another value, or other handles. */
-  readonly reshape?: (owned: OwnedKey) => OwnedKey;
-}
-
-/** A drag of the selected stacks: it is seen in the picture, and its end is an edit. */
-export interface KeyDrag {
-  move(shift: KeyShift): void;
-  /** Resolves to the time of the stack that was grabbed, once the service has it there; to null where it has not. */
-  commit(shift: KeyShift): Promise<number | null>;
-  cancel(): void;
 }
 
 /** The selected stacks as the edits under way leave them. */
@@ -80,12 +67,12 @@ export class KeyEditing {
   /** By their ids, the stacks that are dragged, until the service has them so. */
   readonly #shown = signal<ReadonlyMap<string, KeyStack>>(ALL_AS_SAVED);
   readonly #parts: KeyedParts;
+  readonly #read: ReadKeys;
   readonly #fail: Fail;
   #pending: Pending | null = null;
 
-  constructor(parts: KeyedParts, fail: Fail) {
-    this.#parts = parts;
-    this.#fail = fail;
+  constructor(parts: KeyedParts, read: ReadKeys, fail: Fail) {
+    [this.#parts, this.#read, this.#fail] = [parts, read, fail];
     effect(() => {
       // An undo takes back what edits under way have made.
       if (parts.document.walks.value > 0) this.#forgetPending();
@@ -125,6 +112,18 @@ export class KeyEditing {
     const selected = this.selected.value;
     return this.lanes.value.flatMap(({ stacks }) => stacks).filter(({ id }) => selected.has(id));
   });
+
+  /** The setting all of whose keys are selected, where they can be made fewer; null for none. */
+  readonly whole = computed(() => wholeSetting(this.selectedStacks.value, this.lanes.value));
+
+  /** Reason why the selected keys cannot be stretched to the playhead; null where they can. */
+  get noStretch(): string | null {
+    const times = this.selectedStacks.value.map(({ time }) => time);
+    if (new Set(times).size < 2) return "All selected keys are at one time.";
+    return this.#parts.playhead.time.value > Math.min(...times)
+      ? null
+      : "The playhead is not after the first selected key.";
+  }
 
   /** Reason why keys may not be edited; null where they may. */
   get noEdits(): string | null {
@@ -219,11 +218,10 @@ export class KeyEditing {
 
   /** Moves the selected stacks together, so that the first one comes to a time of the shot. */
   moveTo(time: number): void {
-    const base = this.#base();
-    const first = Math.min(...base.stacks.map((stack) => stack.time));
-    const by = holdAll(this.#parts.playhead.range, base.stacks, time - first);
-    const after = by === 0 ? base.stacks : base.stacks.map((stack) => movedStack(stack, by));
-    void this.#apply(`Move ${named(base.stacks)}`, base, after);
+    this.#change("Move", (stacks) => {
+      const by = holdAll(this.#parts.playhead.range, stacks, time - firstTime(stacks));
+      return by === 0 ? stacks : stacks.map((stack) => movedStack(stack, by));
+    });
   }
 
   /** Adds a key to a curve, which stays as it is, and selects it. */
@@ -254,15 +252,22 @@ export class KeyEditing {
 
   /** Turns the selected keys round in time. */
   mirror(): void {
-    const base = this.#base();
-    void this.#apply(`Mirror ${named(base.stacks)}`, base, mirrored(base.stacks));
+    this.#change("Mirror", mirrored);
   }
 
   /** Stretches the selected keys from the first one on, until the last is so many frames after it. */
   stretchTo(frames: number): void {
-    const base = this.#base();
-    const factor = frames / lengthOf(base.stacks);
-    void this.#apply(`Stretch ${named(base.stacks)}`, base, stretched(base.stacks, factor));
+    this.#change("Stretch", (stacks) => stretched(stacks, frames / lengthOf(stacks)));
+  }
+
+  /** Stretches the selected keys from the first one on, so that the last comes to the playhead. */
+  stretchToPlayhead(): void {
+    this.stretchTo(this.#parts.playhead.time.peek() - firstTime(this.#base().stacks));
+  }
+
+  /** Spreads the values of the selected keys, which are all of one curve, from a lowest to a highest one. */
+  respan(least: number, most: number): void {
+    this.#change("Scale", (stacks) => respanned(stacks, least, most));
   }
 
   /** Replaces all keys of a setting by few, which are selected then. */
@@ -292,16 +297,18 @@ export class KeyEditing {
   }
 
   shape(shape: KeyShape): void {
-    const base = this.#base();
-    const after = mapKeys(base.stacks, (owned) => shaped(owned, shape));
-    void this.#apply(`Shape ${named(base.stacks)}`, base, after);
+    this.#change("Shape", (stacks) => mapKeys(stacks, (owned) => shaped(owned, shape)));
   }
 
   /** Sets the value of the only selected key. */
   setValue(value: number): void {
+    this.#change("Set the value of", (stacks) => mapKeys(stacks, (owned) => valued(owned, value)));
+  }
+
+  /** Changes the selected stacks. */
+  #change(what: string, change: (stacks: readonly KeyStack[]) => readonly KeyStack[]): void {
     const base = this.#base();
-    const after = mapKeys(base.stacks, (owned) => valued(owned, value));
-    void this.#apply("Value of a key", base, after);
+    void this.#apply(`${what} ${named(base.stacks)}`, base, change(base.stacks));
   }
 
   get #mode(): FocusMode {
@@ -342,12 +349,13 @@ export class KeyEditing {
 
   /** Edits stacks, which stay selected as they are afterwards. */
   async #apply(label: string, base: Pending, after: readonly KeyStack[]): Promise<boolean> {
+    const isKnown = this.#pending === base; // keys that the edit before it makes
     this.#show(base, after);
     const pending: Pending = { of: this.#idsNow(base), stacks: after };
     const before = pending.of.flatMap((ids) => [...ids]);
     this.#pending = pending;
     this.selected.value = new Set([...before, ...idsOf(after)]); // those that the service will have, too
-    const isMade = await this.#edit(label, replaceStacks(base.stacks, after, this.#mode));
+    const isMade = await this.#edit(label, replaceStacks(base.stacks, after, this.#mode), isKnown);
     if (this.#isUnderWay(isMade ? pending : null)) {
       batch(() => {
         this.#forgetPending();
@@ -357,9 +365,13 @@ export class KeyEditing {
     return isMade;
   }
 
-  /** Makes an edit that the picture shows at once; resolves to whether it was made. */
-  async #edit(label: string, changes: Changes): Promise<boolean> {
-    const { document, playhead } = this.#parts;
+  /**
+   * Makes an edit that the picture shows at once; resolves to whether it was made.
+   *
+   * @param isKnown whether the keys are what they will be once the edits before it are made.
+   */
+  async #edit(label: string, changes: Changes, isKnown = false): Promise<boolean> {
+    const { document, playhead, photography } = this.#parts;
     if (changes.length > MOST_CHANGES) {
       document.endPreview();
       const advice = `An edit takes some ${Math.floor((MOST_CHANGES - 1) / 2).toString()} keys: select fewer of them.`;
@@ -368,20 +380,12 @@ export class KeyEditing {
     }
     playhead.pause();
     document.unsaved.value = changes;
-    const edited = document.edit(label, changes, changes);
+    // What was read may change by edits under way.
+    const isRead = isKnown || (document.pending.peek() === 0 && document.fresh.peek() && photography.fresh.peek());
+    const edited = document.edit(label, isRead ? changes : () => withoutGone(changes, this.#read), changes);
     document.dragging.value = false;
     const isMade = await edited;
     if (!isMade && document.unsaved.value === changes) document.endPreview();
     return isMade;
   }
-}
-
-function named(stacks: readonly KeyStack[]): string {
-  const [only] = stacks;
-  if (only && stacks.length === 1) return `the key at ${formatFrame(only.time)}`;
-  return `${stacks.length.toString()} keys`;
-}
-
-function idsOf(stacks: readonly KeyStack[]): string[] {
-  return stacks.map(({ id }) => id);
 }

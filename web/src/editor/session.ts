@@ -30,6 +30,7 @@ import {
 } from "../model/shot";
 import { sameTime } from "../model/time";
 import type { Service } from "../net/service";
+import { readKeys, type ReadKeys } from "./current_keys";
 import { ShotDocument, type Drag } from "./document";
 import { CacheFiller } from "./cache_filler";
 import { Downloads } from "./downloads";
@@ -46,7 +47,7 @@ import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 import { PointEdits } from "./point_edits";
 import { Pulls, usualPull, type PullChoice } from "./pulls";
-import { readKeys, readSetting } from "./setting_state";
+import { readSetting } from "./setting_state";
 import { followWaits } from "./session_waits";
 import { TimeView } from "./time_view";
 import { Waits } from "./waits";
@@ -120,9 +121,8 @@ export class Session {
     this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail, noEdits);
     this.cache = new FrameCache(service, this.document, this.playhead.time);
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek(), this.cache);
-    this.corrections = new Corrections(this.document, (owner) =>
-      readKeys(service, this.document, owner, this.playhead.time.peek()),
-    );
+    const readNow: ReadKeys = (owner) => readKeys(service, this.document, owner, this.playhead.time.peek());
+    this.corrections = new Corrections(this.document, readNow);
     this.photography = new CameraPhotography(
       service,
       this.document,
@@ -133,7 +133,7 @@ export class Session {
     this.pulls = new Pulls(this.document, this.playhead.time, pullChoice);
     this.pointEdits = new PointEdits(this.document, this.playhead.time, this.selected);
     this.picks = new Picks(service, this, fail);
-    this.keys = new KeyEditing(this, fail);
+    this.keys = new KeyEditing(this, readNow, fail);
     this.playhead.watch(this.pictures.displayed);
     this.filler = new CacheFiller(service, this, fail);
     this.mounting = new Mounting(this.document);

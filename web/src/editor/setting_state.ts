@@ -1,12 +1,9 @@
-/** A setting of the camera at one time, as its key is made of it, and keys as the service has them. */
+/** A setting of the camera at one time, as its key is made of it. */
 
-import type { KeyOwner } from "../model/key_lanes";
-import type { Key, Keyed, KeyedSetting } from "../model/keys";
+import type { Keyed, KeyedSetting } from "../model/keys";
 import { EXPOSURE_DEFAULTS, FILM_DEFAULTS } from "../model/settings.gen";
-import { keysOf } from "../model/shot";
 import type { Service } from "../net/service";
 import type { View } from "../net/view";
-import type { ShotDocument } from "./document";
 
 export interface SettingState {
   /** A switch is 0 or 1. */
@@ -33,19 +30,4 @@ export async function readSetting(
 
 function stateIn(values: { readonly keys: Keyed }, setting: KeyedSetting): SettingState {
   return { value: Number((values as Readonly<Record<string, unknown>>)[setting]), keys: values.keys };
-}
-
-/** Reads the keys of a setting, or of an attribute of a focus point. */
-export async function readKeys(
-  service: Service,
-  document: ShotDocument,
-  owner: KeyOwner,
-  time: number,
-): Promise<readonly Key[]> {
-  if ("setting" in owner) {
-    const { keys } = await readSetting(service, document.view, owner.setting, time);
-    return keys[owner.setting] ?? [];
-  }
-  const point = (await document.pointsAt(time)).find(({ name }) => name === owner.point);
-  return point ? keysOf(point, owner.attribute) : [];
 }

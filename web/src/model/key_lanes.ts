@@ -232,6 +232,11 @@ function retimed(stack: KeyStack, time: number, turn: (tangents: Tangents) => Ta
   return { id: stackId(stack.lane, at), lane: stack.lane, time: at, keys };
 }
 
+/** Time of the first of stacks. */
+export function firstTime(stacks: readonly KeyStack[]): number {
+  return Math.min(...stacks.map(({ time }) => time));
+}
+
 /** Time from the first of stacks to the last, time codes; 0 for none. */
 export function lengthOf(stacks: readonly KeyStack[]): number {
   const times = stacks.map(({ time }) => time);
@@ -343,4 +348,17 @@ export function shapeOfAll(stacks: readonly KeyStack[]): KeyShape | null {
   );
   const [only = null] = found;
   return found.size === 1 ? only : null;
+}
+
+/** Keys of a setting from which on they can be made fewer. */
+const MANY = 3;
+
+/** The setting that stacks are all keys of; null where they are few, not all of one, or a switch's. */
+export function wholeSetting(stacks: readonly KeyStack[], lanes: readonly KeyLane[]): KeyedSetting | null {
+  const owned = stacks.flatMap(({ keys }) => keys);
+  const [first] = owned;
+  if (owned.length < MANY || !first || !("setting" in first.owner) || isSwitch(first.owner)) return null;
+  const { owner } = first;
+  const isAll = lanes.find(({ id }) => id === laneOf(owner))?.stacks.length === owned.length;
+  return isAll && owned.every((key) => isSameOwner(key.owner, owner)) ? owner.setting : null;
 }

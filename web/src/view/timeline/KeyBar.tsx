@@ -4,22 +4,19 @@ import type { JSX } from "preact";
 import { SHAPES } from "../../editor/key_actions";
 import type { Session } from "../../editor/session";
 import {
-  isSameOwner,
   isSwitch,
   labelOf,
-  laneOf,
   lengthOf,
   mayBe,
   shapeOfAll,
-  type KeyLane,
   type KeyOwner,
   type KeyShape,
   type OwnedKey,
 } from "../../model/key_lanes";
 import { FAR_AWAY_M } from "../../model/changes";
 import { parseDistance, type LengthUnit } from "../../model/distance";
-import type { KeyedSetting } from "../../model/keys";
 import { formatFrame } from "../../model/time";
+import { valueSpanOf, type ValueSpan } from "../../model/value_scale";
 import { Edits } from "../controls/Edits";
 import { TypedNumber } from "../controls/TypedNumber";
 import { parseQuantity, trim } from "../numbers";
@@ -34,7 +31,8 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
   const [only] = owned;
   const length = lengthOf(stacks);
   const simplified = session.document.simplified.value;
-  const setting = manyOf(owned, keys.lanes.value);
+  const setting = keys.whole.value;
+  const span = valueSpanOf(stacks);
   return (
     <div class="key-bar" role="group" aria-label="Selected keys">
       <Edits session={session}>
@@ -68,6 +66,7 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
           />
         )}
         {owned.length === 1 && only && !isSwitch(only.owner) && <Value session={session} owned={only} unit={unit} />}
+        {span && <Span session={session} span={span} unit={unit} />}
         {!owned.every(({ owner }) => isSwitch(owner)) && <ShapeChoice session={session} shape={shapeOfAll(stacks)} />}
         {setting && <Simplify session={session} setting={setting} />}
         {simplified && owned.every(({ owner }) => "setting" in owner && owner.setting === simplified.setting) && (
@@ -87,6 +86,44 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
         </button>
       </Edits>
     </div>
+  );
+}
+
+/** The lowest and the highest value of several keys: another one spreads the values between both. */
+function Span({
+  session: { keys },
+  span: { owner, least, most },
+  unit,
+}: {
+  session: Session;
+  span: ValueSpan;
+  unit: LengthUnit;
+}): JSX.Element {
+  const typed = {
+    format: (value: number) => formatValue(owner, value, unit),
+    parse: (text: string) => parseValue(owner, text, unit),
+    example: formatValue(owner, isDistance(owner) ? 3 : most, unit),
+  };
+  return (
+    <>
+      <TypedNumber
+        {...typed}
+        label="Lowest value of the keys"
+        value={least}
+        onTyped={(value) => {
+          keys.respan(value, Math.max(value, most));
+        }}
+      />
+      –
+      <TypedNumber
+        {...typed}
+        label="Highest value of the keys"
+        value={most}
+        onTyped={(value) => {
+          keys.respan(Math.min(value, least), value);
+        }}
+      />
+    </>
   );
 }
 
@@ -113,18 +150,6 @@ function ShapeChoice({ session, shape }: { session: Session; shape: KeyShape | n
 
 function positive(value: number | null): number | null {
   return value !== null && value > 0 ? value : null;
-}
-
-/** Keys of a setting from which on they can be made fewer. */
-const MANY = 3;
-
-/** The setting that these are all keys of; null where they are few, not all of one, or a switch's. */
-function manyOf(keys: readonly OwnedKey[], lanes: readonly KeyLane[]): KeyedSetting | null {
-  const [first] = keys;
-  if (keys.length < MANY || !first || !("setting" in first.owner) || isSwitch(first.owner)) return null;
-  const { owner } = first;
-  const isAll = lanes.find(({ id }) => id === laneOf(owner))?.stacks.length === keys.length;
-  return isAll && keys.every((key) => isSameOwner(key.owner, owner)) ? owner.setting : null;
 }
 
 /** A value that is typed; null for what is none, or may not be. */

@@ -2,7 +2,7 @@
 
 import type { JSX, RefObject } from "preact";
 import { useRef } from "preact/hooks";
-import type { KeyShift } from "../../editor/key_editing";
+import type { KeyShift } from "../../editor/key_drag";
 import type { Session } from "../../editor/session";
 import { FAR_AWAY_M } from "../../model/changes";
 import { sampleAt } from "../../model/curve";

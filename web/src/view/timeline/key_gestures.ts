@@ -1,7 +1,7 @@
 /** Gestures on a key that is shown somewhere: drags by a pointer, and moves by the arrow keys for as long as one is down. */
 
 import { useEffect, useRef } from "preact/hooks";
-import type { KeyDrag, KeyShift } from "../../editor/key_editing";
+import type { KeyDrag, KeyShift } from "../../editor/key_drag";
 import type { Session } from "../../editor/session";
 import type { KeyStack } from "../../model/key_lanes";
 import { followPointer } from "../hooks";

@@ -12,7 +12,7 @@ import httpx
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import Locator, Page, expect
 from scipy.ndimage import gaussian_laplace
 
 NEAR, FAR = "pip", "mara"  # the demo's two subjects, and the names of the focus points on them
@@ -106,3 +106,19 @@ def metres(text: str) -> float:
 def readout_m(page: Page, name: str) -> float:
     """Return a distance of the depth-of-field readout, in metres."""
     return metres(page.locator(f"[data-reading={name}]").inner_text())
+
+
+def choose_file(page: Page, file: Path, button: str) -> None:
+    """Press a button that asks for a file, and choose one."""
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name=button).click()
+    chooser.value.set_files(file)
+
+
+def tab_to(page: Page, place: Locator) -> None:
+    """Go to an element by the Tab key."""
+    for _ in range(80):
+        if place.evaluate("place => place === document.activeElement"):
+            break
+        page.keyboard.press("Tab")
+    expect(place).to_be_focused()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.e2e.editor import revision_of, shown_picture, wait_edited, wait_settled
+from tests.e2e.editor import choose_file, revision_of, shown_picture, wait_edited, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
@@ -111,7 +111,7 @@ def test_a_curve_of_another_tool_is_imported(page: Page, tmp_path: Path) -> None
     file = tmp_path / "pulled.csv"
     file.write_text("frame,focus_distance_m\n" + "".join(f"{frame},{2 + frame / 32}\n" for frame in range(1, 97)))
     revision = revision_of(page)
-    page.get_by_label("Focus curve file").set_input_files(file)
+    choose_file(page, file, "Import…")
     revision = wait_edited(page, revision)
     expect(page.get_by_role("radio", name="By hand")).to_be_checked()
     expect(page.get_by_role("textbox", name="Focus distance")).to_have_value("2.03 m")

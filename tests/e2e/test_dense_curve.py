@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.e2e.editor import revision_of, scrub_to, wait_edited, wait_settled
+from tests.e2e.editor import choose_file, revision_of, scrub_to, tab_to, wait_edited, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
@@ -26,15 +26,20 @@ def rack_m(time: float) -> float:
 
 
 @pytest.fixture
-def imported(page: Page, service: str, tmp_path: Path) -> int:
-    """The revision after the import of a curve with a distance for each frame."""
+def recorded(tmp_path: Path) -> Path:
+    """A file of a curve with a distance for each frame."""
     rows = "".join(f"{frame},{rack_m(frame):.6f}\n" for frame in FRAMES)
-    (tmp_path / "recorded.csv").write_text(f"frame,focus_distance_m\n{rows}")
+    file = tmp_path / "recorded.csv"
+    file.write_text(f"frame,focus_distance_m\n{rows}")
+    return file
+
+
+@pytest.fixture
+def imported(page: Page, service: str, recorded: Path) -> int:
+    """The revision after the import of the curve."""
     wait_settled(page)
     revision = revision_of(page)
-    with page.expect_file_chooser() as chooser:
-        page.get_by_role("button", name="Import…").click()
-    chooser.value.set_files(tmp_path / "recorded.csv")
+    choose_file(page, recorded, "Import…")
     revision = wait_edited(page, revision)
     expect(page.get_by_role("button", name="Focus distance", exact=True)).to_be_visible()
     return revision
@@ -74,17 +79,34 @@ def test_a_dense_curve_is_simplified_and_corrected(page: Page, service: str, imp
     undo_all(page)
 
 
-def test_the_keyboard_alone_simplifies_a_curve(page: Page, service: str, imported: int) -> None:
-    page.get_by_role("button", name="Focus distance", exact=True).focus()
+def test_the_keyboard_alone_imports_simplifies_and_corrects(page: Page, service: str, recorded: Path) -> None:
+    wait_settled(page)
+    revision = revision_of(page)
+    with page.expect_file_chooser() as chooser:
+        page.keyboard.press("Alt+i")
+    chooser.value.set_files(recorded)
+    revision = wait_edited(page, revision)
+    tab_to(page, page.get_by_role("button", name="Focus distance", exact=True))
     page.keyboard.press("Enter")
-    page.get_by_role("textbox", name="Tolerance of the curve").focus()
-    page.keyboard.type("0.5")
+    page.keyboard.press("Shift+U")
+    revision = wait_edited(page, revision)
+    few = keys(service)
+    assert 2 <= len(few) <= 8
+    assert np.abs(distances_m(service) / np.array([rack_m(time) for time in FRAMES]) - 1).max() <= 0.02
+
+    page.keyboard.press("Control+z")
+    revision = wait_edited(page, revision)
+    page.keyboard.press("Escape")
+    for _ in range(2):
+        page.keyboard.press("Shift+ArrowRight")
+    wait_settled(page, time=21)
+    tab_to(page, page.get_by_role("textbox", name="Focus distance", exact=True))
+    page.keyboard.type("3 m")
     page.keyboard.press("Enter")
-    page.get_by_role("button", name="Simplify").focus()
-    page.keyboard.press("Enter")
-    wait_edited(page, imported)
-    assert np.abs(distances_m(service) / np.array([rack_m(time) for time in FRAMES]) - 1).max() <= 0.005
-    assert len(keys(service)) < 60
+    wait_edited(page, revision)
+    bent = distances_m(service)
+    assert bent[20] == pytest.approx(3, abs=1e-4)
+    assert changed(bent) == (10, 32)
     undo_all(page)
 
 

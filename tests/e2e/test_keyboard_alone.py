@@ -6,7 +6,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.e2e.editor import FAR, NEAR, focus_points, revision_of, wait_edited, wait_settled
+from tests.e2e.editor import FAR, NEAR, focus_points, revision_of, tab_to, wait_edited, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
@@ -16,12 +16,7 @@ RACK = 60
 
 def aim(page: Page, at: tuple[float, float]) -> None:
     """Move the crosshair to a point of the picture, 0 to 1 from its top left corner, by the arrow keys."""
-    place = page.locator(".aim")
-    for _ in range(80):
-        if place.evaluate("place => place === document.activeElement"):
-            break
-        page.keyboard.press("Tab")
-    expect(place).to_be_focused()
+    tab_to(page, page.locator(".aim"))
     cross = page.locator(".cross")
     for edge, target, less, more in (
         ("left", at[0], "ArrowLeft", "ArrowRight"),

@@ -5,6 +5,7 @@ import { TOOLS, type Tool } from "../../editor/picks";
 import { REACHES, type Reach } from "../../model/pull";
 import { softest } from "../../model/sharpness";
 import { FOCUS_MODES, inFrame, POINT_COLORS, type FocusMode, type FocusPoint } from "../../model/shot";
+import { importCurve, mountLensFile } from "../file_choices";
 import { onShot, type Command, type SessionCommand } from "./command";
 
 const NO_POINT = "No focus point is selected.";
@@ -155,6 +156,11 @@ const POINTS: readonly SessionCommand[] = [
   }),
 ];
 
-export const FOCUS_COMMANDS: readonly Command[] = [...CLICKS, ...SELECTING, ...POINTS, ...MODES].map((command) =>
-  onShot("Focus", command),
+const FILES: readonly SessionCommand[] = [
+  { name: "Import a focus curve…", keys: ["Alt I"], refusal: mayEdit, act: importCurve },
+  { name: "Mount a lens from a file…", keys: ["Alt L"], refusal: mayEdit, act: mountLensFile },
+];
+
+export const FOCUS_COMMANDS: readonly Command[] = [...CLICKS, ...SELECTING, ...POINTS, ...MODES, ...FILES].map(
+  (command) => onShot("Focus", command),
 );

@@ -1,11 +1,11 @@
 /** Focus mode, its settings, and the reason of the present focus. */
 
 import type { JSX } from "preact";
-import { useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { FOCUS_MODES, type FocusMode } from "../../model/shot";
 import { useChosen } from "../controls/chosen";
+import { importCurve } from "../file_choices";
 import { ModeSettings } from "./FocusSettings";
 import { Misses } from "./PointVerdict";
 import { Section } from "./Section";
@@ -49,30 +49,17 @@ export function FocusPanel({ editor, session }: { editor: Editor; session: Sessi
 
 /** A focus curve of another tool, from a file. */
 function CurveImport({ session }: { session: Session }): JSX.Element {
-  const file = useRef<HTMLInputElement>(null);
   return (
-    <>
-      <button
-        type="button"
-        class="button small"
-        title="Give the camera the focus curve of a file: .csv, .json, OpenTrackIO or .otio; it is focused by hand then"
-        onClick={() => file.current?.click()}
-      >
-        Import…
-      </button>
-      <input
-        ref={file}
-        type="file"
-        hidden
-        aria-label="Focus curve file"
-        accept=".csv,.json,.otio"
-        onChange={({ currentTarget }) => {
-          const chosen = currentTarget.files?.[0];
-          if (chosen) session.mounting.curve(chosen);
-          currentTarget.value = "";
-        }}
-      />
-    </>
+    <button
+      type="button"
+      class="button small"
+      title="Give the camera the focus curve of a file: .csv, .json, OpenTrackIO or .otio; it is focused by hand then (Alt I)"
+      onClick={() => {
+        importCurve(session);
+      }}
+    >
+      Import…
+    </button>
   );
 }
 

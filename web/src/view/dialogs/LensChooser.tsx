@@ -1,15 +1,18 @@
 /** Which lens is on the camera: one of the library, the thin lens, or one of a lens file. */
 
 import type { JSX } from "preact";
-import { useRef, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { grouped, mountedLens, type LensSummary, type MountedLens } from "../../model/lens";
 import type { Readout } from "../../model/shot";
 import { Edits } from "../controls/Edits";
+import { SearchedChoice, type Option } from "../controls/SearchedChoice";
+import { mountLensFile } from "../file_choices";
 
-const THIN = "";
-const OTHER = "*";
+/** Identity of no lens of the library. */
+const THIN = "thin lens";
+const THIN_TITLE = "Thin lens";
 
 interface LensChooserProps {
   readonly editor: Editor;
@@ -20,49 +23,27 @@ interface LensChooserProps {
 export function LensChooser({ editor, session, readout }: LensChooserProps): JSX.Element {
   const lenses = editor.lenses.value;
   const mounted = mountedLens(readout, lenses);
-  const file = useRef<HTMLInputElement>(null);
   return (
     <div class="lens-choice">
       <Edits session={session}>
-        <select
-          aria-label="Lens on the camera"
-          value={valueOf(mounted)}
-          onChange={(event) => {
-            session.mounting.lens(lenses.find(({ name }) => name === event.currentTarget.value) ?? null);
+        <SearchedChoice
+          label="Lens on the camera"
+          shown={titleOf(mounted)}
+          groups={[["", [{ id: THIN, name: THIN_TITLE }]], ...grouped(lenses).map(toOptions)]}
+          onChoose={(id) => {
+            session.mounting.lens(lenses.find(({ name }) => name === id) ?? null);
           }}
-        >
-          {mounted.kind === "other" && <option value={OTHER}>{mounted.title}</option>}
-          <option value={THIN}>Thin lens</option>
-          {grouped(lenses).map(([label, members]) => (
-            <optgroup key={label} label={label}>
-              {members.map(({ name, title }) => (
-                <option key={name} value={name}>
-                  {title}
-                </option>
-              ))}
-            </optgroup>
-          ))}
-        </select>
+        />
         <button
           type="button"
           class="button"
-          title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq, Optical Bench .txt or data sheet .lens"
-          onClick={() => file.current?.click()}
+          title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq, Optical Bench .txt or data sheet .lens (Alt L)"
+          onClick={() => {
+            mountLensFile(session);
+          }}
         >
           File…
         </button>
-        <input
-          ref={file}
-          type="file"
-          hidden
-          aria-label="Lens file"
-          accept=".dat,.zmx,.seq,.txt,.lens"
-          onChange={({ currentTarget }) => {
-            const chosen = currentTarget.files?.[0];
-            if (chosen) session.mounting.lensFile(chosen);
-            currentTarget.value = "";
-          }}
-        />
       </Edits>
       <p class="muted">{descriptionOf(mounted)}</p>
       {mounted.kind === "library" && (
@@ -95,9 +76,13 @@ function LensSection({ lens, onOpen }: { lens: LensSummary; onOpen: () => void }
   );
 }
 
-function valueOf(mounted: MountedLens): string {
-  if (mounted.kind === "library") return mounted.lens.name;
-  return mounted.kind === "thin" ? THIN : OTHER;
+function toOptions([heading, lenses]: ReturnType<typeof grouped>[number]): readonly [string, readonly Option[]] {
+  return [heading, lenses.map(({ name, title }) => ({ id: name, name: title }))];
+}
+
+function titleOf(mounted: MountedLens): string {
+  if (mounted.kind === "library") return mounted.lens.title;
+  return mounted.kind === "thin" ? THIN_TITLE : mounted.title;
 }
 
 function descriptionOf(mounted: MountedLens): string {

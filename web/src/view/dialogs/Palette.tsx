@@ -1,10 +1,10 @@
 /** The list of all commands, searched by what is typed. */
 
-import Combobox from "@github/combobox-nav";
 import type { JSX } from "preact";
-import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Place } from "../commands/command";
+import { useListbox } from "../controls/listbox";
 import { COMMANDS, found, placeOf, shownKeys } from "../commands/table";
 
 export function Palette({ editor }: { editor: Editor }): JSX.Element {
@@ -43,7 +43,7 @@ function Search({ place, close }: { place: Place; close: () => void }): JSX.Elem
   const input = useRef<HTMLInputElement>(null);
   const list = useRef<HTMLUListElement>(null);
   const commands = found(typed);
-  useCombobox(input, list, typed);
+  useListbox(input, list, typed, true);
   useEffect(() => {
     input.current?.focus();
   }, []);
@@ -95,24 +95,4 @@ function Search({ place, close }: { place: Place; close: () => void }): JSX.Elem
       </p>
     </>
   );
-}
-
-/** Walks the list by the arrow keys, and clicks by Enter what was come to; the first one that can be done stands ready. */
-function useCombobox(
-  input: { readonly current: HTMLInputElement | null },
-  list: { readonly current: HTMLUListElement | null },
-  typed: string,
-): void {
-  // At once, so that Enter finds what was typed just before.
-  useLayoutEffect(() => {
-    if (!input.current || !list.current) return;
-    const combobox = new Combobox(input.current, list.current, {
-      firstOptionSelectionMode: "selected",
-      tabInsertsSuggestions: false,
-    });
-    combobox.start();
-    return () => {
-      combobox.destroy();
-    };
-  }, [input, list, typed]);
 }

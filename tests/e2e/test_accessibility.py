@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
+from tests.e2e.axe import violations
 from tests.e2e.conftest import PATIENCE_MS
 from tests.e2e.editor import FAR, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
-AXE = Path(__file__).parents[2] / "web/node_modules/axe-core/axe.min.js"
-RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
-
-
 WIDE: ViewportSize = {"width": 1280, "height": 640}  # with room for the menus
-
-
-def violations(page: Page) -> list[str]:
-    """Violations that axe-core finds on a page: the rule and the elements of each violation."""
-    page.evaluate(AXE.read_text(encoding="utf-8"))
-    found = page.evaluate(
-        """(tags) => axe.run(document, { resultTypes: ["violations"], runOnly: { type: "tag", values: tags } })""",
-        RULES,
-    )
-    return [
-        f"{rule['id']}: {rule['help']}: {[node['html'] for node in rule['nodes'][:3]]}" for rule in found["violations"]
-    ]
 
 
 def test_axe_finds_nothing_in_any_state(page: Page) -> None:
@@ -54,6 +37,9 @@ def test_axe_finds_nothing_in_any_state(page: Page) -> None:
     page.locator(".graph").wait_for()
     wait_settled(page)
     assert violations(page) == []
+    page.get_by_role("combobox", name="Lens on the camera").click()
+    assert violations(page) == []
+    page.keyboard.press("Escape")
     for name in ("Playback", "Sharpness on the picture", "Download"):
         page.get_by_role("button", name=name).click()
         assert violations(page) == []

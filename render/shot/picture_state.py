@@ -96,5 +96,6 @@ def _text_of(layer: Sdf.Layer) -> str:
     for label in labels:
         prim = copy.GetPrimAtPath(label.GetPrimPath())
         prim.RemoveProperty(prim.properties[label.name])
+    copy.RemoveInertSceneDescription()
     text: str = copy.ExportToString()
     return text

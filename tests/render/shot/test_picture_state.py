@@ -140,9 +140,12 @@ def test_digests_are_of_what_values_hold() -> None:
 
 
 @pytest.mark.parametrize("metering", ["manual", "average"])
-def test_labels_of_points_change_no_picture(shot: Shot, metering: str) -> None:
-    shot.focus.add_point(CAMERA, "near", FocusPoint("near", target=(NEAR,)))
-    author(shot, CAMERA, "film:metering:mode", Sdf.ValueTypeNames.Token, metering)
+def test_labels_of_points_change_no_picture(tmp_path: Path, metering: str) -> None:
+    written = Shot.open(write_shot(tmp_path / "shot.usda"))
+    written.focus.add_point(CAMERA, "near", FocusPoint("near", target=(NEAR,)))
+    author(written, CAMERA, "film:metering:mode", Sdf.ValueTypeNames.Token, metering)
+    written.stage.Export(str(tmp_path / "flat.usda"))
+    shot = Shot.open(tmp_path / "flat.usda")  # whose edits have nothing of the camera yet
     for label in ("color", "group"):
         attribute = shot.stage.GetPrimAtPath(CAMERA).GetAttribute(f"focusPoint:near:{label}")
         assert changed(shot, lambda attribute=attribute: attribute.Set("teal")) == []

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { Session } from "@/editor/session";
-import type { Drag } from "@/editor/document";
+import type { Drag } from "@/editor/drag";
 import { setKey, type KeyOwner } from "@/model/key_lanes";
 import type { Key } from "@/model/keys";
 import type { FilmSettings } from "@/model/photography";

@@ -85,6 +85,8 @@ export class FakeService implements Partial<Service> {
   readonly gestures: string[] = [];
   /** Keys of the camera's focus settings. */
   keyed: Keyed = {};
+  /** Called with the changes of each edit that is made. */
+  onMade: (changes: Changes) => void = () => undefined;
   /** Called for each edit, before it is made; a test may hold it up. */
   gate: () => Promise<void> = () => Promise.resolve();
   /** As `gate`, for each pick. */
@@ -115,6 +117,7 @@ export class FakeService implements Partial<Service> {
     if (changes.some(({ type }) => type === this.failing))
       throw errorOf(500, { code: "broken", detail: `no ${String(this.failing)}` });
     this.made.push(changes);
+    this.onMade(changes);
     this.#comeTo([...this.done, ...changes], label);
     const nothing = { points: null, readout: null, focusSettings: null, photography: null, curve: null };
     const answer = { ...(this.state ?? nothing), simplified: this.simplified, cameras: created(changes) };

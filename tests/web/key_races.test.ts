@@ -94,3 +94,13 @@ it("a drag of a key that an edit under way has removed sets it where it goes", a
   expect(fake.made[1]).toMatchObject([{ type: "keyPoint", key: { time: 14 } }]);
   expect(failed).toEqual([]);
 });
+
+it("keys that are removed twice are removed once, without a complaint", async () => {
+  const { fake, session, failed } = await opened();
+  session.keys.select([stackAt(session, 10)]);
+  const first = session.keys.remove();
+  nowAt(fake, 1, 20);
+  await Promise.all([first, session.keys.remove()]);
+  expect(fake.made).toHaveLength(1);
+  expect(failed).toEqual([]);
+});

@@ -1,4 +1,5 @@
-import { turn } from "./fake_service";
+import type { Session } from "@/editor/session";
+import { turn, type FakeService } from "./fake_service";
 import { opened } from "./pointed_session";
 import { point } from "./points";
 
@@ -9,6 +10,19 @@ beforeEach(() => {
 afterEach(() => {
   vi.unstubAllGlobals();
 });
+
+interface Opening {
+  readonly fake: FakeService;
+  readonly session: Session;
+}
+
+/** Renames the point "far", as the service has it from then on. */
+async function renameTo({ fake, session }: Opening, name: string): Promise<void> {
+  fake.onMade = (changes) => {
+    if (changes[0]?.type === "renamePoint" && changes[0].newName === name) fake.points = [point("near"), point(name)];
+  };
+  await session.pointEdits.rename(point("far"), name);
+}
 
 describe("a name", () => {
   it("that is typed becomes one that none has, and stays selected", async () => {
@@ -25,14 +39,32 @@ describe("a name", () => {
     fake.pickGate = () => new Promise((resolve) => (answer = resolve));
     const move = session.picks.move("far", [0.5, 0.5]);
     await turn();
-    const rename = session.pointEdits.rename(point("far"), "mara");
-    fake.points = [point("near"), point("mara")];
-    await rename;
-    session.document.pointsByTime.forget(null);
+    await renameTo({ fake, session }, "mara");
     answer();
     await move;
     expect(fake.made[1]).toMatchObject([{ type: "movePoint", name: "mara" }]);
     expect(failed).toEqual([]);
+  });
+
+  it("that is on its way holds up no edit before or after it, nor another name", async () => {
+    const { fake, session, failed } = await opened();
+    const before = session.pointEdits.setColor(point("far"), "teal");
+    const rename = renameTo({ fake, session }, "mara");
+    const row = session.pointEdits.identityOf("far");
+    const after = session.pointEdits.setColor(point("far"), "red");
+    const again = session.pointEdits.rename(point("far"), "bob");
+    await Promise.all([before, rename, after, again]);
+    expect(fake.made.flat().map((change) => "name" in change && change.name)).toEqual(["far", "far", "mara", "mara"]);
+    expect(session.pointEdits.identityOf("bob")).toBe(row);
+    expect(failed).toEqual([]);
+  });
+
+  it("that is refused leaves the point what it was", async () => {
+    const { fake, session } = await opened();
+    const row = session.pointEdits.identityOf("far");
+    fake.failing = "renamePoint";
+    expect(await session.pointEdits.rename(point("far"), "mara")).toBe(false);
+    expect(session.pointEdits.identityOf("far")).toBe(row);
   });
 });
 

@@ -6,7 +6,8 @@ import { correct, isDense, recorrect, type Correction } from "../model/correctio
 import type { KeyOwner } from "../model/key_lanes";
 import type { Key } from "../model/keys";
 import type { ReadKeys } from "./current_keys";
-import type { Drag, ShotDocument } from "./document";
+import type { ShotDocument } from "./document";
+import type { Drag } from "./drag";
 
 /** A curve, and where a value of it is set. */
 export interface CurvePlace {

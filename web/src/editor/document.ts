@@ -10,6 +10,7 @@ import { isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
 import type { EditResult, Service, Simplified } from "../net/service";
 import type { View } from "../net/view";
+import type { Drag } from "./drag";
 import type { Fail } from "./fail";
 import { noEditsHint } from "./hints";
 import { PointsByTime } from "./points_by_time";
@@ -29,14 +30,6 @@ export interface At {
 }
 
 type TimedResult = EditResult & { readonly time: number };
-
-/** A drag: its values are previewed in the picture, and the last one is an edit. */
-export interface Drag<Value> {
-  move(value: Value): void;
-  commit(value: Value): void;
-  /** Leaves the shot as it was. */
-  cancel(): void;
-}
 
 export class ShotDocument {
   readonly shot: Shot;
@@ -207,12 +200,14 @@ export class ShotDocument {
    * @param changes of the edit; a function where something has to be read for them, once the edits before it are made.
    * @param unsaved changes that the picture shows until the edit is applied.
    * @param gesture names a gesture: its edits, one after the other, are one step of undo.
+   * @param onMade called when the service has made it, before anything is read of what came of it.
    */
   edit(
     label: string,
     changes: Changes | (() => Promise<Changes>),
     unsaved?: Changes,
     gesture?: string,
+    onMade?: () => void,
   ): Promise<boolean> {
     if (this.#isRefused()) return Promise.resolve(false);
     if (typeof changes !== "function" && changes.length === 0) {
@@ -220,17 +215,19 @@ export class ShotDocument {
       return Promise.resolve(true);
     }
     const [time, withCurve] = [this.#time.peek(), frameCount(this.shot.range) <= MOST_CURVE_FRAMES];
-    const task = async (): Promise<TimedResult> => {
+    const task = async (): Promise<TimedResult | null> => {
       const known = typeof changes === "function" ? await changes() : changes;
+      if (known.length === 0) return null;
       const edit = { label: label.slice(0, MOST_LABEL), gesture, changes: known, time, withCurve };
       const result = await this.#service.edit(this.view, edit);
+      onMade?.();
       this.history.value = result.history;
       const created = result.cameras.at(-1);
       if (created !== undefined) this.successor.value = { ...this.view, camera: created };
       this.simplified.value = result.simplified[0] ?? null;
       return { ...result, time };
     };
-    return this.#inTurn(label, task, () => void this.edit(label, changes, undefined, gesture), unsaved);
+    return this.#inTurn(label, task, () => void this.edit(label, changes, undefined, gesture, onMade), unsaved);
   }
 
   /** Undoes the last edit, unless another editor has edited since the history was read. */

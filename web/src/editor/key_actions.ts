@@ -78,7 +78,7 @@ const SIMPLIFY: KeyAction = {
   label: "Simplify the curve",
   keys: ["Shift U"],
   refusal: (keys) =>
-    mayEditSome(keys) ?? (keys.whole.value ? null : "Select all keys of one curve that has several: Ctrl A."),
+    mayEditSome(keys) ?? (keys.whole.value ? null : "Select all keys of one setting of the camera that has several."),
   act: (keys) => {
     if (keys.whole.value) void keys.simplify(keys.whole.value);
   },

@@ -257,7 +257,7 @@ export class KeyEditing {
 
   /** Stretches the selected keys from the first one on, until the last is so many frames after it. */
   stretchTo(frames: number): void {
-    this.#change("Stretch", (stacks) => stretched(stacks, frames / lengthOf(stacks)));
+    if (frames > 0) this.#change("Stretch", (stacks) => stretched(stacks, frames / lengthOf(stacks)));
   }
 
   /** Stretches the selected keys from the first one on, so that the last comes to the playhead. */

@@ -21,7 +21,8 @@ import { setExposure, setFilm } from "../model/changes";
 import { NewestWins } from "../net/newest";
 import type { Service } from "../net/service";
 import type { Corrections } from "./corrections";
-import type { At, Drag, ShotDocument } from "./document";
+import type { At, ShotDocument } from "./document";
+import type { Drag } from "./drag";
 import type { Fail } from "./fail";
 
 export class CameraPhotography {

@@ -18,6 +18,7 @@ interface EditOptions {
   readonly time?: number;
   /** Changes that the picture shows until it is made. */
   readonly unsaved?: Changes | undefined;
+  readonly onMade?: () => void;
 }
 
 export class PointEdits {
@@ -54,12 +55,21 @@ export class PointEdits {
     const others = this.#document.points.value.map(({ name }) => name).filter((name) => name !== point.name);
     const newName = freshName(typed.trim(), others);
     if (newName === point.name) return false;
-    const [identity, replaced] = [this.identityOf(point.name), this.identityOf(newName)];
-    this.#identities.set(newName, identity).set(point.name, replaced);
-    const isMade = await this.#onPoint(`Rename a point to ${newName}`, point, ({ name }) => [
-      { type: "renamePoint", name, newName },
-    ]);
-    if (!isMade) this.#identities.set(newName, replaced).set(point.name, identity);
+    const renamed = (from: string): void => {
+      const [identity, replaced] = [this.identityOf(from), this.identityOf(newName)];
+      this.#identities.set(newName, identity).set(from, replaced);
+    };
+    let from = point.name;
+    const isMade = await this.#onPoint(
+      `Rename a point to ${newName}`,
+      point,
+      ({ name }) => [{ type: "renamePoint", name: (from = name), newName }],
+      {
+        onMade: () => {
+          renamed(from);
+        },
+      },
+    );
     if (isMade && this.#selected.value === point.name) this.#selected.value = newName;
     return isMade;
   }
@@ -89,8 +99,6 @@ export class PointEdits {
     return this.#onPoints(label, (points, time) => {
       const members = points.filter((point) => point.group === group);
       const others = members.filter(({ settings }) => settings.enabled !== enabled);
-      if (others.length === 0)
-        throw new HintError(`No point of ${group} is to be switched any more.`, "Look at the group as it is now.");
       return others.flatMap((point) => setAttribute(point, "enabled", Number(enabled), time));
     });
   }
@@ -125,7 +133,7 @@ export class PointEdits {
     return this.#onPoint(label, point, ({ name }, time) => [{ type: "alterPoint", name, values, time }]);
   }
 
-  /** Makes an edit of a point, whatever edits before it call it, unless one of them, such as an undo, removes it. */
+  /** Makes an edit of a point, also where edits before it rename it, unless one of them removes it or takes its name back. */
   #onPoint(
     label: string,
     point: Named,
@@ -145,8 +153,9 @@ export class PointEdits {
   #onPoints(
     label: string,
     changesOf: (points: readonly FocusPoint[], time: number) => Changes,
-    { time = this.#time.value, unsaved }: EditOptions = {},
+    { time = this.#time.value, unsaved, onMade }: EditOptions = {},
   ): Promise<boolean> {
-    return this.#document.edit(label, async () => changesOf(await this.#document.pointsAt(time), time), unsaved);
+    const changes = async (): Promise<Changes> => changesOf(await this.#document.pointsAt(time), time);
+    return this.#document.edit(label, changes, unsaved, undefined, onMade);
   }
 }

@@ -31,7 +31,8 @@ import {
 import { sameTime } from "../model/time";
 import type { Service } from "../net/service";
 import { readKeys, type ReadKeys } from "./current_keys";
-import { ShotDocument, type Drag } from "./document";
+import { ShotDocument } from "./document";
+import type { Drag } from "./drag";
 import { CacheFiller } from "./cache_filler";
 import { Downloads } from "./downloads";
 import { Corrections } from "./corrections";

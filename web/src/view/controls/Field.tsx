@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Drag } from "../../editor/document";
+import type { Drag } from "../../editor/drag";
 import type { Scale } from "../../model/scale";
 import { TypedNumber } from "./TypedNumber";
 

@@ -112,3 +112,13 @@ describe("a correction that is sent", () => {
     expect(bent.every(({ value }) => value > 0 && Number.isFinite(value))).toBe(true);
   });
 });
+
+it("a correction stays within what the attribute may be", () => {
+  const owner = { point: "pip", attribute: "weight" } as const;
+  const keys = dense((time) => Math.max(0, 1 - time / 40), { interpolation: "bezier", tangents: { inSlope: -1 / 40 } });
+  const bent = correct({ owner, keys, time: 36, value: 0 }, 12).flatMap((change) =>
+    "key" in change ? [change.key] : [],
+  );
+  expect(Math.min(...bent.map(({ value }) => value))).toBe(0);
+  expect(bent.find(({ time }) => time === 44)).toMatchObject({ value: 0, tangents: { inSlope: 0, outSlope: 0 } });
+});

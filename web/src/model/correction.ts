@@ -1,7 +1,7 @@
 /** Corrections of a dense curve, such as an imported or recorded one: a value that is wanted at a frame bends the curve around it. */
 
 import { FAR_AWAY_M, type Changes } from "./changes";
-import { setKey, type KeyOwner } from "./key_lanes";
+import { heldIn, setKey, type KeyOwner } from "./key_lanes";
 import type { Key } from "./keys";
 import { valueAt } from "./spline";
 import { sameTime } from "./time";
@@ -68,7 +68,7 @@ function bent({ owner, keys, time, value }: Correction, width: number): Key[] {
   const own = keys.find((key) => sameTime(key.time, time));
   const before = keys.findLast((key) => key.time < time);
   const at: Key = own ? { ...own, value: wanted } : { time, value: wanted, interpolation: shapeAfter(before) };
-  return [...near.map((key) => bendKey(key, (key.time - time) / reach, by, reach, scale)), at];
+  return [...near.map((key) => bendKey(key, (key.time - time) / reach, by, reach, scale, owner)), at];
 }
 
 /** A new key's interpolation after another one: a copy of its handles would not fit. */
@@ -80,10 +80,12 @@ function shapeAfter(key: Key | undefined): Key["interpolation"] {
  * @param u place of the key from -1 to 1 over the width of the correction.
  * @param by the correction at its middle, in the scale.
  */
-function bendKey(key: Key, u: number, by: number, width: number, scale: ValueScale): Key {
+function bendKey(key: Key, u: number, by: number, width: number, scale: ValueScale, owner: KeyOwner): Key {
   const [share, turn] = [(1 - u * u) ** 2, (-4 * u * (1 - u * u)) / width];
-  const value = scale.from(scale.to(key.value) + by * share);
+  const bentTo = scale.from(scale.to(key.value) + by * share);
+  const value = heldIn(owner, bentTo);
   const { tangents } = key;
+  if (value !== bentTo && tangents) return { ...key, value, tangents: { ...tangents, inSlope: 0, outSlope: 0 } };
   if (key.interpolation !== "bezier" || !tangents) return { ...key, value };
   const slope = (before = 0): number => (scale.slope(key.value) * before + by * turn) / scale.slope(value);
   return {

@@ -111,7 +111,15 @@ export function sliderOf(owner: KeyOwner): SliderRange | null {
 /** Whether a setting or attribute may have a value. */
 export function mayBe(owner: KeyOwner, value: number): boolean {
   const declared = declaredOf(owner);
-  return declared === undefined || isAllowed(declared.allowed, value);
+  // One far away stands for infinity.
+  const sent = "setting" in owner && owner.setting === "focusDistanceM" ? Math.min(value, FAR_AWAY_M) : value;
+  return declared === undefined || isAllowed(declared.allowed, sent);
+}
+
+/** A value within what a setting or attribute may have. */
+export function heldIn(owner: KeyOwner, value: number): number {
+  const { least = -Infinity, most = Infinity } = declaredOf(owner)?.allowed ?? {};
+  return Math.min(Math.max(value, least), most);
 }
 
 function declaredOf(owner: KeyOwner): Declared | undefined {

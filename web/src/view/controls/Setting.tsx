@@ -3,8 +3,9 @@
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { settingKeyAt } from "../../model/changes";
+import { mayBe } from "../../model/key_lanes";
 import type { Keyed, KeyedSetting } from "../../model/keys";
-import { Field, type FieldProps } from "./Field";
+import { Field, type FieldProps, type Typed } from "./Field";
 import { KeyDiamond } from "../timeline/KeyDiamond";
 
 interface SettingProps extends FieldProps {
@@ -15,6 +16,13 @@ interface SettingProps extends FieldProps {
 }
 
 export function Setting({ session, setting, keys, ...field }: SettingProps): JSX.Element {
+  const checked = <Kind extends Typed>(typed: Kind): Kind => ({
+    ...typed,
+    parse: (text) => {
+      const value = typed.parse(text);
+      return value !== null && mayBe({ setting }, value) ? value : null;
+    },
+  });
   return (
     <div class="setting" data-setting={setting}>
       <KeyDiamond
@@ -26,7 +34,7 @@ export function Setting({ session, setting, keys, ...field }: SettingProps): JSX
         fresh={field.fresh}
         onToggle={() => session.toggleSettingKey(field.label.toLowerCase(), setting)}
       />
-      <Field {...field} />
+      <Field {...checked(field)} {...(field.also && { also: checked(field.also) })} />
     </div>
   );
 }

@@ -13,7 +13,6 @@ import {
   type KeyShape,
   type OwnedKey,
 } from "../../model/key_lanes";
-import { FAR_AWAY_M } from "../../model/changes";
 import { parseDistance, type LengthUnit } from "../../model/distance";
 import { formatFrame } from "../../model/time";
 import { valueSpanOf, type ValueSpan } from "../../model/value_scale";
@@ -155,7 +154,7 @@ function positive(value: number | null): number | null {
 /** A value that is typed; null for what is none, or may not be. */
 function parseValue(owner: KeyOwner, text: string, unit: LengthUnit): number | null {
   const value = isDistance(owner) ? parseDistance(text, unit) : parseQuantity(text, "");
-  return value !== null && mayBe(owner, Math.min(value, FAR_AWAY_M)) ? value : null;
+  return value !== null && mayBe(owner, value) ? value : null;
 }
 
 /** The value of one key; a distance in the unit of the page. */

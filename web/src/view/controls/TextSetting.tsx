@@ -18,12 +18,9 @@ interface TextSettingProps {
 
 export function TextSetting({ label, value, title, placeholder, list, onType }: TextSettingProps): JSX.Element {
   const field = useRef<HTMLInputElement>(null);
-  const isFocused = field.current !== null && document.activeElement === field.current;
   useLayoutEffect(() => {
     const input = field.current;
-    if (!input) return;
-    if (input.dataset.saved !== value) input.value = input.dataset.saved = value;
-    if (isFocused && document.activeElement !== input) input.focus(); // it has moved in its list
+    if (input && input.dataset.saved !== value) input.value = input.dataset.saved = value;
   });
   return (
     <label class="choice">

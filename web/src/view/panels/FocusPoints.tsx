@@ -6,6 +6,7 @@ import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
 import { WEIGHTS } from "../../model/scale";
+import { mayBe } from "../../model/key_lanes";
 import { groupsOf, type PointGroup } from "../../model/groups";
 import { holderOf } from "../../model/parts";
 import { inFrame, type FocusPoint } from "../../model/shot";
@@ -122,6 +123,14 @@ function useScrolled<Shown extends HTMLElement>(isWanted: boolean): RefObject<Sh
   return ref;
 }
 
+/** Gives the keyboard back to what had it in an element that has moved in its list. */
+function useKeptFocus({ current: element }: RefObject<HTMLElement | null>): void {
+  const focused = element?.contains(document.activeElement) ? document.activeElement : null;
+  useLayoutEffect(() => {
+    if (focused instanceof HTMLElement && focused.isConnected && document.activeElement !== focused) focused.focus();
+  });
+}
+
 /** Whether a point counts. */
 function CountSwitch({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
   const { name, settings } = point;
@@ -146,6 +155,7 @@ function PointRow({ editor, session, point }: RowProps): JSX.Element {
   const selected = session.selected.value === name;
   // On a narrow page that would scroll all of it.
   const row = useScrolled<HTMLLIElement>(selected && !editor.layout.isNarrow.value);
+  useKeptFocus(row);
   return (
     <li
       ref={row}
@@ -216,7 +226,7 @@ function Weight({ session, point }: { session: Session; point: FocusPoint }): JS
         format={(value) => value.toFixed(2)}
         parse={(text) => {
           const weight = parseQuantity(text, "");
-          return weight === null || weight < 0 ? null : weight;
+          return weight !== null && mayBe({ point: point.name, attribute: "weight" }, weight) ? weight : null;
         }}
         startDrag={() => session.dragPoint(`Weight of ${point.name}`, point, "weight")}
       />

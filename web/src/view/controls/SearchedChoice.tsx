@@ -1,7 +1,7 @@
 /** A choice among many, found by typing: the box has what is chosen, and a list of what has all words that are typed opens below it. */
 
 import type { JSX, RefObject } from "preact";
-import { useId, useRef, useState } from "preact/hooks";
+import { useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { useFloating } from "../floating";
 import { useListbox } from "./listbox";
 
@@ -28,6 +28,7 @@ export function SearchedChoice({ label, shown, groups, onChoose }: SearchedChoic
   const search = typed ?? "";
   useFloating(input, list, "bottom-start", isOpen);
   useListbox(input, list, search, search !== "", isOpen);
+  useNameSelected(input, typed === null, isOpen, shown);
   const show = (isShown: boolean, text: string | null = null): void => {
     setOpen(isShown);
     setTyped(text);
@@ -81,6 +82,18 @@ export function SearchedChoice({ label, shown, groups, onChoose }: SearchedChoic
       )}
     </div>
   );
+}
+
+/** Selects the name of what is chosen, so that what is typed next takes its place. */
+function useNameSelected(
+  { current: input }: RefObject<HTMLInputElement | null>,
+  isName: boolean,
+  isOpen: boolean,
+  shown: string,
+): void {
+  useLayoutEffect(() => {
+    if (isName && document.activeElement === input) input?.select();
+  }, [input, isName, isOpen, shown]);
 }
 
 interface OptionsProps extends SearchedChoiceProps {

@@ -11,7 +11,7 @@ const OWN = ["role", "aria-controls", "aria-autocomplete"] as const;
  * Walks a list by the arrow keys of its box, and clicks by Enter the option that was come to.
  *
  * @param typed text by which the list was made.
- * @param isFirstReady whether the first option that can be chosen stands ready for Enter.
+ * @param isFirstReady whether the first option stands ready for Enter.
  * @param isOpen whether the list is there.
  */
 export function useListbox(

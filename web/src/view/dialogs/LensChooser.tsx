@@ -11,7 +11,7 @@ import { SearchedChoice, type Option } from "../controls/SearchedChoice";
 import { mountLensFile } from "../file_choices";
 
 /** Identity of no lens of the library. */
-const THIN = "thin lens";
+const THIN = "thin";
 const THIN_TITLE = "Thin lens";
 
 interface LensChooserProps {

@@ -68,11 +68,16 @@ def wait_undoable(page: Page, label: str) -> None:
     page.locator(f'button[aria-label="Undo: {label}"]').wait_for(state="attached")
 
 
-def undo_all(page: Page) -> None:
-    """Undo by the keyboard what a state has edited."""
+def undo_label(page: Page) -> str | None:
+    """Return what the next undo is called, None where there is none."""
+    undo = page.locator('button[aria-label^="Undo: "]:enabled')
+    return undo.get_attribute("aria-label") if undo.count() > 0 else None
+
+
+def undo_to(page: Page, before: str | None) -> None:
+    """Undo by the keyboard what a state has edited, until the next undo is called as before."""
     page.evaluate("document.activeElement.blur()")
-    while (undo := page.locator('button[aria-label^="Undo: "]:enabled')).count() > 0:
-        label = undo.get_attribute("aria-label")
+    while (label := undo_label(page)) not in (None, before):
         page.keyboard.press("Control+z")
         page.locator(f'button[aria-label="{label}"]').wait_for(state="detached")
 
@@ -118,6 +123,7 @@ def take(browser: Browser, address: str, width: int, state: str, folder: Path) -
     page.goto(f"{address}/?shot=demo&time=48")
     page.locator("canvas[data-settled=true]").wait_for()
     page.locator(".focus-line").wait_for()
+    before = undo_label(page)
     STATES[state](page)
     page.locator("canvas[data-settled=true]").wait_for()
     page.wait_for_timeout(500)
@@ -126,7 +132,7 @@ def take(browser: Browser, address: str, width: int, state: str, folder: Path) -
         "for (const each of document.querySelectorAll('*')) each.scrollTop = 0"
     )  # what is half hidden is small
     found = violations(page)
-    undo_all(page)
+    undo_to(page, before)
     page.close()
     return found
 

@@ -48,7 +48,7 @@ def test_a_click_holds_before_and_after(page: Page, service: str) -> None:
     assert after[24] == pytest.approx(2 / (1 / table_m + 1 / near_m), rel=1e-4)  # half of the way, as the ring turns
     assert after[66] == pytest.approx(before[66], rel=1e-6)
 
-    expect(page.locator(".pull-choice")).to_contain_text(f"Focus on {table}")
+    expect(page.locator(".pull-choice")).to_contain_text(f"Focus on {table}, from frame ")
     revision = revision_of(page)
     page.get_by_label("Length of the pull").fill("24")
     page.keyboard.press("Enter")

@@ -3,7 +3,7 @@
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { MOST_FRAMES } from "../../editor/pulls";
-import type { Reach } from "../../model/pull";
+import type { PullSpan, Reach } from "../../model/pull";
 import { EASES, type Ease } from "../../model/shot";
 import { formatFrame } from "../../model/time";
 import { TypedNumber } from "../controls/TypedNumber";
@@ -25,13 +25,14 @@ const EASE_NAMES: Readonly<Record<Ease, string>> = {
 export function PullChoice({ session }: { session: Session }): JSX.Element {
   const { pulls } = session;
   const { reach, frames, ease } = pulls.choice;
-  const last = pulls.last.value;
+  const [last, span] = [pulls.last.value, pulls.span.value];
   return (
     <span class="pull-choice" role="group" aria-label="What a click means">
       <span role="status">
         {last && (
           <>
             Focus on <b>{last.name}</b>
+            {span && <span class="visually-hidden">{sayTimes(span)}</span>}
           </>
         )}
       </span>
@@ -70,4 +71,13 @@ export function PullChoice({ session }: { session: Session }): JSX.Element {
       )}
     </span>
   );
+}
+
+/** The times of a pull, which the scrubber shows, in words. */
+function sayTimes({ start, arrival, held }: PullSpan): string {
+  const over = start < arrival ? `, from frame ${formatFrame(start)}, there at ${formatFrame(arrival)}` : "";
+  if (held === null) return `${over}, to the end of the shot`;
+  return held > arrival
+    ? `${over}, until frame ${formatFrame(held)}`
+    : `${over}, at frame ${formatFrame(arrival)} alone`;
 }

@@ -31,7 +31,7 @@ _FOCUS_CURVE = """() => {
     choice.value = "";
     choice.dispatchEvent(new Event("change", { bubbles: true }));
 }"""
-_WHOLE_SHOT = 'button:text-is("Whole shot")[title^="Show"]'
+_WHOLE_SHOT = 'button:text-is("Whole shot")'
 _FOLDED_PANELS = '.panels button[aria-pressed="false"]'
 _HIDDEN_MARKERS = '[aria-label="Show focus points on the picture"][aria-pressed="false"]'
 _UNDO_PAUSE_MS = 50

@@ -11,6 +11,7 @@ import { SignIn } from "./dialogs/SignIn";
 import { SheetDialog } from "./dialogs/SheetDialog";
 import { ShotFiles, Shots } from "./dialogs/Shots";
 import { Timeline } from "./timeline/Timeline";
+import { Tooltip } from "./Tooltip";
 import { TopBar } from "./TopBar";
 import { Viewer } from "./viewer/Viewer";
 
@@ -33,6 +34,7 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
       <ShotFiles editor={editor} />
       <SheetDialog editor={editor} />
       <SignIn editor={editor} />
+      <Tooltip />
     </DropTarget>
   );
 }

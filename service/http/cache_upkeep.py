@@ -36,8 +36,12 @@ NICENESS = 15
 """Priority of the worker that draws it: users come first."""
 
 
-async def fill_caches(service: Service) -> bool:
+async def fill_caches(service: Service, *, tells: bool = True) -> bool:
     """Have the demo shot drawn where no cache holds its compiled shaders yet. Failure costs the users time alone.
+
+    Args:
+        service: whose caches they are.
+        tells: whether a failure is logged.
 
     Returns:
         Whether there is a cache that holds them.
@@ -46,7 +50,8 @@ async def fill_caches(service: Service) -> bool:
         await run_in_threadpool(service.caches.fill_base, lambda folder: _fill(service, folder))
         return True
     except (PullfocusError, WorkerError, NotBegunError, OSError) as error:
-        log.warning("shaders are not compiled in advance, so that the first picture of a shot will be late: %s", error)
+        if tells:
+            log.warning("shaders cannot be compiled in advance, so that the first picture of a shot is late: %s", error)
         return False
 
 
@@ -55,7 +60,7 @@ async def retry_filling(service: Service) -> None:
     is_filled = False
     while not is_filled:
         await asyncio.sleep(RETRY_S)
-        is_filled = await fill_caches(service)
+        is_filled = await fill_caches(service, tells=False)
 
 
 async def end_greedy_workers(service: Service) -> None:

@@ -45,6 +45,7 @@ def edit(page: Page, *keys: str) -> None:
 def test_a_rack_is_set_up_from_nothing_by_keyboard(page: Page, service: str) -> None:
     wait_settled(page, time=1)
     near, far = focus_points(service, 1)[NEAR], focus_points(service, RACK)[FAR]
+    expect(page.locator(".marker")).to_have_count(2)
     for _ in range(2):
         edit(page, "]", "Delete")
     expect(page.locator(".marker")).to_have_count(0)
@@ -70,8 +71,9 @@ def test_a_rack_is_set_up_from_nothing_by_keyboard(page: Page, service: str) -> 
 
 def test_the_softest_subject_is_found_and_held(page: Page, service: str) -> None:
     wait_settled(page, time=1)
-    page.keyboard.press("x")
     softest = page.get_by_role("button", name=f"Focus point {FAR}")
+    softest.wait_for()
+    page.keyboard.press("x")
     expect(softest).to_have_attribute("aria-pressed", "true")
     expect(softest).to_contain_text("soft")
     edit(page, "f")

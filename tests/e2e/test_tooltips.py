@@ -30,6 +30,7 @@ def test_a_title_shows_while_the_pointer_is_on_a_control(page: Page) -> None:
 def test_a_title_that_changes_is_the_new_one(page: Page) -> None:
     wait_settled(page, time=1)
     undo = page.locator('button[aria-label^="Undo"], button[aria-label="Nothing to undo"]')
+    expect(page.locator(".marker")).to_have_count(2)
     undo.hover()
     expect(page.locator(".tooltip")).to_have_text("Nothing to undo (Ctrl Z)")
     revision = revision_of(page)

@@ -118,7 +118,7 @@ def _changes(data: Any, prim: Usd.Prim, time: Time, prefix: str) -> Iterator[tup
             attribute = prim.GetAttribute(prefix + item.metadata["usd"])
             keyed_at = None if attribute.GetVariability() == Sdf.VariabilityUniform else time
             current = _read_or_default(attribute, keyed_at, item.default)
-            # What the prim says already is not checked: another tool may have written what is not allowed.
+            # A value that the prim has already is not checked: another tool may have written one that is not allowed.
             if value != current and stored_value(attribute, value) != current:
                 _refuse_hidden(attribute, value, keyed_at)
                 yield attribute, value, keyed_at

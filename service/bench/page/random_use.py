@@ -34,6 +34,7 @@ _FOCUS_CURVE = """() => {
 _WHOLE_SHOT = 'button:text-is("Whole shot")'
 _FOLDED_PANELS = '.panels button[aria-pressed="false"]'
 _HIDDEN_MARKERS = '[aria-label="Show focus points on the picture"][aria-pressed="false"]'
+_STOPPED = 'button:text-is("Draw it")'
 _UNDO_PAUSE_MS = 50
 
 
@@ -108,6 +109,8 @@ def _calm(page: Page) -> None:
         page.keyboard.press("Escape")
     page.evaluate("() => document.activeElement?.blur()")
     page.keyboard.press("k")
+    if (stopped := page.locator(_STOPPED)).count() > 0:
+        stopped.first.click()
     wait_settled(page)
 
 

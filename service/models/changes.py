@@ -38,8 +38,8 @@ from service.models.focus import (
 )
 from service.models.solving import RACK_EXAMPLE, CameraKeyed, FocusSettingsEdit, RackCreate
 
-MAX_CHANGES = 256
-"""Changes in one edit: a rack among 64 focus points takes at most three keys of each."""
+MAX_CHANGES = 1024
+"""Changes in one edit, which takes about a second: each move of a key is a removal and a new key."""
 
 KeyedSetting = CameraKeyed | ExposureKeyed | FilmKeyed
 

@@ -186,7 +186,7 @@ it("who may not edit sees the keys where they were", async () => {
 
 it("more keys than an edit takes are refused with what to do", async () => {
   const { fake, session, failed } = await opened();
-  fake.points = [point("pip", { weight: Object.fromEntries(Array.from({ length: 129 }, (_, i) => [1 + i / 2, 1])) })];
+  fake.points = [point("pip", { weight: Object.fromEntries(Array.from({ length: 513 }, (_, i) => [1 + i / 8, 1])) })];
   session.document.refresh();
   await turn();
   session.keys.select(session.keys.lanes.value.flatMap(({ stacks }) => stacks));

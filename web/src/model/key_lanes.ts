@@ -46,7 +46,7 @@ export interface KeyLane {
 }
 
 /** Changes in one edit, as the service takes them. */
-export const MOST_CHANGES = 256;
+export const MOST_CHANGES = 1024;
 
 const DECLARED: Readonly<Record<string, Declared>> = {
   ...FILM_SLIDERS,

@@ -207,7 +207,7 @@ def test_a_change_that_is_refused_takes_the_whole_edit_with_it(client, shot, cha
     assert client.get(f"{shot}/edits/history").json() == history
 
 
-@pytest.mark.parametrize("changes", [[], [{"type": "removePoint", "name": "a"}] * 257])
+@pytest.mark.parametrize("changes", [[], [{"type": "removePoint", "name": "a"}] * 1025])
 def test_an_edit_has_changes_and_not_without_end(client, shot, changes):
     assert edit(client, shot, *changes).status_code == 422
 

@@ -2,6 +2,7 @@
 
 import { turn } from "./fake_service";
 import { nowAt, opened, stackAt } from "./keyed_session";
+import { point } from "./points";
 
 beforeEach(() => {
   vi.stubGlobal("cancelAnimationFrame", () => undefined);
@@ -103,4 +104,48 @@ it("keys that are removed twice are removed once, without a complaint", async ()
   await Promise.all([first, session.keys.remove()]);
   expect(fake.made).toHaveLength(1);
   expect(failed).toEqual([]);
+});
+
+it("copied keys of a point that is gone are not pasted, and that is said", async () => {
+  const { fake, session, failed } = await opened();
+  session.keys.select([stackAt(session, 10)]);
+  session.keys.copy();
+  fake.points = [point("mara")];
+  fake.state = { points: fake.points, readout: null, focusSettings: null, photography: null, curve: null };
+  await session.document.edit("Remove pip", [{ type: "removePoint", name: "pip" }]);
+  await turn();
+  await session.keys.paste();
+  expect(fake.made).toHaveLength(1);
+  expect(failed).toMatchObject([{ message: "The points of the copied keys are gone." }]);
+});
+
+describe("a point that edits under way", () => {
+  it("rename keeps the keys that are dragged meanwhile", async () => {
+    const { fake, session, failed } = await opened();
+    session.keys.select([stackAt(session, 10)]);
+    const renamed = session.pointEdits.rename(point("pip"), "robot");
+    const moved = session.keys.drag(stackAt(session, 10)).commit({ by: 4, reach: null });
+    fake.onMade = () => {
+      fake.points = [point("robot", { weight: { 1: 1, 10: 0, 20: 1 } })];
+    };
+    await Promise.all([renamed, moved]);
+    expect(fake.made[1]).toMatchObject([
+      { type: "unkeyPoint", name: "robot", time: 10 },
+      { type: "keyPoint", name: "robot", key: { time: 14 } },
+    ]);
+    expect(failed).toEqual([]);
+  });
+
+  it("remove has no keys to be dragged, and that is said", async () => {
+    const { fake, session, failed } = await opened();
+    session.keys.select([stackAt(session, 10)]);
+    const removed = session.pointEdits.remove(point("pip"));
+    const moved = session.keys.drag(stackAt(session, 10)).commit({ by: 4, reach: null });
+    fake.onMade = () => {
+      fake.points = [];
+    };
+    await Promise.all([removed, moved]);
+    expect(fake.made).toHaveLength(1);
+    expect(failed).toMatchObject([{ message: "There is no pip any more." }]);
+  });
 });

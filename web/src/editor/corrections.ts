@@ -5,9 +5,11 @@ import type { Changes } from "../model/changes";
 import { correct, isDense, recorrect, type Correction } from "../model/correction";
 import type { KeyOwner } from "../model/key_lanes";
 import type { Key } from "../model/keys";
-import type { ReadKeys } from "./current_keys";
+import { HintError } from "../net/errors";
+import { followOwner, type ReadKeys } from "./current_keys";
 import type { ShotDocument } from "./document";
 import type { Drag } from "./drag";
+import type { PointNames } from "./point_names";
 
 /** A curve, and where a value of it is set. */
 export interface CurvePlace {
@@ -32,12 +34,12 @@ export class Corrections {
   readonly width = signal(12);
   readonly #document: ShotDocument;
   readonly #read: ReadKeys;
+  readonly #names: PointNames;
   readonly #made = signal<Made | null>(null);
   #count = 0;
 
-  constructor(document: ShotDocument, read: ReadKeys) {
-    this.#document = document;
-    this.#read = read;
+  constructor(document: ShotDocument, read: ReadKeys, names: PointNames) {
+    [this.#document, this.#read, this.#names] = [document, read, names];
   }
 
   /** The last edit, where it was a correction and no other is under way; its width can still be changed. */
@@ -76,12 +78,15 @@ export class Corrections {
     const gesture = `correction ${Date.now().toString(36)} ${this.#count.toString()}`;
     let correction = shown;
     const unsaved = correct(shown, width);
+    const owner = followOwner(shown.owner, this.#names);
     // Where other edits are under way, they may be of the same curve.
     const changes =
       document.pending.peek() === 0
         ? unsaved
         : async () => {
-            correction = { ...shown, keys: await this.#read(shown.owner) };
+            const keys = await this.#read(owner());
+            if (keys === null) throw new HintError("There is no such focus point any more.", "Select another point.");
+            correction = { ...shown, owner: owner(), keys };
             return correct(correction, width);
           };
     document.unsaved.value = unsaved;

@@ -1,49 +1,97 @@
 /** Keys as the service has them now, which may be others than the page has read. */
 
 import type { Change, Changes } from "../model/changes";
-import { laneOf, type KeyOwner } from "../model/key_lanes";
+import { laneOf, type KeyOwner, type OwnedKey } from "../model/key_lanes";
 import type { Key } from "../model/keys";
-import { keysOf } from "../model/shot";
+import { keysOf, type FocusPoint } from "../model/shot";
 import { sameTime } from "../model/time";
+import { HintError } from "../net/errors";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
+import type { PointNames } from "./point_names";
 import { readSetting } from "./setting_state";
 
-/** Reads the keys of a setting or attribute. */
-export type ReadKeys = (owner: KeyOwner) => Promise<readonly Key[]>;
+/** Reads the keys of a setting or attribute; null where its focus point is gone. */
+export type ReadKeys = (owner: KeyOwner) => Promise<readonly Key[] | null>;
 
-/** Reads the keys of a setting, or of an attribute of a focus point. */
+/** Reads the keys of a setting, or of an attribute of a focus point; null where the point is gone. */
 export async function readKeys(
   service: Service,
   document: ShotDocument,
   owner: KeyOwner,
   time: number,
-): Promise<readonly Key[]> {
+): Promise<readonly Key[] | null> {
   if ("setting" in owner) {
     const { keys } = await readSetting(service, document.view, owner.setting, time);
     return keys[owner.setting] ?? [];
   }
   const point = (await document.pointsAt(time)).find(({ name }) => name === owner.point);
-  return point ? keysOf(point, owner.attribute) : [];
+  return point ? keysOf(point, owner.attribute) : null;
 }
 
-/** Leaves out changes that remove keys which are gone. */
+/**
+ * Leaves out changes of keys whose focus point is gone, and those that remove keys which are gone.
+ *
+ * @throws HintError where the points of all changes are gone.
+ */
 export async function withoutGone(changes: Changes, read: ReadKeys): Promise<Changes> {
-  const found = new Map<string, Promise<readonly Key[]>>();
+  const found = new Map<string, ReturnType<ReadKeys>>();
+  const gone = new Set<string>();
   const isThere = async (change: Change): Promise<boolean> => {
-    const owner = ownerOfRemoved(change);
-    if (!owner || !("time" in change)) return true;
+    const owner = ownerOf(change);
+    if (!owner) return true;
     const name = `${laneOf(owner)} ${"setting" in owner ? "" : owner.attribute}`;
     const keys = found.get(name) ?? read(owner);
     found.set(name, keys);
-    return (await keys).some(({ time }) => sameTime(time, change.time ?? NaN));
+    const now = await keys;
+    if (now === null && "point" in owner) gone.add(owner.point);
+    if (now === null || !isRemoval(change)) return now !== null;
+    return now.some(({ time }) => sameTime(time, change.time));
   };
-  const kept = await Promise.all(changes.map(isThere));
-  return changes.filter((_, place) => kept[place]);
+  const isKept = await Promise.all(changes.map(isThere));
+  const kept = changes.filter((_, place) => isKept[place]);
+  const [first] = gone;
+  if (first !== undefined && kept.length === 0)
+    throw new HintError(`There is no ${first} any more.`, "Its keys went with it.");
+  return kept;
 }
 
-/** What loses a key by a change; null where none does. */
-function ownerOfRemoved(change: Change): KeyOwner | null {
+/** The keys of settings, and of the focus points that there are. */
+export function withOwners(keys: readonly OwnedKey[], points: readonly FocusPoint[]): OwnedKey[] {
+  const names = new Set(points.map(({ name }) => name));
+  return keys.filter(({ owner }) => "setting" in owner || names.has(owner.point));
+}
+
+/** Returns a function that tells what the owner of a curve is called by then. */
+export function followOwner(owner: KeyOwner, names: PointNames): () => KeyOwner {
+  if ("setting" in owner) return () => owner;
+  const nameNow = names.follow(owner.point);
+  return () => ({ ...owner, point: nameNow() });
+}
+
+/** Returns a function that makes the changes by the names which the points have by then. */
+export function follow(changes: Changes, names: PointNames): () => Changes {
+  const points = new Set(changes.filter(isOfPoint).map(({ name }) => name));
+  const nameNow = new Map([...points].map((name) => [name, names.follow(name)]));
+  return () => {
+    const nameOf = (name: string): string => nameNow.get(name)?.() ?? name;
+    return changes.map((change) => (isOfPoint(change) ? { ...change, name: nameOf(change.name) } : change));
+  };
+}
+
+type Removal = Extract<Change, { type: "unkeySetting" | "unkeyPoint" }>;
+type PointKeyChange = Extract<Change, { type: "keyPoint" | "unkeyPoint" }>;
+
+function isRemoval(change: Change): change is Removal {
+  return change.type === "unkeySetting" || change.type === "unkeyPoint";
+}
+
+function isOfPoint(change: Change): change is PointKeyChange {
+  return change.type === "keyPoint" || change.type === "unkeyPoint";
+}
+
+/** What a change of keys needs to know the keys of; null for none. */
+function ownerOf(change: Change): KeyOwner | null {
   if (change.type === "unkeySetting") return { setting: change.setting };
-  return change.type === "unkeyPoint" ? { point: change.name, attribute: change.attribute } : null;
+  return isOfPoint(change) ? { point: change.name, attribute: change.attribute } : null;
 }

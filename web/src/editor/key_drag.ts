@@ -31,3 +31,10 @@ export function named(stacks: readonly KeyStack[]): string {
 export function idsOf(stacks: readonly KeyStack[]): string[] {
   return stacks.map(({ id }) => id);
 }
+
+/** The selected stacks as the edits under way leave them. */
+export interface Pending {
+  /** For each of them the ids by which the service may have it, as the edits under way are made one after the other. */
+  readonly of: readonly ReadonlySet<string>[];
+  readonly stacks: readonly KeyStack[];
+}

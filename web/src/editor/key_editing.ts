@@ -35,13 +35,14 @@ import { formatFrame } from "../model/time";
 import { insertion } from "../model/spline";
 import { curvesOf } from "../model/value_curves";
 import { respanned } from "../model/value_scale";
-import { HintError } from "../net/errors";
-import { withoutGone, type ReadKeys } from "./current_keys";
+import { follow, withOwners, withoutGone, type ReadKeys } from "./current_keys";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
-import { idsOf, named, type KeyDrag, type KeyShift } from "./key_drag";
+import { nothingToPasteHint, tooManyKeysHint } from "./hints";
+import { idsOf, named, type KeyDrag, type KeyShift, type Pending } from "./key_drag";
 import type { CameraPhotography } from "./photography";
 import type { Playhead } from "./playhead";
+import type { PointNames } from "./point_names";
 
 const NONE: ReadonlySet<string> = new Set();
 
@@ -50,13 +51,7 @@ interface KeyedParts {
   readonly document: ShotDocument;
   readonly photography: CameraPhotography;
   readonly playhead: Playhead;
-}
-
-/** The selected stacks as the edits under way leave them. */
-interface Pending {
-  /** For each of them the ids by which the service may have it, as the edits under way are made one after the other. */
-  readonly of: readonly ReadonlySet<string>[];
-  readonly stacks: readonly KeyStack[];
+  readonly pointNames: PointNames;
 }
 
 const ALL_AS_SAVED: ReadonlyMap<string, KeyStack> = new Map();
@@ -183,12 +178,10 @@ export class KeyEditing {
     // Not to the lane's other keys, which would be replaced.
     const others = this.lanes.peek().flatMap((lane) => (lanes.has(lane.id) ? [] : lane.stacks));
     const targets = [playhead.time.peek(), ...others.map(({ time }) => time)];
-    const snapped = ({ by, reach }: KeyShift): number =>
-      holdAll(
-        playhead.range,
-        stacks,
-        reach === null ? Number(by.toFixed(2)) : snapShift(playhead.range, from, by, targets, reach),
-      );
+    const snapped = ({ by, reach }: KeyShift): number => {
+      const shift = reach === null ? Number(by.toFixed(2)) : snapShift(playhead.range, from, by, targets, reach);
+      return holdAll(playhead.range, stacks, shift);
+    };
     const after = (shift: KeyShift): readonly KeyStack[] => {
       const by = snapped(shift);
       const reshaped = shift.reshape ? mapKeys(stacks, shift.reshape) : stacks;
@@ -239,12 +232,16 @@ export class KeyEditing {
 
   /** Sets the copied keys, the first of which comes to the playhead, and selects them. */
   async paste(): Promise<void> {
-    const copied = this.copied.peek();
-    if (copied.length === 0 || this.isDragged) return;
-    const time = this.#parts.playhead.time.peek();
-    const changes = pasteKeys(copied, time, this.#mode);
+    const { playhead, document } = this.#parts;
+    if (this.copied.peek().length === 0 || this.isDragged) return;
+    const copied = withOwners(this.copied.peek(), document.points.peek());
+    if (copied.length === 0) {
+      this.#fail(nothingToPasteHint(), () => undefined);
+      return;
+    }
+    const time = playhead.time.peek();
     this.clear();
-    const isMade = await this.#edit(`Paste ${copied.length.toString()} keys`, changes);
+    const isMade = await this.#edit(`Paste ${copied.length.toString()} keys`, pasteKeys(copied, time, this.#mode));
     if (!isMade || this.selected.value.size > 0) return;
     const by = time - Math.min(...copied.map(({ key }) => key.time));
     this.selected.value = new Set(copied.map(({ owner, key }) => stackId(laneOf(owner), key.time + by)));
@@ -332,8 +329,8 @@ export class KeyEditing {
 
   /** The ids by which the service may have stacks: those before the edits under way, and those after each of them. */
   #idsNow(base: Pending): ReadonlySet<string>[] {
-    const isUnderWay = this.#pending === base;
-    return base.stacks.map(({ id }, place) => new Set(isUnderWay ? [...(base.of[place] ?? []), id] : [id]));
+    const before = this.#pending === base ? base.of : [];
+    return base.stacks.map(({ id }, place) => new Set([...(before[place] ?? []), id]));
   }
 
   /** Shows the keys as the service has them, though edits of them may be under way. */
@@ -371,18 +368,19 @@ export class KeyEditing {
    * @param isKnown whether the keys are what they will be once the edits before it are made.
    */
   async #edit(label: string, changes: Changes, isKnown = false): Promise<boolean> {
-    const { document, playhead, photography } = this.#parts;
+    const { document, playhead, photography, pointNames } = this.#parts;
     if (changes.length > MOST_CHANGES) {
       document.endPreview();
-      const advice = `An edit takes some ${Math.floor((MOST_CHANGES - 1) / 2).toString()} keys: select fewer of them.`;
-      this.#fail(new HintError("These are too many keys at once.", advice), () => undefined);
+      this.#fail(tooManyKeysHint(), () => undefined);
       return false;
     }
     playhead.pause();
     document.unsaved.value = changes;
     // What was read may change by edits under way.
-    const isRead = isKnown || (document.pending.peek() === 0 && document.fresh.peek() && photography.fresh.peek());
-    const edited = document.edit(label, isRead ? changes : () => withoutGone(changes, this.#read), changes);
+    const isRead = document.pending.peek() === 0 && document.fresh.peek() && photography.fresh.peek();
+    const named = follow(changes, pointNames);
+    const now = (): Promise<Changes> => (isKnown ? Promise.resolve(named()) : withoutGone(named(), this.#read));
+    const edited = document.edit(label, isRead ? changes : now, changes);
     document.dragging.value = false;
     const isMade = await edited;
     if (!isMade && document.unsaved.value === changes) document.endPreview();

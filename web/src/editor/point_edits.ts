@@ -6,6 +6,7 @@ import { freshName } from "../model/pull";
 import { primName, type Anchor, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
 import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
+import type { PointNames } from "./point_names";
 
 interface Named {
   readonly name: string;
@@ -26,18 +27,20 @@ export class PointEdits {
   readonly #time: ReadonlySignal<number>;
   /** Name of the selected focus point. */
   readonly #selected: Signal<string | null>;
-  /** By the names of points. */
-  readonly #identities = new Map<string, number>();
+  readonly #names: PointNames;
 
-  constructor(document: ShotDocument, time: ReadonlySignal<number>, selected: Signal<string | null>) {
-    [this.#document, this.#time, this.#selected] = [document, time, selected];
+  constructor(
+    document: ShotDocument,
+    time: ReadonlySignal<number>,
+    selected: Signal<string | null>,
+    names: PointNames,
+  ) {
+    [this.#document, this.#time, this.#selected, this.#names] = [document, time, selected, names];
   }
 
   /** An identity that a point keeps when it is renamed; for the keys of lists. */
   identityOf(name: string): number {
-    const identity = this.#identities.get(name) ?? this.#identities.size;
-    this.#identities.set(name, identity);
-    return identity;
+    return this.#names.identityOf(name);
   }
 
   /**
@@ -55,10 +58,6 @@ export class PointEdits {
     const others = this.#document.points.value.map(({ name }) => name).filter((name) => name !== point.name);
     const newName = freshName(typed.trim(), others);
     if (newName === point.name) return false;
-    const renamed = (from: string): void => {
-      const [identity, replaced] = [this.identityOf(from), this.identityOf(newName)];
-      this.#identities.set(newName, identity).set(from, replaced);
-    };
     let from = point.name;
     const isMade = await this.#onPoint(
       `Rename a point to ${newName}`,
@@ -66,7 +65,7 @@ export class PointEdits {
       ({ name }) => [{ type: "renamePoint", name: (from = name), newName }],
       {
         onMade: () => {
-          renamed(from);
+          this.#names.rename(from, newName);
         },
       },
     );

@@ -47,6 +47,7 @@ import { Picks, type Place } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 import { PointEdits } from "./point_edits";
+import { PointNames } from "./point_names";
 import { Pulls, usualPull, type PullChoice } from "./pulls";
 import { readSetting } from "./setting_state";
 import { followWaits } from "./session_waits";
@@ -70,6 +71,7 @@ export class Session {
   readonly filler: CacheFiller;
   readonly photography: CameraPhotography;
   readonly pulls: Pulls;
+  readonly pointNames = new PointNames();
   readonly pointEdits: PointEdits;
   readonly picks: Picks;
   readonly keys: KeyEditing;
@@ -123,7 +125,7 @@ export class Session {
     this.cache = new FrameCache(service, this.document, this.playhead.time);
     this.pictures = new Pictures(service, this.document, fail, noPictures.peek(), this.cache);
     const readNow: ReadKeys = (owner) => readKeys(service, this.document, owner, this.playhead.time.peek());
-    this.corrections = new Corrections(this.document, readNow);
+    this.corrections = new Corrections(this.document, readNow, this.pointNames);
     this.photography = new CameraPhotography(
       service,
       this.document,
@@ -132,7 +134,7 @@ export class Session {
       fail,
     );
     this.pulls = new Pulls(this.document, this.playhead.time, pullChoice);
-    this.pointEdits = new PointEdits(this.document, this.playhead.time, this.selected);
+    this.pointEdits = new PointEdits(this.document, this.playhead.time, this.selected, this.pointNames);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, readNow, fail);
     this.playhead.watch(this.pictures.displayed);

@@ -1,6 +1,7 @@
 import "@fontsource-variable/inter/wght.css";
 import { render } from "preact";
 import { Editor } from "./editor/editor";
+import { frameDrawn } from "./net/frame_drawn";
 import { HttpService } from "./net/http";
 import { followAddress, readAddress } from "./view/address";
 import { App } from "./view/App";
@@ -27,7 +28,11 @@ listenToKeys(window, editor);
 addEventListener("focus", () => void editor.catchUp());
 
 const { shot, camera, time } = readAddress(location.href);
+let newest = "";
 followAddress(editor, (address) => {
-  history.replaceState(null, "", address);
+  newest = address;
+  void frameDrawn().then(() => {
+    if (address === newest) history.replaceState(null, "", address);
+  });
 });
 void editor.start(shot, camera, time);

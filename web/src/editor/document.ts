@@ -7,6 +7,7 @@ import { NO_HISTORY, redoLabel, undoLabel, type EditHistory } from "../model/his
 import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
 import { frameCount, sameTime } from "../model/time";
 import { isAbort } from "../net/errors";
+import { frameDrawn } from "../net/frame_drawn";
 import { NewestWins } from "../net/newest";
 import type { EditResult, Service, Simplified } from "../net/service";
 import type { View } from "../net/view";
@@ -94,26 +95,24 @@ export class ShotDocument {
         this.refresh();
       });
     };
+    const follow = { onError, pause: frameDrawn, mostInFlight: 1 };
     this.#followPoints = new NewestWins({
       load: (at) => this.pointsAt(at),
       onResult: (points) => (this.points.value = points),
-      onError,
-      mostInFlight: 1,
+      ...follow,
     });
     this.#followReadout = new NewestWins({
       load: ({ time: at }, signal) => service.readout(this.view, at, signal),
       onResult: (value, at) => {
         this.#takeReadout(value, at);
       },
-      onError,
       onBusy: (isBusy) => (this.reading.value = isBusy),
-      mostInFlight: 1,
+      ...follow,
     });
     this.#followSettings = new NewestWins({
       load: ({ time: at }, signal) => service.focusSettings(this.view, at, signal),
       onResult: (value, { revision }) => (this.#settings.value = { revision, value }),
-      onError,
-      mostInFlight: 1,
+      ...follow,
     });
     this.solved = new SolvedCurve((abort) => service.curve(this.view, abort), onError);
   }

@@ -18,6 +18,7 @@ import {
   type Photography,
 } from "../model/photography";
 import { setExposure, setFilm } from "../model/changes";
+import { frameDrawn } from "../net/frame_drawn";
 import { NewestWins } from "../net/newest";
 import type { Service } from "../net/service";
 import type { Corrections } from "./corrections";
@@ -61,6 +62,7 @@ export class CameraPhotography {
       onResult: (value, at) => (this.current.value = { ...value, ...at }),
       onError,
       onBusy: (isBusy) => (this.reading.value = isBusy),
+      pause: frameDrawn,
       mostInFlight: 1,
     });
     this.#followMeter = new NewestWins({

@@ -22,6 +22,8 @@ export interface NewestWinsOptions<Request, Result> {
   onError(error: unknown, request: Request): void;
   /** Takes whether anything is in flight, each time that changes. */
   onBusy?(isBusy: boolean): void;
+  /** Waits before each request is sent. */
+  pause?(): Promise<void>;
   mostInFlight?: number;
 }
 
@@ -65,6 +67,7 @@ export class NewestWins<Request, Result> {
 
   async #fly(flight: Flight<Request>): Promise<void> {
     try {
+      if (this.#options.pause) await this.#options.pause();
       const result = await this.#options.load(flight.request, flight.abort.signal);
       if (this.#remove(flight) && flight.serial > this.#delivered) {
         this.#delivered = flight.serial;

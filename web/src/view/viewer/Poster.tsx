@@ -13,6 +13,8 @@ import { Frame } from "./Frame";
 
 /** Width of kept posters: they are shown blurred. */
 const WIDTH_PX = 320;
+/** How long a best picture is on screen before it is kept, ms: a hand that steps through frames is not held up. */
+const REST_MS = 300;
 
 /** A shot that is being opened while none is open. */
 export function OpeningPoster({ editor, wait }: { editor: Editor; wait: Wait }): JSX.Element {
@@ -91,14 +93,23 @@ export function useKeptPosters(editor: Editor, session: Session): void {
       effect(() => {
         const shown = session.pictures.displayed.value;
         if (!shown || !session.settled.value) return;
-        const readout = session.document.readout.peek();
-        const lens = readout && session.document.hasLens ? saidOf(readout) : "";
-        const image = smallPicture(shown);
-        if (image !== null)
-          editor.keepPoster({ shot: session.shot.id, camera: session.camera, lens, image, aspect: session.aspect });
+        const timer = setTimeout(() => {
+          keepPoster(editor, session, shown);
+        }, REST_MS);
+        return () => {
+          clearTimeout(timer);
+        };
       }),
     [editor, session],
   );
+}
+
+function keepPoster(editor: Editor, session: Session, shown: Displayed): void {
+  const readout = session.document.readout.peek();
+  const lens = readout && session.document.hasLens ? saidOf(readout) : "";
+  const image = smallPicture(shown);
+  if (image !== null)
+    editor.keepPoster({ shot: session.shot.id, camera: session.camera, lens, image, aspect: session.aspect });
 }
 
 /** A picture as a data URL; null where the browser makes none. */

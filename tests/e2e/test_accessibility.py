@@ -11,6 +11,7 @@ from tests.e2e.editor import FAR, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
+PHONE: ViewportSize = {"width": 390, "height": 844}
 WIDE: ViewportSize = {"width": 1280, "height": 640}  # with room for the menus
 
 
@@ -37,6 +38,12 @@ def test_axe_finds_nothing_in_any_state(page: Page) -> None:
     page.locator(".graph").wait_for()
     wait_settled(page)
     assert violations(page) == []
+    page.set_viewport_size(PHONE)
+    page.locator(".knot").nth(1).click()
+    page.locator(".handle").first.wait_for()
+    assert violations(page) == []
+    page.set_viewport_size(WIDE)
+    wait_settled(page)
     page.get_by_role("combobox", name="Lens on the camera").click()
     assert violations(page) == []
     page.keyboard.press("Escape")

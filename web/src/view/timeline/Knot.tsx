@@ -23,7 +23,7 @@ import {
 } from "../../model/value_curves";
 import { trim } from "../numbers";
 import { SNAP_PX, useKeyGestures, type KeyGestures, type Way } from "./key_gestures";
-import { formatValue, isDistance, SIDES, type Plot } from "./value_plot";
+import { formatValue, handlePlace, isDistance, SIDES, type Plot } from "./value_plot";
 
 interface KnotProps {
   readonly session: Session;
@@ -136,12 +136,13 @@ function Handle({ session, plot, curve, keys, index, side }: KnotProps & { side:
   const { [side === "in" ? "inSlope" : "outSlope"]: slope } = tangentsAt(keys, index);
   const name = side === "in" ? "before" : "after";
   const length = formatFrame(Math.abs(end.time - key.time));
+  const { x, y } = handlePlace(plot, key, end, side);
   return (
     <button
       type="button"
       class={plot.time.has(end.time) ? "handle" : "handle out"}
       data-handle={side}
-      style={{ left: `${plot.x(end.time)}px`, top: `${plot.y(end.value)}px` }}
+      style={{ left: `${x}px`, top: `${y}px` }}
       aria-label={`Handle ${name} frame ${formatFrame(key.time)}: slope ${trim(slope, 4)} a frame, ${length} frames long`}
       title={`Slope ${trim(slope, 4)} a frame, ${length} frames long; Alt moves this handle alone`}
       {...handlersOf(gestures)}

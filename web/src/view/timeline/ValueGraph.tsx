@@ -16,7 +16,7 @@ import { useSize } from "../hooks";
 import { PointTracks } from "./CurveChart";
 import { Knot } from "./Knot";
 import type { TimeAxis } from "./time_axis";
-import { isDistance, SIDES, type Plot } from "./value_plot";
+import { handlePlace, isDistance, SIDES, type Plot } from "./value_plot";
 
 interface ValueGraphProps {
   readonly session: Session;
@@ -130,10 +130,13 @@ function lineOf(places: readonly Place[], plot: Plot): string {
 
 /** Lines from a key to the ends of its handles. */
 function Arms({ plot, keys, index }: { plot: Plot; keys: readonly Key[]; index: number }): JSX.Element {
-  const [key, ends] = [keys[index], SIDES.map((side) => handleAt(keys, index, side))];
-  const lines = ends.flatMap((end) =>
-    key && end ? [`M${plot.x(key.time)} ${plot.y(key.value)}L${plot.x(end.time)} ${plot.y(end.value)}`] : [],
-  );
+  const key = keys[index];
+  const lines = SIDES.flatMap((side) => {
+    const end = handleAt(keys, index, side);
+    if (!key || !end) return [];
+    const { x, y } = handlePlace(plot, key, end, side);
+    return [`M${plot.x(key.time)} ${plot.y(key.value)}L${x} ${y}`];
+  });
   return <path class="arms" d={lines.join("")} />;
 }
 

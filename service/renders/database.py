@@ -1,0 +1,54 @@
+"""The database of the renders: SQLite in the data folder, at the newest revision of the tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from alembic import command
+from alembic.config import Config
+from alembic.util import CommandError
+from sqlalchemy import Engine, create_engine, event
+from sqlalchemy.exc import SQLAlchemyError
+
+from render.errors import OutputError
+
+FILE = "renders.sqlite"
+BUSY_MS = 10_000
+"""Time to wait for another writer."""
+_MIGRATIONS = Path(__file__).parent / "migrations"
+
+
+def open_database(folder: Path) -> Engine:
+    """Open the database of a data folder; it is made where it is missing, and brought to the present tables.
+
+    Raises:
+        OutputError: it cannot be opened, or a newer version wrote it.
+    """
+    path = folder / FILE
+    engine = create_engine(f"sqlite:///{path}")
+    event.listen(engine, "connect", _configure)
+    event.listen(engine, "begin", lambda connection: connection.exec_driver_sql("BEGIN IMMEDIATE"))
+    try:
+        migrate(engine)
+    except (SQLAlchemyError, CommandError) as error:
+        engine.dispose()
+        reason = str(error).strip().partition("\n")[0]
+        raise OutputError(f"the database of renders {path} cannot be opened: {reason}", path=str(path)) from error
+    return engine
+
+
+def migrate(engine: Engine) -> None:
+    """Bring the tables to their newest revision (Alembic)."""
+    config = Config()
+    config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
+    with engine.begin() as connection:
+        config.attributes["connection"] = connection
+        command.upgrade(config, "head")
+
+
+def _configure(connection: Any, _record: object) -> None:
+    """Let SQLAlchemy begin transactions, so that a reader which goes on to write has the lock from its start."""
+    connection.isolation_level = None
+    for setting in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON", f"busy_timeout={BUSY_MS}"):
+        connection.execute(f"PRAGMA {setting}")

@@ -1,0 +1,62 @@
+"""Ranges of frames as text, in the grammar of Open Job Description's integer ranges: ``1-10:2,15``.
+
+A range is a list of parts, separated by commas: a frame, ``FIRST-LAST``, or ``FIRST-LAST:STEP``. Frames may be negative, and so
+may the step of a range that goes down. No frame may come twice (OpenJD Template Schemas 2023-09, ``IntRangeExpr``).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+
+from render.errors import SettingsError
+
+MAX_FRAMES = 10_000
+MAX_FRAME = 10**9
+_PART = re.compile(r"\s*(-?\d{1,10})\s*(?:-\s*(-?\d{1,10})\s*(?::\s*(-?\d{1,10})\s*)?)?")
+
+
+def parse_frames(text: str) -> list[int]:
+    """Return the frames of a range in rising order.
+
+    Raises:
+        SettingsError: the text is no range, a frame comes twice, or there are too many.
+    """
+    ranges = [_part(part, text) for part in text.split(",")]
+    count = sum(len(frames) for frames in ranges)
+    if count > MAX_FRAMES:
+        raise SettingsError(f"a render has {MAX_FRAMES:,} frames at most, got {count:,}", path="frames")
+    frames = sorted(frame for part in ranges for frame in part)
+    twice = next((one for one, other in pairwise(frames) if one == other), None)
+    if twice is not None:
+        raise SettingsError(f"frame {twice} comes twice in {text!r}", path="frames")
+    return frames
+
+
+def format_frames(frames: Sequence[int]) -> str:
+    """Return frames in rising order as a short range."""
+    parts: list[str] = []
+    start = 0
+    for place in range(1, len(frames) + 1):
+        if place == len(frames) or frames[place] != frames[place - 1] + 1:
+            first, last = frames[start], frames[place - 1]
+            parts.append(f"{first}-{last}" if last > first else f"{first}")
+            start = place
+    return ",".join(parts)
+
+
+def _part(part: str, text: str) -> range:
+    found = _PART.fullmatch(part)
+    if not found:
+        raise SettingsError(f"frames are expected like 1-10:2,15, got {text[:80]!r}", path="frames")
+    first = int(found[1])
+    last = first if found[2] is None else int(found[2])
+    step = 1 if found[3] is None else int(found[3])
+    if max(abs(first), abs(last)) > MAX_FRAME:
+        raise SettingsError(f"frames lie between -{MAX_FRAME:,} and {MAX_FRAME:,}, got {part.strip()!r}", path="frames")
+    if step == 0 or (last - first) * step < 0:
+        raise SettingsError(
+            f"the step of {part.strip()!r} does not lead from its first frame to its last", path="frames"
+        )
+    return range(first, last + (1 if step > 0 else -1), step)

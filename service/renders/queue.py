@@ -1,0 +1,437 @@
+"""The queue of renders: who draws which frame next, and what became of it. All of it is in the database, so nothing is lost.
+
+A worker *claims* a task and holds it by a lease, which it extends while it draws. A lease that runs out means that the worker is
+gone: the task is ready again after a pause. An error that may pass (a worker that died, a full disk) is tried again up to
+`MOST_FAILURES` times; one that another try cannot mend ends the task at once.
+"""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from sqlalchemy import Engine, delete, func, select, update
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.orm import Session, undefer
+
+from render.errors import NotFoundError, OutputError
+from service.renders.errors import ConflictError
+from service.renders.frame_ranges import format_frames
+from service.renders.tables import AttemptRow, RenderRow, TaskRow
+
+MOST_FAILURES = 3
+"""Errors that may pass after which a task has failed."""
+BACK_OFF_S = 2.0
+"""Pause before a task is tried again; twice as long each time."""
+MAX_ERROR = 4000
+"""Length of an error's text."""
+
+RenderState = Literal[
+    "queued", "running", "pause-requested", "paused", "cancel-requested", "canceled", "failed", "done"
+]
+TaskState = Literal["ready", "running", "done", "failed", "canceled"]
+
+
+@dataclass(frozen=True)
+class NewRender:
+    """A render that is sent.
+
+    Attributes:
+        name: for people and files.
+        project: whose it is.
+        owner: id of the principal who sends it.
+        owner_label: name of that principal.
+        idempotency_key: the same key again gives the same render; None for none.
+        digest: of the request, so that a key that is used for another one is found out.
+        shot: id of the shot.
+        shot_created_at: when that shot was accepted; another one may get its id later.
+        edits: text of its edit layer.
+        revision: of these edits.
+        request: the picture's settings, as JSON.
+        frames: in rising order.
+        priority: higher ones come first.
+    """
+
+    name: str
+    project: str
+    owner: str
+    owner_label: str
+    idempotency_key: str | None
+    digest: str
+    shot: str
+    shot_created_at: str
+    edits: str
+    revision: str
+    request: dict[str, Any]
+    frames: Sequence[int]
+    priority: int
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A task that a worker has claimed.
+
+    Attributes:
+        render: id of the render.
+        frame: to be drawn.
+        attempt: number of this attempt, from 1 on.
+        worker: who holds it.
+        owner: id of the principal whose render it is.
+        shot: id of the shot.
+        shot_created_at: when that shot was accepted.
+        edits: text of its edit layer.
+        request: the picture's settings.
+    """
+
+    render: str
+    frame: int
+    attempt: int
+    worker: str
+    owner: str
+    shot: str
+    shot_created_at: str
+    edits: str
+    request: dict[str, Any]
+
+
+class RenderQueue:
+    """The queue of renders. Any thread may use it, and any number of processes.
+
+    Args:
+        engine: of a database that `service.renders.database` has opened.
+        clock: tells the time, s since 1970.
+    """
+
+    def __init__(self, engine: Engine, clock: Callable[[], float] = time.time) -> None:
+        self._engine = engine
+        self._clock = clock
+
+    def close(self) -> None:
+        """Close the connections to the database."""
+        self._engine.dispose()
+
+    def submit(self, new: NewRender) -> RenderRow:
+        """Add a render.
+
+        Returns:
+            The render, or the one that was sent with the same idempotency key before.
+
+        Raises:
+            ConflictError: the idempotency key was used for another request.
+        """
+        with self._session() as session:
+            if new.idempotency_key is not None:
+                same = select(RenderRow).where(
+                    RenderRow.owner == new.owner, RenderRow.idempotency_key == new.idempotency_key
+                )
+                before = session.scalar(same)
+                if before is not None and before.digest != new.digest:
+                    raise ConflictError(
+                        "this idempotency key was sent with another render before; send a new key with a new render",
+                        code="idempotency_key_reused",
+                    )
+                if before is not None:
+                    return before
+            render = RenderRow(
+                id=f"r-{secrets.token_hex(6)}",
+                **{name: value for name, value in vars(new).items() if name != "frames"},
+                frames=format_frames(new.frames),
+                count=len(new.frames),
+                ready=len(new.frames),
+                wanted="run",
+                created_at=self._clock(),
+            )
+            session.add(render)
+            session.flush()
+            session.add_all(TaskRow(render=render.id, frame=frame, state="ready") for frame in new.frames)
+            return render
+
+    def get(self, render_id: str) -> RenderRow:
+        """Return a render. Raises `NotFoundError`."""
+        with self._session() as session:
+            return _found(session, render_id)
+
+    def list(self, project: str | None, most: int, before: tuple[float, str] | None = None) -> Sequence[RenderRow]:
+        """Return renders, the newest first.
+
+        Args:
+            project: whose; None for those of all projects.
+            most: number of renders.
+            before: time and id of a render; older ones are returned. None begins with the newest.
+        """
+        wanted = select(RenderRow).order_by(RenderRow.created_at.desc(), RenderRow.id.desc()).limit(most)
+        if project is not None:
+            wanted = wanted.where(RenderRow.project == project)
+        if before is not None:
+            created_at, render_id = before
+            is_older = (RenderRow.created_at < created_at) | (
+                (RenderRow.created_at == created_at) & (RenderRow.id < render_id)
+            )
+            wanted = wanted.where(is_older)
+        with self._session() as session:
+            return session.scalars(wanted).all()
+
+    def tasks(self, render_id: str) -> Sequence[tuple[TaskRow, Sequence[AttemptRow]]]:
+        """Return the tasks of a render in the order of their frames, with their attempts. Raises `NotFoundError`."""
+        with self._session() as session:
+            _found(session, render_id)
+            tasks = session.scalars(select(TaskRow).where(TaskRow.render == render_id).order_by(TaskRow.frame)).all()
+            attempts = session.scalars(
+                select(AttemptRow).where(AttemptRow.render == render_id).order_by(AttemptRow.number)
+            ).all()
+            by_frame: dict[int, list[AttemptRow]] = {}
+            for attempt in attempts:
+                by_frame.setdefault(attempt.frame, []).append(attempt)
+            return [(task, by_frame.get(task.frame, [])) for task in tasks]
+
+    def task(self, render_id: str, frame: int) -> TaskRow:
+        """Return a task. Raises `NotFoundError`: there is no such render, or it has no such frame."""
+        with self._session() as session:
+            render = _found(session, render_id)
+            task = session.get(TaskRow, (render_id, frame))
+            if task is None:
+                detail = f"render {render_id!r} has no frame {frame}, it has {render.frames[:200]}"
+                raise NotFoundError(detail, code="frame_not_found", path="frame")
+            return task
+
+    def claim(self, worker: str, lease_s: float) -> Claim | None:
+        """Claim the next task: of the render with the highest priority, then of the oldest, its first frame that is ready.
+
+        Args:
+            worker: who claims it.
+            lease_s: time after which the worker is taken for gone, unless it extends the lease.
+        """
+        now = self._clock()
+        with self._session() as session:
+            self._end_lost(session, now)
+            turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
+            found = session.execute(
+                select(RenderRow, TaskRow)
+                .options(undefer(RenderRow.edits))
+                .join(TaskRow, TaskRow.render == RenderRow.id)
+                .where(RenderRow.wanted == "run", RenderRow.ready > 0)
+                .where(TaskRow.state == "ready", TaskRow.not_before <= now)
+                .order_by(*turn, TaskRow.frame)
+                .limit(1)
+            ).first()
+            if found is None:
+                return None
+            render, task = found
+            task.attempts += 1
+            _move(render, task, "running")
+            task.worker, task.lease_until = worker, now + lease_s
+            render.started_at = render.started_at or now
+            session.add(
+                AttemptRow(render=render.id, frame=task.frame, number=task.attempts, worker=worker, started_at=now)
+            )
+            return Claim(
+                render.id,
+                task.frame,
+                task.attempts,
+                worker,
+                render.owner,
+                render.shot,
+                render.shot_created_at,
+                render.edits,
+                render.request,
+            )
+
+    def extend(self, claim: Claim, lease_s: float) -> bool:
+        """Extend a lease; return whether the task is still the worker's and wanted."""
+        with self._session() as session:
+            held = self._held(session, claim)
+            if held is None:
+                return False
+            held[1].lease_until = self._clock() + lease_s
+            return held[0].wanted != "cancel"
+
+    def finish(self, claim: Claim, size_bytes: int, sha256: str) -> bool:
+        """Note that a frame is drawn and stored; return whether the task was still the worker's."""
+        with self._session() as session:
+            held = self._held(session, claim)
+            if held is None:
+                return False
+            render, task = held
+            task.size_bytes, task.sha256 = size_bytes, sha256
+            self._end(session, claim, render, task, "done", "done", None)
+            return True
+
+    def fail(self, claim: Claim, error: str, *, may_pass: bool) -> None:
+        """Note that a frame could not be drawn.
+
+        Args:
+            claim: the task.
+            error: what went wrong, for people.
+            may_pass: whether another try may succeed.
+        """
+        with self._session() as session:
+            held = self._held(session, claim)
+            if held is None:
+                return
+            render, task = held
+            task.failures += 1
+            has_failed = not may_pass or task.failures >= MOST_FAILURES
+            self._end(session, claim, render, task, "failed" if has_failed else "ready", "failed", error)
+            task.not_before = self._clock() + BACK_OFF_S * 2 ** (task.failures - 1)
+
+    def give_back(self, claim: Claim, reason: str, pause_s: float = 0.0) -> None:
+        """Give a task back that was not finished, as when the service stops; it counts as no failure.
+
+        Args:
+            claim: the task.
+            reason: for people.
+            pause_s: time for which nobody claims it.
+        """
+        with self._session() as session:
+            held = self._held(session, claim)
+            if held is not None:
+                self._end(session, claim, *held, "ready", "given-back", reason)
+                held[1].not_before = self._clock() + pause_s
+
+    def pause(self, render_id: str) -> RenderRow:
+        """Begin no more frames of a render. Raises `NotFoundError`, `ConflictError`: it has ended."""
+        return self._want(render_id, "pause")
+
+    def resume(self, render_id: str) -> RenderRow:
+        """Go on with a render that was paused. Raises `NotFoundError`, `ConflictError`: it has ended."""
+        return self._want(render_id, "run")
+
+    def cancel(self, render_id: str) -> RenderRow:
+        """End a render; its finished frames stay. Raises `NotFoundError`, `ConflictError`: it has ended already."""
+        with self._session() as session:
+            render = _unended(session, render_id)
+            render.wanted = "cancel"
+            waiting = update(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready")
+            session.execute(waiting.values(state="canceled"))
+            render.canceled += render.ready
+            render.ready = 0
+            self._note_end(render)
+            return render
+
+    def retry(self, render_id: str) -> RenderRow:
+        """Try the frames again that have failed or were canceled. Raises `NotFoundError`, `ConflictError`: there are none."""
+        with self._session() as session:
+            render = _found(session, render_id)
+            if render.failed + render.canceled == 0:
+                raise ConflictError(f"render {render_id!r} has no frames that have failed or were canceled")
+            again = update(TaskRow).where(TaskRow.render == render_id, TaskRow.state.in_(("failed", "canceled")))
+            session.execute(again.values(state="ready", failures=0, not_before=0.0))
+            render.ready += render.failed + render.canceled
+            render.failed = render.canceled = 0
+            render.wanted, render.finished_at = "run", None
+            return render
+
+    def remove(self, render_id: str) -> None:
+        """Forget a render that has ended. Raises `NotFoundError`, `ConflictError`: it has not."""
+        with self._session() as session:
+            render = _found(session, render_id)
+            if render.ready + render.running > 0:
+                raise ConflictError(f"render {render_id!r} is under way; cancel it before you remove it")
+            session.execute(delete(RenderRow).where(RenderRow.id == render_id))
+
+    def numbers(self) -> dict[TaskState, int]:
+        """Return the number of tasks in each state."""
+        states: tuple[TaskState, ...] = ("ready", "running", "done", "failed", "canceled")
+        sums = select(*(func.coalesce(func.sum(getattr(RenderRow, state)), 0) for state in states))
+        with self._session() as session:
+            return dict(zip(states, session.execute(sums).one(), strict=True))
+
+    def _want(self, render_id: str, wanted: str) -> RenderRow:
+        with self._session() as session:
+            render = _unended(session, render_id)
+            render.wanted = wanted
+            return render
+
+    def _held(self, session: Session, claim: Claim) -> tuple[RenderRow, TaskRow] | None:
+        """Return the render and task of a claim; None where the task is another worker's by now, or was removed."""
+        task = session.get(TaskRow, (claim.render, claim.frame))
+        if task is None or (task.state, task.worker, task.attempts) != ("running", claim.worker, claim.attempt):
+            return None
+        return _found(session, claim.render), task
+
+    def _end(
+        self,
+        session: Session,
+        claim: Claim,
+        render: RenderRow,
+        task: TaskRow,
+        state: TaskState,
+        outcome: str,
+        error: str | None,
+    ) -> None:
+        """End an attempt; a task that is ready again is canceled where its render is."""
+        now = self._clock()
+        attempt = session.get_one(AttemptRow, (claim.render, claim.frame, claim.attempt))
+        attempt.ended_at, attempt.outcome, attempt.error = now, outcome, error and error[:MAX_ERROR]
+        task.worker = task.lease_until = None
+        _move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
+        if state == "done":
+            render.busy_s += max(0.0, now - attempt.started_at)
+        self._note_end(render)
+
+    def _end_lost(self, session: Session, now: float) -> None:
+        """Take tasks back from workers whose leases have run out."""
+        lost = select(TaskRow).where(TaskRow.state == "running", TaskRow.lease_until < now)
+        for task in session.scalars(lost).all():
+            render = session.get_one(RenderRow, task.render)
+            claim = Claim(task.render, task.frame, task.attempts, task.worker or "", "", "", "", "", {})
+            task.failures += 1
+            has_failed = task.failures >= MOST_FAILURES
+            self._end(session, claim, render, task, "failed" if has_failed else "ready", "lost", "the worker is gone")
+            task.not_before = now + BACK_OFF_S * 2 ** (task.failures - 1)
+
+    def _note_end(self, render: RenderRow) -> None:
+        render.finished_at = self._clock() if render.ready + render.running == 0 else None
+
+    @contextmanager
+    def _session(self) -> Iterator[Session]:
+        """Begin a transaction; what it has read can be used after its end."""
+        try:
+            with Session(self._engine, expire_on_commit=False) as session, session.begin():
+                yield session
+        except OperationalError as error:  # as of a full disk
+            reason = str(error.orig).partition("\n")[0]
+            raise OutputError(f"the queue of renders cannot be used now: {reason}", code="queue_unusable") from error
+
+
+def state_of(render: RenderRow) -> RenderState:
+    """Return the state of a render, which follows from what is wanted and from the states of its tasks."""
+    if render.ready + render.running == 0:
+        if render.canceled > 0:
+            return "canceled"
+        return "failed" if render.failed > 0 else "done"
+    if render.wanted == "cancel":
+        return "cancel-requested"
+    if render.wanted == "pause":
+        return "pause-requested" if render.running > 0 else "paused"
+    return "queued" if render.ready == render.count else "running"
+
+
+def _found(session: Session, render_id: str) -> RenderRow:
+    render = session.get(RenderRow, render_id)
+    if render is None:
+        raise not_found(render_id)
+    return render
+
+
+def _unended(session: Session, render_id: str) -> RenderRow:
+    render = _found(session, render_id)
+    if render.ready + render.running == 0:
+        raise ConflictError(f"render {render_id!r} has ended: it is {state_of(render)}")
+    return render
+
+
+def not_found(render_id: str) -> NotFoundError:
+    """Return the error that a render is not there, as far as the sender may know."""
+    return NotFoundError(f"There is no render {render_id!r}.", code="render_not_found", path="render")
+
+
+def _move(render: RenderRow, task: TaskRow, state: TaskState) -> None:
+    """Put a task into another state, and count it there."""
+    setattr(render, task.state, getattr(render, task.state) - 1)
+    setattr(render, state, getattr(render, state) + 1)
+    task.state = state

@@ -1,0 +1,87 @@
+"""Tables of the renders: jobs, their tasks (a frame each) and the attempts of these."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy import JSON, ForeignKey, ForeignKeyConstraint, Index, Text, UniqueConstraint
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+
+class Table(DeclarativeBase):
+    """Base of all tables. Times are seconds since 1970, UTC."""
+
+
+class RenderRow(Table):
+    """A render. The numbers of its tasks in each state are kept with it, so that lists are quick."""
+
+    __tablename__ = "renders"
+    __table_args__ = (
+        UniqueConstraint("owner", "idempotency_key"),
+        Index("renders_by_turn", "wanted", "priority", "created_at"),
+    )
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    name: Mapped[str]
+    project: Mapped[str] = mapped_column(index=True)
+    owner: Mapped[str]
+    owner_label: Mapped[str]
+    idempotency_key: Mapped[str | None]
+    digest: Mapped[str]
+    shot: Mapped[str]
+    shot_created_at: Mapped[str]
+    edits: Mapped[str] = mapped_column(Text, deferred=True)
+    revision: Mapped[str]
+    request: Mapped[dict[str, Any]] = mapped_column(JSON)
+    frames: Mapped[str] = mapped_column(Text)
+    count: Mapped[int]
+    priority: Mapped[int]
+    wanted: Mapped[str]
+    created_at: Mapped[float] = mapped_column(index=True)
+    started_at: Mapped[float | None]
+    finished_at: Mapped[float | None]
+    busy_s: Mapped[float] = mapped_column(default=0.0)
+    ready: Mapped[int]
+    running: Mapped[int] = mapped_column(default=0)
+    done: Mapped[int] = mapped_column(default=0)
+    failed: Mapped[int] = mapped_column(default=0)
+    canceled: Mapped[int] = mapped_column(default=0)
+
+
+class TaskRow(Table):
+    """A frame of a render."""
+
+    __tablename__ = "render_tasks"
+    __table_args__ = (
+        Index("render_tasks_by_state", "render", "state", "frame"),
+        Index("render_tasks_by_lease", "state", "lease_until"),
+    )
+
+    render: Mapped[str] = mapped_column(ForeignKey("renders.id", ondelete="CASCADE"), primary_key=True)
+    frame: Mapped[int] = mapped_column(primary_key=True)
+    state: Mapped[str]
+    attempts: Mapped[int] = mapped_column(default=0)
+    failures: Mapped[int] = mapped_column(default=0)
+    not_before: Mapped[float] = mapped_column(default=0.0)
+    worker: Mapped[str | None]
+    lease_until: Mapped[float | None]
+    size_bytes: Mapped[int | None]
+    sha256: Mapped[str | None]
+
+
+class AttemptRow(Table):
+    """An attempt at a task."""
+
+    __tablename__ = "render_attempts"
+    __table_args__ = (
+        ForeignKeyConstraint(["render", "frame"], ["render_tasks.render", "render_tasks.frame"], ondelete="CASCADE"),
+    )
+
+    render: Mapped[str] = mapped_column(primary_key=True)
+    frame: Mapped[int] = mapped_column(primary_key=True)
+    number: Mapped[int] = mapped_column(primary_key=True)
+    worker: Mapped[str]
+    started_at: Mapped[float]
+    ended_at: Mapped[float | None]
+    outcome: Mapped[str | None]
+    error: Mapped[str | None] = mapped_column(Text)

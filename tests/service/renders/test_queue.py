@@ -1,0 +1,243 @@
+"""The queue of renders: turns, leases, tries, and what stays after a restart."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from render.errors import NotFoundError, OutputError
+from service.renders.database import FILE, open_database
+from service.renders.errors import ConflictError
+from service.renders.queue import BACK_OFF_S, MOST_FAILURES, NewRender, RenderQueue, state_of
+
+LEASE_S = 60.0
+
+
+class Clock:
+    """A clock that a test sets."""
+
+    def __init__(self):
+        self.now = 1000.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def queue(tmp_path, clock):
+    opened = RenderQueue(open_database(tmp_path), clock)
+    yield opened
+    opened.close()
+
+
+def render(frames=(1, 2, 3), priority=50, key=None, name="dailies", digest="digest") -> NewRender:
+    return NewRender(
+        name, "default", "key:a", "Mara", key, digest, "demo", "2026", "#usda 1.0", "rev", {"rays": 4}, frames, priority
+    )
+
+
+def drawn(queue: RenderQueue, worker="one") -> tuple[str, int] | None:
+    """Claim and finish the next frame."""
+    claim = queue.claim(worker, LEASE_S)
+    if claim is None:
+        return None
+    assert queue.finish(claim, 10, "hash")
+    return claim.render, claim.frame
+
+
+def states(queue: RenderQueue, render_id: str) -> list[str]:
+    return [task.state for task, _ in queue.tasks(render_id)]
+
+
+def test_frames_are_drawn_in_order_until_all_are_done(queue, clock):
+    sent = queue.submit(render())
+    assert state_of(sent) == "queued"
+    assert [drawn(queue)[1] for _ in range(2)] == [1, 2]
+    assert state_of(queue.get(sent.id)) == "running"
+    assert drawn(queue)[1] == 3
+    assert drawn(queue) is None
+    done = queue.get(sent.id)
+    assert (state_of(done), done.done, done.finished_at) == ("done", 3, clock.now)
+
+
+def test_higher_priorities_come_first_then_older_renders(queue, clock):
+    sent = []
+    for priority in (50, 50, 80):
+        sent.append(queue.submit(render([1], priority)).id)
+        clock.now += 1
+    assert [drawn(queue)[0] for _ in range(3)] == [sent[2], sent[0], sent[1]]
+
+
+def test_a_claim_has_what_a_worker_needs(queue):
+    sent = queue.submit(render([7]))
+    claim = queue.claim("one", LEASE_S)
+    assert (claim.render, claim.frame, claim.attempt, claim.worker) == (sent.id, 7, 1, "one")
+    assert (claim.edits, claim.request, claim.owner, claim.shot) == ("#usda 1.0", {"rays": 4}, "key:a", "demo")
+
+
+def test_a_key_that_is_sent_again_gives_the_same_render(queue):
+    first = queue.submit(render(key="k"))
+    assert queue.submit(render(key="k")).id == first.id
+    with pytest.raises(ConflictError, match="send a new key"):
+        queue.submit(render(key="k", digest="another"))
+    assert queue.submit(render()).id != queue.submit(render()).id
+
+
+def test_a_lost_lease_makes_the_frame_ready_after_a_pause(queue, clock):
+    sent = queue.submit(render([1]))
+    lost = queue.claim("one", LEASE_S)
+    clock.now += LEASE_S - 1
+    assert queue.extend(lost, LEASE_S)
+    clock.now += LEASE_S - 1
+    assert queue.claim("two", LEASE_S) is None
+    clock.now += 2
+    assert queue.claim("two", LEASE_S) is None  # taken back now, and tried again later
+    clock.now += BACK_OFF_S
+    again = queue.claim("two", LEASE_S)
+    assert (again.frame, again.attempt) == (1, 2)
+    assert not queue.extend(lost, LEASE_S)
+    assert not queue.finish(lost, 1, "late")  # the first worker was slow, not gone: its answer is not counted
+    assert queue.finish(again, 10, "hash")
+    ((task, attempts),) = queue.tasks(sent.id)
+    assert (task.sha256, [attempt.outcome for attempt in attempts]) == ("hash", ["lost", "done"])
+
+
+def test_an_error_that_may_pass_is_tried_three_times(queue, clock):
+    sent = queue.submit(render([1]))
+    for number in range(1, MOST_FAILURES + 1):
+        claim = queue.claim("one", LEASE_S)
+        assert claim.attempt == number
+        queue.fail(claim, "the disk is full", may_pass=True)
+        assert queue.claim("one", LEASE_S) is None
+        clock.now += BACK_OFF_S * 2**number
+    assert queue.claim("one", LEASE_S) is None
+    assert state_of(queue.get(sent.id)) == "failed"
+    ((_, attempts),) = queue.tasks(sent.id)
+    assert [attempt.error for attempt in attempts] == ["the disk is full"] * MOST_FAILURES
+
+
+def test_an_error_that_stays_fails_the_frame_alone(queue):
+    sent = queue.submit(render([1, 2]))
+    queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
+    assert drawn(queue)[1] == 2
+    ended = queue.get(sent.id)
+    assert (state_of(ended), ended.failed, ended.done) == ("failed", 1, 1)
+    again = queue.retry(sent.id)
+    assert (state_of(again), again.finished_at) == ("running", None)
+    assert drawn(queue)[1] == 1
+    assert state_of(queue.get(sent.id)) == "done"
+    with pytest.raises(ConflictError, match="no frames that have failed"):
+        queue.retry(sent.id)
+
+
+def test_a_frame_that_is_given_back_is_no_failure(queue):
+    queue.submit(render([1]))
+    for number in range(1, MOST_FAILURES + 3):
+        claim = queue.claim("one", LEASE_S)
+        assert claim.attempt == number
+        queue.give_back(claim, "the service stops")
+
+
+def test_a_paused_render_begins_no_frame(queue):
+    sent = queue.submit(render())
+    claim = queue.claim("one", LEASE_S)
+    assert state_of(queue.pause(sent.id)) == "pause-requested"
+    assert queue.claim("two", LEASE_S) is None
+    assert queue.extend(claim, LEASE_S)
+    queue.finish(claim, 10, "hash")
+    assert state_of(queue.get(sent.id)) == "paused"
+    assert state_of(queue.resume(sent.id)) == "running"
+    assert drawn(queue)[1] == 2
+
+
+def test_a_cancelled_render_keeps_what_it_has(queue):
+    sent = queue.submit(render())
+    drawn(queue)
+    claim = queue.claim("one", LEASE_S)
+    assert state_of(queue.cancel(sent.id)) == "cancel-requested"
+    assert not queue.extend(claim, LEASE_S)
+    queue.give_back(claim, "cancelled")
+    assert state_of(queue.get(sent.id)) == "canceled"
+    assert states(queue, sent.id) == ["done", "canceled", "canceled"]
+    with pytest.raises(ConflictError, match="has ended: it is canceled"):
+        queue.cancel(sent.id)
+    assert queue.retry(sent.id).ready == 2
+
+
+def test_only_a_render_that_has_ended_is_removed(queue):
+    sent = queue.submit(render([1]))
+    with pytest.raises(ConflictError, match="cancel it before"):
+        queue.remove(sent.id)
+    drawn(queue)
+    queue.remove(sent.id)
+    with pytest.raises(NotFoundError):
+        queue.get(sent.id)
+    with pytest.raises(NotFoundError):
+        queue.tasks(sent.id)
+
+
+def test_workers_that_claim_at_once_never_share_a_frame(queue):
+    queue.submit(render(range(1, 41)))
+    claimed: list[int] = []
+
+    def work(name: str) -> None:
+        while (claim := queue.claim(name, LEASE_S)) is not None:
+            claimed.append(claim.frame)
+            queue.finish(claim, 1, "hash")
+
+    threads = [threading.Thread(target=work, args=(f"worker {number}",)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(claimed) == list(range(1, 41))
+
+
+def test_renders_are_listed_from_the_newest_on(queue, clock):
+    sent = []
+    for number in range(5):
+        sent.append(queue.submit(render(name=f"{number}")))
+        clock.now += number % 2  # some at the same time
+    first = queue.list("default", 2)
+    rest = queue.list("default", 9, (first[-1].created_at, first[-1].id))
+    assert sorted(row.id for row in (*first, *rest)) == sorted(row.id for row in sent)
+    assert [row.created_at for row in (*first, *rest)] == sorted((row.created_at for row in sent), reverse=True)
+    assert queue.list("another", 9) == []
+    assert len(queue.list(None, 9)) == 5
+
+
+def test_everything_is_there_after_a_restart(tmp_path, clock):
+    before = RenderQueue(open_database(tmp_path), clock)
+    sent = before.submit(render())
+    drawn(before)
+    before.claim("killed", LEASE_S)
+    before.close()
+    after = RenderQueue(open_database(tmp_path), clock)
+    assert states(after, sent.id) == ["done", "running", "ready"]
+    clock.now += LEASE_S + 1
+    assert drawn(after)[1] == 3  # while the frame of the worker that is gone pauses
+    clock.now += BACK_OFF_S
+    assert drawn(after)[1] == 2
+    assert after.numbers() == {"ready": 0, "running": 0, "done": 3, "failed": 0, "canceled": 0}
+    after.close()
+
+
+def test_a_file_that_is_no_database_is_named(tmp_path):
+    (tmp_path / FILE).write_text("no database")
+    with pytest.raises(OutputError, match="database of renders"):
+        open_database(tmp_path)
+
+
+def test_a_database_of_a_newer_version_is_left_alone(tmp_path):
+    engine = open_database(tmp_path)
+    with engine.begin() as connection:
+        connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
+    engine.dispose()
+    with pytest.raises(OutputError, match="cannot be opened"):
+        open_database(tmp_path)

@@ -48,17 +48,18 @@ class Admission:
         self._factors: OrderedDict[str, float] = OrderedDict()
         self._lock = threading.Lock()
 
-    def check(self, shot_id: str, picture: PictureSettings) -> Admitted:
+    def check(self, shot_id: str, picture: PictureSettings, path: str | None = None) -> Admitted:
         """Admit a picture.
 
         Args:
             shot_id: the shot.
             picture: its settings. One without a height is judged as 16:9 here, and in the shape of its film gate by the worker.
+            path: part of the request that errors name; by default where such settings are sent.
 
         Raises:
             SettingsError: the picture has too many pixels, or is expected to take too long.
         """
-        path = _path_of(picture)
+        path = path or _path_of(picture)
         check_pixels(picture.width, picture.height, self._max_px, path)
         with self._lock:
             factor = self._factors.get(shot_id, 1.0)

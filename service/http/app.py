@@ -23,6 +23,7 @@ from service.http.last_shot import draw_last_shot
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
 from service.http.reference import install_reference
+from service.http.render_runner import run_renders
 from service.http.request_context import RequestContextMiddleware
 from service.http.routes import (
     cameras,
@@ -38,6 +39,7 @@ from service.http.routes import (
     metering,
     photography,
     quarantine,
+    renders,
     shots,
     solving,
     system,
@@ -76,7 +78,7 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service = Service.start(settings)
         app.state.service = service
-        upkeep = [_begin(work, service) for work in (_empty_trash, _save_usage, end_greedy_workers)]
+        upkeep = [_begin(work, service) for work in (_empty_trash, _save_usage, end_greedy_workers, run_renders)]
         try:
             if settings.demo:
                 await _ensure_demo(service)
@@ -85,6 +87,7 @@ def create_app(settings: Settings) -> FastAPI:
         finally:
             for task in upkeep:
                 task.cancel()
+            await asyncio.gather(*upkeep, return_exceptions=True)
             service.long_exposures.close()
             await run_in_threadpool(service.close)
             await run_in_threadpool(end_tracing)
@@ -123,6 +126,7 @@ def create_app(settings: Settings) -> FastAPI:
         focus,
         solving,
         curves,
+        renders,
         keys,
     ):
         app.include_router(routes.router, prefix="/v1", responses=refusals())

@@ -31,6 +31,7 @@ from render.errors import (
 from render.model.edit_history import EndOfHistoryError
 from service.edit_context import ChangedMeanwhileError
 from service.http.hidden_folders import without_folders
+from service.renders.errors import ConflictError
 from service.workers.errors import (
     QueueFullError,
     StoppingError,
@@ -47,6 +48,7 @@ STATUS_OF_ERROR: tuple[tuple[type[PullfocusError | WorkerError], int], ...] = (
     (NotFoundError, 404),
     (ChangedMeanwhileError, 412),
     (EndOfHistoryError, 409),
+    (ConflictError, 409),
     (SettingsError, 422),
     (InputError, 422),
     (GraphicsError, 503),

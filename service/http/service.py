@@ -15,6 +15,7 @@ from fastapi import Depends
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import HTTPConnection
 
+from render.errors import OutputError
 from service.http.admission import Admission
 from service.http.clients import present_client
 from service.http.frame_cache import FrameCache
@@ -29,6 +30,9 @@ from service.http.settings import MEBIBYTE, Settings
 from service.http.stopping import Stopping
 from service.models.shots import Shot
 from service.picture import calls as picture
+from service.renders.database import open_database
+from service.renders.files import RenderFiles
+from service.renders.queue import RenderQueue
 from service.stage import calls as stage
 from service.storage.store import ShotRecord, ShotStore, not_found
 from service.storage.trash import Trash
@@ -62,6 +66,9 @@ class Service:
         admission: judges what pictures cost.
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
+        renders: the queue of renders.
+        render_files: frames that they have drawn.
+        renders_sent: set when a render was sent.
         stopping: whether it is stopping.
         preparing: set while it does in advance, after its start, what makes the first picture late.
         run_id: changes with each start: the same inputs may give other pixels after an update.
@@ -78,6 +85,9 @@ class Service:
     admission: Admission
     frame_cache: FrameCache
     metrics: Metrics
+    renders: RenderQueue
+    render_files: RenderFiles
+    renders_sent: asyncio.Event = field(default_factory=asyncio.Event)
     stopping: Stopping = field(default_factory=Stopping)
     preparing: asyncio.Event = field(default_factory=asyncio.Event)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))
@@ -90,6 +100,11 @@ class Service:
             OutputError: the data folder cannot be written, or another service uses it.
         """
         store = ShotStore(settings.data)
+        try:
+            renders = RenderQueue(open_database(settings.data))
+        except OutputError:
+            store.close()
+            raise
         trash = Trash(settings.data, settings.trash_days)
         quarantine = Quarantine(store, settings.max_blames)
         quotas = Quotas(settings, store, trash)
@@ -115,7 +130,22 @@ class Service:
         lanes = Lanes.start(settings, pool, note_finished)
         metrics.watch(lanes)
         frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
-        return cls(settings, store, trash, quarantine, quotas, pool, caches, lanes, admission, frame_cache, metrics)
+        files = RenderFiles(settings.data)
+        return cls(
+            settings,
+            store,
+            trash,
+            quarantine,
+            quotas,
+            pool,
+            caches,
+            lanes,
+            admission,
+            frame_cache,
+            metrics,
+            renders,
+            files,
+        )
 
     @cached_property
     def live_places(self) -> LivePlaces:
@@ -133,6 +163,7 @@ class Service:
         self.pool.close()
         self.caches.close()
         self.quotas.cpu.save()
+        self.renders.close()
         self.store.close()
 
     async def call_stage(

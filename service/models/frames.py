@@ -26,8 +26,8 @@ class SizedFrame(Model):
     )
 
 
-class PictureQuery(SizedFrame):
-    """A frame and how it is rendered."""
+class PictureOptions(Model):
+    """Settings of a picture: the engine, its rays, and film and grade."""
 
     engine: EngineName = Field(default=FrameSettings.engine, description=ENGINE_HELP, examples=[FrameSettings.engine])
     rays: int = Field(default=100, ge=1, description="Lens rays for each pixel.", examples=[100])
@@ -101,6 +101,10 @@ class PictureQuery(SizedFrame):
         description="Looks of the configuration, separated by commas, in place of the shot's; empty for none.",
         examples=[""],
     )
+
+
+class PictureQuery(PictureOptions, SizedFrame):
+    """A frame and how it is rendered."""
 
 
 MAX_STATES = 1000

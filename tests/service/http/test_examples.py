@@ -13,7 +13,7 @@ import pytest
 
 from service.http.app import create_app
 from service.http.settings import Settings
-from tests.service.conftest import ROOM, running
+from tests.service.conftest import ROOM, running, until
 
 DOCUMENT = create_app(Settings(data=Path("unused"))).openapi()
 CALLS = {
@@ -36,6 +36,7 @@ BEFORE = {
 """Calls whose example is sent first. There is another revision after it, so that the example of `If-Match` is left out."""
 SPOTS = {"getPlaceReadout": ("x", "y", "depthM"), "meter": ("x", "y")}
 """Calls about a place: a focus point, or the parameters named here."""
+EXAMPLE_RENDER = "r-5f0c1d2e3a4b"
 QUICK = {"width": "64", "height": "36", "rays": "4", "supersample": "1", "layers": "2", "motion": "1"}
 
 
@@ -105,11 +106,33 @@ def requests_of(name: str) -> Iterator[tuple[str, dict[str, str], dict[str, str]
 def send_example(demo: httpx.Client, name: str, request: tuple) -> httpx.Response:
     method = CALLS[name][0]
     address, query, headers, body = request
+    if has_render(name) and (EXAMPLE_RENDER in address or "before" in query):
+        newest = demo.get("/v1/renders").json()["renders"][0]["id"]
+        address = address.replace(EXAMPLE_RENDER, newest)
+        query = {key: value.replace(EXAMPLE_RENDER, newest) for key, value in query.items()}
     if "{trashed}" in CALLS[name][1]:  # the id of an entry has the time at which it was made
         address = CALLS[name][1].replace("{trashed}", demo.get("/v1/trash").json()["shots"][0]["id"])
     if name == "getFrame":
         query = QUICK | query if len(query) == 1 else {**QUICK, **{k: v for k, v in query.items() if k not in QUICK}}
     return demo.request(method, address, params=query, headers=headers, json=body, files=file_of(name, demo))
+
+
+def has_render(name: str) -> bool:
+    """Whether a call is about a render that was sent."""
+    return "{render}" in CALLS[name][1] or name == "listRenders"
+
+
+def prepare_render(demo: httpx.Client, name: str) -> None:
+    """Cancel the renders of before, send another one, and bring it into the state that a call needs."""
+    for render in demo.get("/v1/renders").json()["renders"]:
+        demo.post(f"/v1/renders/{render['id']}/cancel")
+    sent = demo.post("/v1/renders", json={"shot": "demo", "frames": "24-96", "width": 16, "engine": "pinhole"})
+    address = sent.headers["location"]
+    if name in ("retryRender", "removeRender"):
+        demo.post(f"{address}/cancel")
+        until(lambda: demo.get(address).json()["running"] == 0)
+    if name == "getRenderedFrame":
+        until(lambda: demo.get(address).json()["done"] > 0)
 
 
 def prepare(demo: httpx.Client, name: str) -> None:
@@ -123,6 +146,8 @@ def prepare(demo: httpx.Client, name: str) -> None:
     if "{trashed}" in CALLS[name][1]:
         sent = send_example(demo, "createShot", next(requests_of("createShot")))
         demo.delete(sent.headers["location"])
+    if has_render(name):
+        prepare_render(demo, name)
     if name in BEFORE:
         answer = send_example(demo, BEFORE[name], next(requests_of(BEFORE[name])))
         assert answer.is_success, answer.text

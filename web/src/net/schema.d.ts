@@ -288,6 +288,196 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/renders": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Renders
+         * @description List the renders of your project, the newest first.
+         */
+        readonly get: operations["listRenders"];
+        readonly put?: never;
+        /**
+         * Send Render
+         * @description Send a render: its frames are drawn one after the other, where nobody waits for anything else.
+         *
+         *     It keeps the edits that the shot has now, and goes on after a restart of the service.
+         */
+        readonly post: operations["sendRender"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Render
+         * @description Tell how far a render is.
+         */
+        readonly get: operations["getRender"];
+        readonly put?: never;
+        readonly post?: never;
+        /**
+         * Remove Render
+         * @description Remove a render that has ended, and its files.
+         */
+        readonly delete: operations["removeRender"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/cancel": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Cancel Render
+         * @description End a render. Frames that are stored stay, and what is drawn is given up within a minute.
+         */
+        readonly post: operations["cancelRender"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/frames/{frame}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Rendered Frame
+         * @description Take a frame that a render has drawn.
+         */
+        readonly get: operations["getRenderedFrame"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/pause": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Pause Render
+         * @description Begin no more frames of a render; those that are drawn are finished.
+         */
+        readonly post: operations["pauseRender"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/resume": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Resume Render
+         * @description Go on with a render that was paused.
+         */
+        readonly post: operations["resumeRender"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/retry": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Retry Render
+         * @description Draw those frames of a render again that have failed or were given up.
+         */
+        readonly post: operations["retryRender"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/tasks": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Tasks
+         * @description List the frames of a render, with the attempts at each.
+         */
+        readonly get: operations["listRenderTasks"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/plan": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Plan Render
+         * @description Check a render and tell its frames and what they cost, and send nothing.
+         */
+        readonly post: operations["planRender"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/session": {
         readonly parameters: {
             readonly query?: never;
@@ -1309,6 +1499,39 @@ export interface components {
              * @description Anchor of the point: one path of a mesh, an implicit prim, an instance proxy or any Xformable; or two paths, a PointInstancer and the prototype's mesh, with `instance` saying which.
              */
             readonly target: readonly string[];
+        };
+        /**
+         * Attempt
+         * @description An attempt at a frame.
+         */
+        readonly Attempt: {
+            /** Endedat */
+            readonly endedAt: string | null;
+            /**
+             * Error
+             * @description What went wrong.
+             */
+            readonly error: string | null;
+            /**
+             * Number
+             * @description From 1 on.
+             */
+            readonly number: number;
+            /**
+             * Outcome
+             * @description null while it goes on; `lost`: its worker is gone; `given-back`: it was not finished, and nothing was wrong.
+             */
+            readonly outcome: ("done" | "failed" | "lost" | "given-back") | null;
+            /**
+             * Startedat
+             * Format: date-time
+             */
+            readonly startedAt: string;
+            /**
+             * Worker
+             * @description Who drew it.
+             */
+            readonly worker: string;
         };
         /**
          * Body
@@ -7181,6 +7404,422 @@ export interface components {
             readonly type: "renamePoint";
         };
         /**
+         * Render
+         * @description A render and how far it is.
+         * @example {
+         *       "canceled": 0,
+         *       "count": 96,
+         *       "createdAt": "2026-11-27T08:00:00Z",
+         *       "done": 25,
+         *       "failed": 0,
+         *       "frames": "1-96",
+         *       "id": "r-5f0c1d2e3a4b",
+         *       "name": "night tram, dailies",
+         *       "owner": "Mara's laptop",
+         *       "priority": 50,
+         *       "project": "default",
+         *       "ready": 70,
+         *       "revision": "5a302e56c1d04f7b",
+         *       "running": 1,
+         *       "secondsLeft": 142,
+         *       "shot": "demo",
+         *       "startedAt": "2026-11-27T08:00:01Z",
+         *       "state": "running"
+         *     }
+         */
+        readonly Render: {
+            /**
+             * Canceled
+             * @description Frames that were given up.
+             */
+            readonly canceled: number;
+            /**
+             * Count
+             * @description Number of frames.
+             */
+            readonly count: number;
+            /**
+             * Createdat
+             * Format: date-time
+             */
+            readonly createdAt: string;
+            /**
+             * Done
+             * @description Frames that are stored.
+             */
+            readonly done: number;
+            /**
+             * Failed
+             * @description Frames that could not be drawn.
+             */
+            readonly failed: number;
+            /** Finishedat */
+            readonly finishedAt: string | null;
+            /**
+             * Frames
+             * @description All frames, as a range.
+             */
+            readonly frames: string;
+            /**
+             * Id
+             * @description Its name in URLs.
+             */
+            readonly id: string;
+            /** Name */
+            readonly name: string;
+            /**
+             * Owner
+             * @description Who sent it.
+             */
+            readonly owner: string;
+            /** Priority */
+            readonly priority: number;
+            /**
+             * Project
+             * @description Project of the shot.
+             */
+            readonly project: string;
+            /**
+             * Ready
+             * @description Frames that wait.
+             */
+            readonly ready: number;
+            /**
+             * Revision
+             * @description Revision of the edits that are rendered.
+             */
+            readonly revision: string;
+            /**
+             * Running
+             * @description Frames that are drawn.
+             */
+            readonly running: number;
+            /**
+             * Secondsleft
+             * @description Expected time until it ends, s, were nothing else drawn; null before the first frame and after the end.
+             */
+            readonly secondsLeft: number | null;
+            /**
+             * Shot
+             * @description Id of the shot.
+             */
+            readonly shot: string;
+            /**
+             * Startedat
+             * @description Time at which the first frame was begun.
+             */
+            readonly startedAt: string | null;
+            /**
+             * State
+             * @description `pause-requested` and `cancel-requested` last until the frames that are drawn have ended.
+             * @enum {string}
+             */
+            readonly state: "queued" | "running" | "pause-requested" | "paused" | "cancel-requested" | "canceled" | "failed" | "done";
+        };
+        /**
+         * RenderList
+         * @description Renders, the newest first.
+         * @example {
+         *       "renders": [
+         *         {
+         *           "canceled": 0,
+         *           "count": 96,
+         *           "createdAt": "2026-11-27T08:00:00Z",
+         *           "done": 25,
+         *           "failed": 0,
+         *           "frames": "1-96",
+         *           "id": "r-5f0c1d2e3a4b",
+         *           "name": "night tram, dailies",
+         *           "owner": "Mara's laptop",
+         *           "priority": 50,
+         *           "project": "default",
+         *           "ready": 70,
+         *           "revision": "5a302e56c1d04f7b",
+         *           "running": 1,
+         *           "secondsLeft": 142,
+         *           "shot": "demo",
+         *           "startedAt": "2026-11-27T08:00:01Z",
+         *           "state": "running"
+         *         }
+         *       ]
+         *     }
+         */
+        readonly RenderList: {
+            /**
+             * Next
+             * @description What `before` continues the list with; null at its end.
+             */
+            readonly next: string | null;
+            /** Renders */
+            readonly renders: readonly components["schemas"]["Render"][];
+        };
+        /**
+         * RenderPlan
+         * @description A render as it would be, where it is only tried.
+         * @example {
+         *       "count": 48,
+         *       "frames": "1-95",
+         *       "secondsOfProcessor": 310
+         *     }
+         */
+        readonly RenderPlan: {
+            /**
+             * Count
+             * @description Number of frames.
+             */
+            readonly count: number;
+            /**
+             * Frames
+             * @description All frames, as a range.
+             */
+            readonly frames: string;
+            /**
+             * Secondsofprocessor
+             * @description Processor time that is expected for all of them, s.
+             */
+            readonly secondsOfProcessor: number;
+        };
+        /**
+         * RenderRequest
+         * @description A render: which frames of a shot, how, and into what files. It keeps the edits that the shot has when it is sent.
+         * @example {
+         *       "format": "exr",
+         *       "frames": "1-96:2",
+         *       "name": "night tram, dailies",
+         *       "rays": 16,
+         *       "shot": "demo",
+         *       "width": 480
+         *     }
+         */
+        readonly RenderRequest: {
+            /**
+             * Adaptive
+             * @description More rays where the picture has more noise, so that `rays` is their mean.
+             * @default true
+             * @example true
+             */
+            readonly adaptive?: boolean;
+            /**
+             * Camera
+             * @description Prim path; the shot's default camera when left out.
+             */
+            readonly camera?: string | null;
+            /**
+             * Connections
+             * @description Carries small bright things to the pixels of their blurred images, which leaves less noise.
+             * @default true
+             * @example true
+             */
+            readonly connections?: boolean;
+            /**
+             * Display
+             * @description Display of the OpenColorIO configuration, in place of the shot's.
+             * @example sRGB - Display
+             */
+            readonly display?: string | null;
+            /**
+             * Engine
+             * @description `lens` traces rays of the lens through peeled layers; `flag` blurs one picture in linear time, without noise; `scatter` draws each point of one picture as the iris, with the spherical aberration of the lens; `gather` blurs one picture point by point, the slow definition of flag; `linear` blurs one picture pixel by pixel; `importance` makes the picture of linear from what has changed since the frame before; `accumulation` renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp.
+             * @default lens
+             * @example lens
+             * @enum {string}
+             */
+            readonly engine?: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
+            /**
+             * Film
+             * @description Stock of the film library; the shot's own when left out.
+             * @example velvia_50
+             */
+            readonly film?: string | null;
+            /**
+             * Format
+             * @description `exr` is scene-linear light, the others the graded picture.
+             * @default exr
+             * @enum {string}
+             */
+            readonly format?: "exr" | "png" | "jpeg";
+            /**
+             * Frames
+             * @description In the grammar of Open Job Description, such as `1-10:2,15`; the whole shot when left out.
+             */
+            readonly frames?: string | null;
+            /**
+             * Height
+             * @description px; from the camera's film gate when left out.
+             */
+            readonly height?: number | null;
+            /**
+             * Layers
+             * @description Layers peeled at most.
+             * @default 4
+             * @example 4
+             */
+            readonly layers?: number;
+            /**
+             * Look
+             * @description Looks of the configuration, separated by commas, in place of the shot's; empty for none.
+             * @example
+             */
+            readonly look?: string | null;
+            /**
+             * Motion
+             * @description Moments of the shutter's opening that the rays are spread over; 1 freezes motion.
+             * @default 1
+             * @example 1
+             */
+            readonly motion?: number;
+            /**
+             * Motionby
+             * @description `moments` draws the scene at each moment, which is exact; `velocities` draws it once and moves it along straight lines, which is much quicker.
+             * @default moments
+             * @example velocities
+             * @enum {string}
+             */
+            readonly motionBy?: "moments" | "velocities";
+            /**
+             * Name
+             * @description For people and files; that of the shot when left out.
+             * @default
+             */
+            readonly name?: string;
+            /**
+             * Noise
+             * @description Wanted standard error in values of the displayed picture from 0 to 1, in place of `rays`; 0 for none.
+             * @default 0
+             * @example 0.01
+             */
+            readonly noise?: number;
+            /**
+             * Priority
+             * @description Renders of a higher one come first.
+             * @default 50
+             */
+            readonly priority?: number;
+            /**
+             * Rays
+             * @description Lens rays for each pixel.
+             * @default 100
+             * @example 100
+             */
+            readonly rays?: number;
+            /**
+             * Seed
+             * @description Seed of the sampling pattern.
+             * @default 0
+             * @example 0
+             */
+            readonly seed?: number;
+            /**
+             * Shading
+             * @description `unlit`: base colour as radiance.
+             * @default lit
+             * @example lit
+             * @enum {string}
+             */
+            readonly shading?: "lit" | "unlit";
+            /**
+             * Shot
+             * @description Id of the shot.
+             */
+            readonly shot: string;
+            /**
+             * Supersample
+             * @description Layer pixels for each picture pixel along each axis; 0 for as many as suit the engine and its rays.
+             * @default 0
+             * @example 2
+             */
+            readonly supersample?: number;
+            /**
+             * View
+             * @description View of the display, in place of the shot's.
+             * @example Raw
+             */
+            readonly view?: string | null;
+            /**
+             * Wavelengths
+             * @description Wavelengths traced through a lens that has colour errors: 3 is one a channel, more a smoother spectrum, 1 leaves colour errors out.
+             * @default 3
+             * @example 3
+             */
+            readonly wavelengths?: number;
+            /**
+             * Width
+             * @description px
+             * @default 960
+             */
+            readonly width?: number;
+        };
+        /**
+         * RenderTask
+         * @description A frame of a render.
+         * @example {
+         *       "attempts": [
+         *         {
+         *           "endedAt": "2026-11-27T08:00:42Z",
+         *           "number": 1,
+         *           "outcome": "done",
+         *           "startedAt": "2026-11-27T08:00:40Z",
+         *           "worker": "camera-pc"
+         *         }
+         *       ],
+         *       "frame": 25,
+         *       "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+         *       "sizeBytes": 1482112,
+         *       "state": "done"
+         *     }
+         */
+        readonly RenderTask: {
+            /**
+             * Attempts
+             * @description The first one first.
+             */
+            readonly attempts: readonly components["schemas"]["Attempt"][];
+            /** Frame */
+            readonly frame: number;
+            /**
+             * Sha256
+             * @description Hash of its file, in hexadecimal digits.
+             */
+            readonly sha256: string | null;
+            /**
+             * Sizebytes
+             * @description Size of its file; null before it is stored.
+             */
+            readonly sizeBytes: number | null;
+            /**
+             * State
+             * @enum {string}
+             */
+            readonly state: "ready" | "running" | "done" | "failed" | "canceled";
+        };
+        /**
+         * RenderTaskList
+         * @description The frames of a render in rising order.
+         * @example {
+         *       "tasks": [
+         *         {
+         *           "attempts": [
+         *             {
+         *               "endedAt": "2026-11-27T08:00:42Z",
+         *               "number": 1,
+         *               "outcome": "done",
+         *               "startedAt": "2026-11-27T08:00:40Z",
+         *               "worker": "camera-pc"
+         *             }
+         *           ],
+         *           "frame": 25,
+         *           "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+         *           "sizeBytes": 1482112,
+         *           "state": "done"
+         *         }
+         *       ]
+         *     }
+         */
+        readonly RenderTaskList: {
+            /** Tasks */
+            readonly tasks: readonly components["schemas"]["RenderTask"][];
+        };
+        /**
          * Restore
          * @description State of the edits to go back to.
          * @example {
@@ -8854,6 +9493,862 @@ export interface operations {
             };
             /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly listRenders: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Id of a render: older ones are listed. */
+                readonly before?: string | null;
+                /** @description Number of renders. */
+                readonly most?: number;
+            };
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["RenderList"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly sendRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: {
+                /** @description Makes it safe to send a render again: the same key gives the same render. */
+                readonly "idempotency-key"?: string | null;
+            };
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["RenderRequest"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 201: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Render"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Render"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly removeRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 204: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly cancelRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Render"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getRenderedFrame: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description One of its frames. */
+                readonly frame: number;
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The picture. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "image/jpeg": string;
+                    readonly "image/png": string;
+                    readonly "image/x-exr": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly pauseRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Render"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly resumeRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Render"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly retryRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Render"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly listRenderTasks: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["RenderTaskList"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly planRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["RenderRequest"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["RenderPlan"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -1,0 +1,294 @@
+"""Routes of renders: jobs of many frames, which are kept over restarts."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Header, Path, Query, Response
+from fastapi.responses import FileResponse
+from starlette.concurrency import run_in_threadpool
+
+from render.model.edit_history import revision_of
+from service.http.access import READS, RENDERS, PrincipalDep
+from service.http.bodies import BodyRoute
+from service.http.errors import ServiceError
+from service.http.routes.frames import BINARY, MEDIA_TYPES
+from service.http.routes.parameters import problems
+from service.http.service import Service, ServiceDep
+from service.identity.principal import ALL_PROJECTS, Principal
+from service.models.base import plain_file_name
+from service.models.renders import (
+    Attempt,
+    Render,
+    RenderList,
+    RenderPlan,
+    RenderRequest,
+    RenderTask,
+    RenderTaskList,
+)
+from service.renders.frame_ranges import format_frames, parse_frames
+from service.renders.queue import NewRender, not_found, state_of
+from service.renders.tables import AttemptRow, RenderRow, TaskRow
+from service.stage.calls import shots as shot_calls
+from service.storage.store import ShotRecord
+from service.storage.store import not_found as no_shot
+
+router = APIRouter(tags=["renders"], prefix="/renders", route_class=BodyRoute, dependencies=READS)
+
+MOST_LISTED = 200
+
+
+def _render_in_path(
+    render: Annotated[str, Path(description="A render's id.", examples=["r-5f0c1d2e3a4b"], max_length=80)],
+    service: ServiceDep,
+    principal: PrincipalDep,
+) -> RenderRow:
+    """Return the render of the path. Raises `NotFoundError`: there is none, as far as the sender may know."""
+    row = service.renders.get(render)
+    if not principal.sees(row.project):
+        raise not_found(render)
+    return row
+
+
+RenderInPath = Annotated[RenderRow, Depends(_render_in_path)]
+
+
+@router.post(
+    "", operation_id="sendRender", status_code=201, dependencies=RENDERS, responses=problems(404, 409, 423, 503)
+)
+async def send_render(
+    service: ServiceDep,
+    principal: PrincipalDep,
+    request: RenderRequest,
+    response: Response,
+    idempotency_key: Annotated[
+        str | None,
+        Header(
+            min_length=1,
+            max_length=200,
+            description="Makes it safe to send a render again: the same key gives the same render.",
+            examples=["dailies-2026-11-27"],
+        ),
+    ] = None,
+) -> Render:
+    """Send a render: its frames are drawn one after the other, where nobody waits for anything else.
+
+    It keeps the edits that the shot has now, and goes on after a restart of the service.
+    """
+    record, frames, _ = await _checked(service, principal, request)
+    row = await run_in_threadpool(service.renders.submit, _new(record, principal, request, frames, idempotency_key))
+    service.renders_sent.set()
+    response.headers["Location"] = f"/v1/renders/{row.id}"
+    return _shown(row)
+
+
+@router.post("/plan", operation_id="planRender", dependencies=RENDERS, responses=problems(404, 423, 503))
+async def plan_render(service: ServiceDep, principal: PrincipalDep, request: RenderRequest) -> RenderPlan:
+    """Check a render and tell its frames and what they cost, and send nothing."""
+    _, frames, frame_s = await _checked(service, principal, request)
+    seconds = round(frame_s * len(frames), 1)
+    return RenderPlan(frames=format_frames(frames), count=len(frames), seconds_of_processor=seconds)
+
+
+@router.get("", operation_id="listRenders", responses=problems(404))
+async def list_renders(
+    service: ServiceDep,
+    principal: PrincipalDep,
+    most: Annotated[int, Query(ge=1, le=MOST_LISTED, description="Number of renders.", examples=[50])] = 50,
+    before: Annotated[
+        str | None,
+        Query(max_length=80, description="Id of a render: older ones are listed.", examples=["r-5f0c1d2e3a4b"]),
+    ] = None,
+) -> RenderList:
+    """List the renders of your project, the newest first."""
+    start = None
+    if before is not None:
+        last = _render_in_path(before, service, principal)
+        start = (last.created_at, last.id)
+    project = None if principal.project == ALL_PROJECTS else principal.project
+    rows = await run_in_threadpool(service.renders.list, project, most + 1, start)
+    shown = [_shown(row) for row in rows[:most]]
+    return RenderList(renders=shown, next=shown[-1].id if len(rows) > most else None)
+
+
+@router.get("/{render}", operation_id="getRender", responses=problems(404))
+def get_render(render: RenderInPath) -> Render:
+    """Tell how far a render is."""
+    return _shown(render)
+
+
+@router.get("/{render}/tasks", operation_id="listRenderTasks", responses=problems(404))
+def list_tasks(service: ServiceDep, render: RenderInPath) -> RenderTaskList:
+    """List the frames of a render, with the attempts at each."""
+    return RenderTaskList(tasks=[_shown_task(task, attempts) for task, attempts in service.renders.tasks(render.id)])
+
+
+@router.get(
+    "/{render}/frames/{frame}",
+    operation_id="getRenderedFrame",
+    response_class=FileResponse,
+    responses=problems(404, 409)
+    | {200: {"content": dict.fromkeys(MEDIA_TYPES.values(), BINARY), "description": "The picture."}},
+)
+def get_rendered_frame(
+    service: ServiceDep,
+    render: RenderInPath,
+    frame: Annotated[int, Path(ge=-(10**9), le=10**9, description="One of its frames.", examples=[24])],
+) -> FileResponse:
+    """Take a frame that a render has drawn."""
+    task = service.renders.task(render.id, frame)
+    if task.state != "done":
+        detail = f"Frame {frame} of render {render.id!r} is not drawn yet: it is {task.state}."
+        raise ServiceError(409, "frame_not_done", detail, path="frame")
+    suffix = render.request["format"]
+    path = service.render_files.path(render.id, frame, suffix)
+    if not path.is_file():
+        detail = f"The file of frame {frame} of render {render.id!r} is gone."
+        raise ServiceError(404, "frame_file_gone", detail, path="frame")
+    name = f"{plain_file_name(render.name) or 'render'}.{frame:04d}.{suffix}"
+    return FileResponse(path, media_type=MEDIA_TYPES[suffix], filename=name, headers={"ETag": f'"{task.sha256}"'})
+
+
+@router.post("/{render}/pause", operation_id="pauseRender", dependencies=RENDERS, responses=problems(404, 409))
+def pause_render(service: ServiceDep, render: RenderInPath) -> Render:
+    """Begin no more frames of a render; those that are drawn are finished."""
+    return _shown(service.renders.pause(render.id))
+
+
+@router.post("/{render}/resume", operation_id="resumeRender", dependencies=RENDERS, responses=problems(404, 409))
+def resume_render(service: ServiceDep, render: RenderInPath) -> Render:
+    """Go on with a render that was paused."""
+    return _shown(service.renders.resume(render.id))
+
+
+@router.post("/{render}/cancel", operation_id="cancelRender", dependencies=RENDERS, responses=problems(404, 409))
+def cancel_render(service: ServiceDep, render: RenderInPath) -> Render:
+    """End a render. Frames that are stored stay, and what is drawn is given up within a minute."""
+    return _shown(service.renders.cancel(render.id))
+
+
+@router.post("/{render}/retry", operation_id="retryRender", dependencies=RENDERS, responses=problems(404, 409))
+def retry_render(service: ServiceDep, render: RenderInPath) -> Render:
+    """Draw those frames of a render again that have failed or were given up."""
+    return _shown(service.renders.retry(render.id))
+
+
+@router.delete(
+    "/{render}", operation_id="removeRender", status_code=204, dependencies=RENDERS, responses=problems(404, 409)
+)
+def remove_render(service: ServiceDep, render: RenderInPath) -> None:
+    """Remove a render that has ended, and its files."""
+    service.renders.remove(render.id)
+    service.render_files.remove(render.id)
+
+
+async def _checked(
+    service: Service, principal: Principal, request: RenderRequest
+) -> tuple[ShotRecord, list[int], float]:
+    """Return the shot of a render, its frames, and the processor time that each is expected to take, s.
+
+    Raises:
+        NotFoundError: there is no such shot, as far as the sender may know.
+        SettingsError: the frames are no range, or each is beyond a limit.
+    """
+    record = service.store.get(request.shot)
+    if not principal.sees(record.project):
+        raise no_shot(request.shot)
+    frames = await _frames_of(service, record, request)
+    cost, _ = service.admission.check(record.id, request.picture(frames[0]), "body")
+    return record, frames, cost.expected_s
+
+
+async def _frames_of(service: Service, record: ShotRecord, request: RenderRequest) -> list[int]:
+    """Return the frames of a render: those that were asked for, or all whole ones of the shot."""
+    if request.frames is not None:
+        return parse_frames(request.frames)
+    shot = await service.call_stage(shot_calls.describe_shot, record)
+    first, last = shot.frame_range.start, shot.frame_range.end
+    return parse_frames(f"{round(first)}-{round(last)}")
+
+
+def _new(
+    record: ShotRecord, principal: Principal, request: RenderRequest, frames: list[int], key: str | None
+) -> NewRender:
+    edits = record.edit_text()
+    sent = request.model_dump(mode="json")
+    return NewRender(
+        name=request.name or record.name,
+        project=record.project,
+        owner=principal.id,
+        owner_label=principal.label,
+        idempotency_key=key,
+        digest=hashlib.sha256(json.dumps(sent, sort_keys=True).encode()).hexdigest(),
+        shot=record.id,
+        shot_created_at=record.created_at.isoformat(),
+        edits=edits,
+        revision=revision_of(edits),
+        request=request.picture(frames[0]).model_dump(mode="json", exclude={"time", "client", "live"}),
+        frames=frames,
+        priority=request.priority,
+    )
+
+
+def _shown(row: RenderRow) -> Render:
+    seconds_left = None
+    if row.done > 0 and row.ready + row.running > 0:
+        seconds_left = round(row.busy_s / row.done * (row.ready + row.running), 1)
+    return Render(
+        id=row.id,
+        name=row.name,
+        shot=row.shot,
+        revision=row.revision,
+        project=row.project,
+        owner=row.owner_label,
+        state=state_of(row),
+        priority=row.priority,
+        frames=row.frames,
+        count=row.count,
+        ready=row.ready,
+        running=row.running,
+        done=row.done,
+        failed=row.failed,
+        canceled=row.canceled,
+        created_at=_time(row.created_at),
+        started_at=_time_or_none(row.started_at),
+        finished_at=_time_or_none(row.finished_at),
+        seconds_left=seconds_left,
+    )
+
+
+def _shown_task(task: TaskRow, attempts: Sequence[AttemptRow]) -> RenderTask:
+    return RenderTask.model_validate(
+        {
+            "frame": task.frame,
+            "state": task.state,
+            "size_bytes": task.size_bytes,
+            "sha256": task.sha256,
+            "attempts": [_shown_attempt(attempt) for attempt in attempts],
+        }
+    )
+
+
+def _shown_attempt(attempt: AttemptRow) -> Attempt:
+    return Attempt.model_validate(
+        {
+            "number": attempt.number,
+            "worker": attempt.worker,
+            "started_at": _time(attempt.started_at),
+            "ended_at": _time_or_none(attempt.ended_at),
+            "outcome": attempt.outcome,
+            "error": attempt.error,
+        }
+    )
+
+
+def _time(seconds: float) -> datetime:
+    return datetime.fromtimestamp(seconds, UTC)
+
+
+def _time_or_none(seconds: float | None) -> datetime | None:
+    return None if seconds is None else _time(seconds)

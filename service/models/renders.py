@@ -1,0 +1,173 @@
+"""Renders: jobs of many frames, their tasks and the attempts at these."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import Field
+from pydantic.config import JsonDict
+
+from service.models.base import Model, PrimPath, shown_as
+from service.models.frames import FrameQuery, PictureOptions
+
+RenderState = Literal[
+    "queued", "running", "pause-requested", "paused", "cancel-requested", "canceled", "failed", "done"
+]
+TaskState = Literal["ready", "running", "done", "failed", "canceled"]
+
+RENDER_EXAMPLE: JsonDict = {
+    "id": "r-5f0c1d2e3a4b",
+    "name": "night tram, dailies",
+    "shot": "demo",
+    "revision": "5a302e56c1d04f7b",
+    "project": "default",
+    "owner": "Mara's laptop",
+    "state": "running",
+    "priority": 50,
+    "frames": "1-96",
+    "count": 96,
+    "ready": 70,
+    "running": 1,
+    "done": 25,
+    "failed": 0,
+    "canceled": 0,
+    "createdAt": "2026-11-27T08:00:00Z",
+    "startedAt": "2026-11-27T08:00:01Z",
+    "finishedAt": None,
+    "secondsLeft": 142.0,
+}
+REQUEST_EXAMPLE: JsonDict = {
+    "shot": "demo",
+    "name": "night tram, dailies",
+    "frames": "1-96:2",
+    "width": 480,
+    "rays": 16,
+    "format": "exr",
+}
+TASK_EXAMPLE: JsonDict = {
+    "frame": 25,
+    "state": "done",
+    "sizeBytes": 1_482_112,
+    "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+    "attempts": [
+        {
+            "number": 1,
+            "worker": "camera-pc",
+            "startedAt": "2026-11-27T08:00:40Z",
+            "endedAt": "2026-11-27T08:00:42Z",
+            "outcome": "done",
+            "error": None,
+        }
+    ],
+}
+
+
+class RenderRequest(PictureOptions):
+    """A render: which frames of a shot, how, and into what files. It keeps the edits that the shot has when it is sent."""
+
+    model_config = shown_as(REQUEST_EXAMPLE)
+
+    shot: str = Field(max_length=80, description="Id of the shot.")
+    name: str = Field(default="", max_length=200, description="For people and files; that of the shot when left out.")
+    camera: PrimPath | None = Field(default=None, description="Prim path; the shot's default camera when left out.")
+    frames: str | None = Field(
+        default=None,
+        max_length=4000,
+        description="In the grammar of Open Job Description, such as `1-10:2,15`; the whole shot when left out.",
+    )
+    width: int = Field(default=960, ge=1, le=8192, description="px")
+    height: int | None = Field(
+        default=None, ge=1, le=8192, description="px; from the camera's film gate when left out."
+    )
+    format: Literal["exr", "png", "jpeg"] = Field(
+        default="exr", description="`exr` is scene-linear light, the others the graded picture."
+    )
+    priority: int = Field(default=50, ge=0, le=100, description="Renders of a higher one come first.")
+
+    def picture(self, frame: float) -> FrameQuery:
+        """Return the request of one of its frames."""
+        own = {"shot", "name", "frames", "priority"}
+        return FrameQuery.model_validate(self.model_dump(exclude=own) | {"time": frame})
+
+
+class RenderPlan(Model):
+    """A render as it would be, where it is only tried."""
+
+    model_config = shown_as({"frames": "1-95", "count": 48, "secondsOfProcessor": 310.0})
+
+    frames: str = Field(description="All frames, as a range.")
+    count: int = Field(description="Number of frames.")
+    seconds_of_processor: float = Field(description="Processor time that is expected for all of them, s.")
+
+
+class Render(Model):
+    """A render and how far it is."""
+
+    model_config = shown_as(RENDER_EXAMPLE)
+
+    id: str = Field(description="Its name in URLs.")
+    name: str
+    shot: str = Field(description="Id of the shot.")
+    revision: str = Field(description="Revision of the edits that are rendered.")
+    project: str = Field(description="Project of the shot.")
+    owner: str = Field(description="Who sent it.")
+    state: RenderState = Field(
+        description="`pause-requested` and `cancel-requested` last until the frames that are drawn have ended."
+    )
+    priority: int
+    frames: str = Field(description="All frames, as a range.")
+    count: int = Field(description="Number of frames.")
+    ready: int = Field(description="Frames that wait.")
+    running: int = Field(description="Frames that are drawn.")
+    done: int = Field(description="Frames that are stored.")
+    failed: int = Field(description="Frames that could not be drawn.")
+    canceled: int = Field(description="Frames that were given up.")
+    created_at: datetime
+    started_at: datetime | None = Field(description="Time at which the first frame was begun.")
+    finished_at: datetime | None
+    seconds_left: float | None = Field(
+        description="Expected time until it ends, s, were nothing else drawn; null before the first frame and after the end."
+    )
+
+
+class RenderList(Model):
+    """Renders, the newest first."""
+
+    model_config = shown_as({"renders": [RENDER_EXAMPLE], "next": None})
+
+    renders: list[Render]
+    next: str | None = Field(description="What `before` continues the list with; null at its end.")
+
+
+class Attempt(Model):
+    """An attempt at a frame."""
+
+    number: int = Field(description="From 1 on.")
+    worker: str = Field(description="Who drew it.")
+    started_at: datetime
+    ended_at: datetime | None
+    outcome: Literal["done", "failed", "lost", "given-back"] | None = Field(
+        description="null while it goes on; `lost`: its worker is gone; `given-back`: it was not finished, and nothing was wrong."
+    )
+    error: str | None = Field(description="What went wrong.")
+
+
+class RenderTask(Model):
+    """A frame of a render."""
+
+    model_config = shown_as(TASK_EXAMPLE)
+
+    frame: int
+    state: TaskState
+    size_bytes: int | None = Field(description="Size of its file; null before it is stored.")
+    sha256: str | None = Field(description="Hash of its file, in hexadecimal digits.")
+    attempts: list[Attempt] = Field(description="The first one first.")
+
+
+class RenderTaskList(Model):
+    """The frames of a render in rising order."""
+
+    model_config = shown_as({"tasks": [TASK_EXAMPLE]})
+
+    tasks: list[RenderTask]

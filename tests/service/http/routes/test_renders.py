@@ -1,0 +1,183 @@
+"""Renders over REST: sent, watched, paused, canceled, fetched, and finished after a restart."""
+
+from __future__ import annotations
+
+import time
+
+import httpx
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+from service.http.settings import Settings
+from tests.service.conftest import running, send, until
+
+pytestmark = pytest.mark.gl
+
+SMALL = {"width": 32, "rays": 4, "engine": "pinhole"}
+ENDED = ("done", "failed", "canceled")
+
+
+def render_of(client: httpx.Client, shot: str, **request) -> dict:
+    answer = client.post("/v1/renders", json=SMALL | {"shot": shot} | request)
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+def ended(client: httpx.Client, render: dict) -> dict:
+    """The render, once it has ended."""
+    return watched(client, render, lambda now: now["state"] in ENDED)
+
+
+def watched(client: httpx.Client, render: dict, is_there) -> dict:
+    until(lambda: is_there(client.get(f"/v1/renders/{render['id']}").json()))
+    return client.get(f"/v1/renders/{render['id']}").json()
+
+
+def test_frames_are_drawn_and_fetched(client, room, tmp_path):
+    render = render_of(client, room, frames="1-3", name="dailies/x")
+    assert (render["count"], render["frames"], render["shot"]) == (3, "1-3", room)
+    done = ended(client, render)
+    assert (done["state"], done["done"], done["secondsLeft"]) == ("done", 3, None)
+    tasks = client.get(f"/v1/renders/{render['id']}/tasks").json()["tasks"]
+    assert [(task["frame"], task["state"], len(task["attempts"])) for task in tasks] == [
+        (frame, "done", 1) for frame in (1, 2, 3)
+    ]
+    answer = client.get(f"/v1/renders/{render['id']}/frames/2")
+    assert answer.headers["content-type"] == "image/x-exr"
+    assert 'filename="x.0002.exr"' in answer.headers["content-disposition"]
+    assert answer.headers["etag"] == f'"{tasks[1]["sha256"]}"'
+    direct = client.get(f"/v1/shots/{room}/frame", params=SMALL | {"time": 2, "format": "exr"})
+    pixels = []
+    for name, content in (("render.exr", answer.content), ("frame.exr", direct.content)):
+        (tmp_path / name).write_bytes(content)
+        pixels.append(oiio.ImageBuf(str(tmp_path / name)).get_pixels())
+    np.testing.assert_array_equal(*pixels)
+
+
+def test_a_render_keeps_the_edits_that_it_was_sent_with(client, room):
+    plain = render_of(client, room, frames="1", format="png")
+    ended(client, plain)
+    paused = render_of(client, room, frames="1", format="png", priority=0)
+    assert client.patch(f"/v1/shots/{room}/camera/exposure", json={"compensationStops": 3}).status_code == 200
+    later = render_of(client, room, frames="1", format="png")
+    assert later["revision"] != paused["revision"] == plain["revision"]
+    pictures = []
+    for render in (plain, paused, later):
+        ended(client, render)
+        pictures.append(client.get(f"/v1/renders/{render['id']}/frames/1").content)
+    assert pictures[0] == pictures[1] != pictures[2]
+
+
+def test_the_whole_shot_is_the_default_and_can_be_tried(client, room):
+    before = client.get("/v1/renders").json()
+    answer = client.post("/v1/renders/plan", json=SMALL | {"shot": room})
+    assert answer.status_code == 200
+    plan = answer.json()
+    assert (plan["frames"], plan["count"]) == ("1-24", 24)
+    assert plan["secondsOfProcessor"] > 0
+    assert client.get("/v1/renders").json() == before
+
+
+@pytest.mark.parametrize(
+    ("request_", "status", "code"),
+    [
+        ({"frames": "1-"}, 422, "bad_setting"),
+        ({"frames": "1,1"}, 422, "bad_setting"),
+        ({"shot": "no-such-shot"}, 404, "shot_not_found"),
+        ({"width": 8192, "height": 8192}, 422, "too_many_pixels"),
+        ({"rays": 10**9}, 422, "too_costly"),
+        ({"format": "tiff"}, 422, "invalid_request"),
+        ({"time": 1}, 422, "invalid_request"),
+    ],
+)
+def test_what_cannot_be_rendered_is_refused(client, room, request_, status, code):
+    answer = client.post("/v1/renders", json=SMALL | {"shot": room} | request_)
+    assert (answer.status_code, answer.json()["code"]) == (status, code)
+
+
+def test_a_key_makes_sending_again_safe(client, room):
+    wanted = SMALL | {"shot": room, "frames": "1"}
+    first, again = (client.post("/v1/renders", json=wanted, headers={"Idempotency-Key": "k"}) for _ in range(2))
+    assert first.json()["id"] == again.json()["id"]
+    other = client.post("/v1/renders", json=wanted | {"frames": "2"}, headers={"Idempotency-Key": "k"})
+    assert (other.status_code, other.json()["code"]) == (409, "idempotency_key_reused")
+
+
+def test_a_frame_that_fails_says_why_and_is_tried_again(client, room):
+    render = render_of(client, room, frames="1", camera="/World/none")
+    failed = ended(client, render)
+    assert (failed["state"], failed["failed"]) == ("failed", 1)
+    (task,) = client.get(f"/v1/renders/{render['id']}/tasks").json()["tasks"]
+    assert [(attempt["outcome"], "/World/none" in attempt["error"]) for attempt in task["attempts"]] == [
+        ("failed", True)
+    ]
+    answer = client.get(f"/v1/renders/{render['id']}/frames/1")
+    assert (answer.status_code, answer.json()["code"]) == (409, "frame_not_done")
+    assert client.post(f"/v1/renders/{render['id']}/retry").json()["ready"] == 1
+    assert ended(client, render)["failed"] == 1
+
+
+def test_a_render_is_paused_resumed_canceled_and_removed(client, room):
+    render = render_of(client, room)
+    address = f"/v1/renders/{render['id']}"
+    assert client.post(f"{address}/pause").json()["state"] in ("paused", "pause-requested")
+    paused = watched(client, render, lambda now: now["state"] == "paused")
+    assert client.delete(address).status_code == 409
+    time.sleep(1.5)  # longer than the runner waits between two looks
+    assert client.get(address).json() == paused
+    client.post(f"{address}/resume")
+    watched(client, render, lambda now: now["done"] > paused["done"])
+    client.post(f"{address}/cancel")
+    canceled = ended(client, render)
+    assert canceled["done"] + canceled["canceled"] == 24
+    assert canceled["state"] == ("canceled" if canceled["canceled"] else "done")
+    assert client.delete(address).status_code == 204
+    assert client.get(address).json()["code"] == "render_not_found"
+
+
+def test_a_restart_goes_on_where_it_was(tmp_path, room_file):
+    settings = Settings(data=tmp_path, demo=False)
+    with running(settings) as before:
+        shot = send(before.client, "room.usda", room_file.read_bytes()).json()["id"]
+        render = render_of(before.client, shot, frames="1-8")
+        watched(before.client, render, lambda now: now["done"] > 1)
+    with running(settings) as after:
+        done = ended(after.client, render)
+        assert (done["state"], done["done"]) == ("done", 8)
+        tasks = after.client.get(f"/v1/renders/{render['id']}/tasks").json()["tasks"]
+        outcomes = {attempt["outcome"] for task in tasks for attempt in task["attempts"]}
+        assert outcomes <= {"done", "given-back"}
+
+
+def test_a_deleted_shot_ends_its_renders_with_a_word(client, room):
+    render = render_of(client, room, frames="1-24")
+    client.delete(f"/v1/shots/{room}")
+    failed = ended(client, render)
+    assert failed["state"] == "failed"
+    tasks = client.get(f"/v1/renders/{render['id']}/tasks").json()["tasks"]
+    assert room in tasks[-1]["attempts"][-1]["error"]
+
+
+def test_renders_are_seen_in_their_project_alone(tmp_path, room_file):
+    with running(Settings(data=tmp_path, demo=False, access="keys")) as service:
+        keys = service.app.state.identity.keys
+        headers = [
+            {"Authorization": f"Bearer {keys.create(project, scopes, project)[1]}"}
+            for project, scopes in (
+                ("one", {"read", "edit", "render"}),
+                ("two", {"read", "edit", "render"}),
+                ("one", {"read"}),
+            )
+        ]
+        file = {"file": ("room.usda", room_file.read_bytes())}
+        shot = service.client.post("/v1/shots", files=file, headers=headers[0]).json()["id"]
+        wanted = SMALL | {"shot": shot, "frames": "1"}
+        render = service.client.post("/v1/renders", json=wanted, headers=headers[0]).json()
+        address = f"/v1/renders/{render['id']}"
+        assert [service.client.get(address, headers=each).status_code for each in headers] == [200, 404, 200]
+        listed = [service.client.get("/v1/renders", headers=each).json()["renders"] for each in headers]
+        assert [len(renders) for renders in listed] == [1, 0, 1]
+        assert service.client.post("/v1/renders", json=wanted, headers=headers[1]).status_code == 404
+        assert service.client.post("/v1/renders", json=wanted, headers=headers[2]).status_code == 403
+        assert service.client.post(f"{address}/cancel", headers=headers[2]).status_code == 403

@@ -12,6 +12,7 @@ from prometheus_client.registry import Collector
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.lanes import Lanes
+from service.renders.queue import RenderQueue
 from service.workers.jobs import Finished
 from service.workers.pool import WorkerPool
 
@@ -58,6 +59,10 @@ class Metrics:
         """Measure the lanes, too, from now on."""
         self.registry.register(_LaneCollector(lanes))
 
+    def watch_renders(self, renders: RenderQueue) -> None:
+        """Measure the queue of renders, too, from now on."""
+        self.registry.register(_RenderCollector(renders))
+
     def note_finished(self, finished: Finished) -> None:
         """Count work that was done. Any thread may call this."""
         self.waits.labels(finished.lane).observe(finished.waited_s)
@@ -85,6 +90,19 @@ class _LaneCollector(Collector):
             running.add_metric([lane.role.name], lane.running)
             oldest.add_metric([lane.role.name], lane.oldest_waiting_s)
         return waiting, running, oldest
+
+
+class _RenderCollector(Collector):
+    """Counts the frames of renders when the counters are read."""
+
+    def __init__(self, renders: RenderQueue) -> None:
+        self._renders = renders
+
+    def collect(self) -> Iterable[Metric]:
+        frames = GaugeMetricFamily("pullfocus_render_frames", "Frames of renders by their state.", labels=["state"])
+        for state, count in self._renders.numbers().items():
+            frames.add_metric([state], count)
+        return (frames,)
 
 
 class _PoolCollector(Collector):

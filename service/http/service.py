@@ -129,6 +129,7 @@ class Service:
 
         lanes = Lanes.start(settings, pool, note_finished)
         metrics.watch(lanes)
+        metrics.watch_renders(renders)
         frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
         files = RenderFiles(settings.data)
         return cls(

@@ -12,8 +12,8 @@ from sqlalchemy import Engine, create_engine, event
 from sqlalchemy.exc import SQLAlchemyError
 
 from render.errors import OutputError
+from service.storage.database_file import DATABASE
 
-FILE = "renders.sqlite"
 BUSY_MS = 10_000
 """Time to wait for another writer."""
 _MIGRATIONS = Path(__file__).parent / "migrations"
@@ -25,7 +25,7 @@ def open_database(folder: Path) -> Engine:
     Raises:
         OutputError: it cannot be opened, or a newer version wrote it.
     """
-    path = folder / FILE
+    path = folder / DATABASE
     engine = create_engine(f"sqlite:///{path}")
     event.listen(engine, "connect", _configure)
     event.listen(engine, "begin", lambda connection: connection.exec_driver_sql("BEGIN IMMEDIATE"))

@@ -7,6 +7,7 @@
 
 Uploaded files never change, and other files are replaced as a whole. Of a shot's edits the backup holds one moment: the index of
 the history is read before and after them, and again where it has changed. A shot that is deleted meanwhile is not in the backup.
+The database of renders is copied by SQLite, before the frames that it knows of.
 """
 
 from __future__ import annotations
@@ -16,14 +17,16 @@ import hashlib
 import io
 import json
 import os
+import sqlite3
 import stat
 import tarfile
 import uuid
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 from render.errors import InputError, OutputError
 from render.files import check_writable
+from service.storage.database_file import DATABASE
 from service.storage.edit_files import EDITS, HISTORY, INDEX, states_of_index
 from service.storage.migration import layout_of
 from service.storage.restore import MANIFEST, verify
@@ -78,8 +81,10 @@ def _write(data: Path, part: Path) -> dict[str, str]:
 
 
 def _top(data: Path) -> list[Path]:
-    """Return what a backup holds: all but the lock."""
-    return [data / name for name in sorted(path.name for path in data.iterdir()) if name not in ("lock", MANIFEST)]
+    """Return what a backup holds: all but the lock, and the files that SQLite has beside a database."""
+    left_out = {"lock", MANIFEST, *(f"{DATABASE}-{part}" for part in ("wal", "shm", "journal"))}
+    names = sorted((path.name for path in data.iterdir()), key=lambda name: (name != DATABASE, name))
+    return [data / name for name in names if name not in left_out]
 
 
 def _add_all(tar: tarfile.TarFile, data: Path, sums: dict[str, str]) -> None:
@@ -91,8 +96,20 @@ def _add_all(tar: tarfile.TarFile, data: Path, sums: dict[str, str]) -> None:
             mode = path.lstat().st_mode
             if stat.S_ISDIR(mode):
                 left += _add_folder(tar, data, path, sums)[::-1]
+            elif path == data / DATABASE and stat.S_ISREG(mode):
+                _add_bytes(tar, DATABASE, _database_at_one_moment(path), 0o600, sums)
             elif stat.S_ISREG(mode) and not _is_unfinished(path.relative_to(data)):
                 _add_file(tar, data, path, sums)
+
+
+def _database_at_one_moment(path: Path) -> bytes:
+    """Read a database that may be written meanwhile. Raises `InputError`: it is none."""
+    try:
+        with closing(sqlite3.connect(path)) as source, closing(sqlite3.connect(":memory:")) as copy:
+            source.backup(copy)
+            return copy.serialize()
+    except sqlite3.Error as error:
+        raise InputError(f"the database {path} cannot be read: {error}", path=str(path)) from error
 
 
 def _is_unfinished(path: Path) -> bool:

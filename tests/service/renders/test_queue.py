@@ -7,9 +7,12 @@ import threading
 import pytest
 
 from render.errors import NotFoundError, OutputError
-from service.renders.database import FILE, open_database
+from service.renders.database import open_database
 from service.renders.errors import ConflictError
 from service.renders.queue import BACK_OFF_S, MOST_FAILURES, NewRender, RenderQueue, state_of
+from service.storage.backup import back_up
+from service.storage.database_file import DATABASE
+from service.storage.restore import restore
 
 LEASE_S = 60.0
 
@@ -229,7 +232,7 @@ def test_everything_is_there_after_a_restart(tmp_path, clock):
 
 
 def test_a_file_that_is_no_database_is_named(tmp_path):
-    (tmp_path / FILE).write_text("no database")
+    (tmp_path / DATABASE).write_text("no database")
     with pytest.raises(OutputError, match="database of renders"):
         open_database(tmp_path)
 
@@ -241,3 +244,19 @@ def test_a_database_of_a_newer_version_is_left_alone(tmp_path):
     engine.dispose()
     with pytest.raises(OutputError, match="cannot be opened"):
         open_database(tmp_path)
+
+
+def test_a_backup_has_the_queue_as_it_was(tmp_path, clock):
+    data = tmp_path / "data"
+    (data / "shots").mkdir(parents=True)
+    queue = RenderQueue(open_database(data), clock)
+    sent = queue.submit(render())
+    drawn(queue)  # in the log that SQLite keeps beside the database
+    back_up(data, tmp_path / "backup.tar.gz")
+    queue.submit(render(name="later"))
+    queue.close()
+    restore(tmp_path / "backup.tar.gz", tmp_path / "restored")
+    restored = RenderQueue(open_database(tmp_path / "restored"), clock)
+    assert [row.id for row in restored.list(None, 9)] == [sent.id]
+    assert states(restored, sent.id) == ["done", "ready", "ready"]
+    restored.close()

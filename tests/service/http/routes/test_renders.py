@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 
 import httpx
@@ -39,6 +40,7 @@ def test_frames_are_drawn_and_fetched(client, room, tmp_path):
     assert (render["count"], render["frames"], render["shot"]) == (3, "1-3", room)
     done = ended(client, render)
     assert (done["state"], done["done"], done["secondsLeft"]) == ("done", 3, None)
+    assert re.search(r'pullfocus_render_frames{state="done"} [1-9]', client.get("/metrics").text)
     tasks = client.get(f"/v1/renders/{render['id']}/tasks").json()["tasks"]
     assert [(task["frame"], task["state"], len(task["attempts"])) for task in tasks] == [
         (frame, "done", 1) for frame in (1, 2, 3)

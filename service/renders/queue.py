@@ -208,19 +208,10 @@ class RenderQueue:
         now = self._clock()
         with self._session() as session:
             self._end_lost(session, now)
-            turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
-            found = session.execute(
-                select(RenderRow, TaskRow)
-                .options(undefer(RenderRow.edits))
-                .join(TaskRow, TaskRow.render == RenderRow.id)
-                .where(RenderRow.wanted == "run", RenderRow.ready > 0)
-                .where(TaskRow.state == "ready", TaskRow.not_before <= now)
-                .order_by(*turn, TaskRow.frame)
-                .limit(1)
-            ).first()
-            if found is None:
+            task = _next_task(session, now)
+            if task is None:
                 return None
-            render, task = found
+            render = session.get_one(RenderRow, task.render, options=[undefer(RenderRow.edits)])
             task.attempts += 1
             _move(render, task, "running")
             task.worker, task.lease_until = worker, now + lease_s
@@ -409,6 +400,18 @@ def state_of(render: RenderRow) -> RenderState:
     if render.wanted == "pause":
         return "pause-requested" if render.running > 0 else "paused"
     return "queued" if render.ready == render.count else "running"
+
+
+def _next_task(session: Session, now: float) -> TaskRow | None:
+    """Return the task whose turn it is; None where all wait or there is none."""
+    turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
+    waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0).order_by(*turn)
+    for render_id in session.scalars(waiting):
+        ready = select(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready", TaskRow.not_before <= now)
+        task = session.scalar(ready.order_by(TaskRow.frame).limit(1))
+        if task is not None:  # else all of its frames pause
+            return task
+    return None
 
 
 def _found(session: Session, render_id: str) -> RenderRow:

@@ -7,7 +7,7 @@
     read       workers for those readings of a shot that may take long; they hold up no edit of it
     live       workers that draw live pictures, pick surfaces and meter light
     final      workers that draw frames which are requested over HTTP; they give way to the others
-    long       workers that draw those frames which are expected to take long; they give way to all
+    long       workers that draw frames of renders, and those which are expected to take long; they give way to all
     exposure   workers that hold a long exposure; a shot has one
 """
 

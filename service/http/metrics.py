@@ -5,12 +5,14 @@ from __future__ import annotations
 import time
 from collections import Counter as Counts
 from collections.abc import Iterable
+from contextlib import suppress
 
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from render.errors import OutputError
 from service.http.lanes import Lanes
 from service.renders.queue import RenderQueue
 from service.workers.jobs import Finished
@@ -100,8 +102,9 @@ class _RenderCollector(Collector):
 
     def collect(self) -> Iterable[Metric]:
         frames = GaugeMetricFamily("pullfocus_render_frames", "Frames of renders by their state.", labels=["state"])
-        for state, count in self._renders.numbers().items():
-            frames.add_metric([state], count)
+        with suppress(OutputError):  # the other counters are told, too, where the disk is full
+            for state, count in self._renders.numbers().items():
+                frames.add_metric([state], count)
         return (frames,)
 
 

@@ -14,6 +14,7 @@ from service.http.settings import MEBIBYTE, Settings
 from service.identity.cpu_usage import CpuUsage
 from service.identity.principal import ALL_PROJECTS
 from service.models.keys import Amount, Usage
+from service.renders.queue import RenderQueue
 from service.storage.edit_files import HISTORY
 from service.storage.store import ShotRecord, ShotStore
 from service.storage.trash import Trash
@@ -31,11 +32,12 @@ class Quotas:
         settings: of the service.
         store: the shots.
         trash: shots that were deleted, which count until they are removed for good.
+        renders: whose frames count, too.
     """
 
-    def __init__(self, settings: Settings, store: ShotStore, trash: Trash) -> None:
+    def __init__(self, settings: Settings, store: ShotStore, trash: Trash, renders: RenderQueue) -> None:
         self.cpu = CpuUsage(settings.data)
-        self._store, self._trash = store, trash
+        self._store, self._trash, self._renders = store, trash, renders
         self._shots = settings.quota_shots
         self._bytes = settings.quota_stored_mb * MEBIBYTE
         self._cpu_s = settings.quota_cpu_s_per_day
@@ -117,12 +119,19 @@ class Quotas:
                 raise ServiceError(403, "quota_shots", f"{detail} Delete one, and wait until the trash is emptied.")
             if self._bytes and total_bytes > self._bytes:
                 detail = (
-                    f"Project {project!r} may have {self._bytes / MEBIBYTE:,.0f} MiB of shots and edits, those in the trash too; "
-                    f"with this there would be {total_bytes / MEBIBYTE:,.1f} MiB. Send a smaller shot, or delete others."
+                    f"Project {project!r} may have {self._bytes / MEBIBYTE:,.0f} MiB of shots, edits and renders, those in the "
+                    f"trash too; with this there would be {total_bytes / MEBIBYTE:,.1f} MiB. Send something smaller, or delete "
+                    "shots or renders."
                 )
                 raise ServiceError(403, "quota_stored", detail)
             self._coming_shots[project] += shots
             self._coming_bytes[project] += size_bytes
+
+    def check_room(self, project: str, size_bytes: int) -> None:
+        """Check that a project has room for a file. Raises `ServiceError` 403: it has not."""
+        self.reserve(project, 0, size_bytes)
+        with self._lock:
+            self._coming_bytes[project] -= size_bytes
 
     def _taken(self, project: str) -> tuple[int, int]:
         """Return the number of the shots of a project and their size, bytes, with those in the trash."""
@@ -131,7 +140,7 @@ class Quotas:
             name: kept for name, kept in self._edits.items() if name in {str(each.folder) for each in records}
         }
         sizes = [record.size_bytes + self._size_of_edits(record) for record in records if record.project == project]
-        return len(sizes), sum(sizes)
+        return len(sizes), sum(sizes) + self._renders.stored_bytes(project)
 
     def _size_of_edits(self, record: ShotRecord) -> int:
         """Return the size of the files of a shot's edits, bytes; measured anew where files have come or gone."""

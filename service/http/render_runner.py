@@ -1,4 +1,4 @@
-"""Draws the frames of renders, one after the other, where nothing else is wanted."""
+"""Draws the frames of renders, one after the other, while no one else waits for the service."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from contextlib import suppress
 
 from starlette.concurrency import run_in_threadpool
 
-from render.errors import GraphicsError, OutputError, PullfocusError
+from render.errors import GraphicsError, InputError, OutputError, PullfocusError
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.service import Service
 from service.models.frames import FrameQuery
 from service.picture.calls import frames as frame_calls
-from service.renders.queue import Claim
+from service.renders.queue import Claim, RenderQueue
 from service.storage.store import ShotRecord
 from service.workers.calls import call
 from service.workers.errors import QueueFullError, StoppingError, UnfitError, WorkerError
@@ -30,7 +30,8 @@ LEASE_S = 60.0
 PAUSE_S = 1.0
 """Longest time between two looks for frames."""
 BUSY_PAUSE_S = 15.0
-"""Time for which a frame waits that the service has no room for, or whose owner has used up the processor time of a day."""
+"""Pause of a render that the service has no room for, or whose owner has used up the processor time of a day."""
+STOPPING = "the service stops"
 
 
 async def run_renders(service: Service) -> None:
@@ -38,40 +39,64 @@ async def run_renders(service: Service) -> None:
     worker = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(2)}"
     while True:
         try:
-            claim = await run_in_threadpool(service.renders.claim, worker, LEASE_S)
-        except Exception:
-            log.exception("the queue of renders cannot be read")
-            claim = None
-        if claim is None:
-            with suppress(TimeoutError):
-                await asyncio.wait_for(service.renders_sent.wait(), PAUSE_S)
-            service.renders_sent.clear()
-        else:
-            await _work_on(service, claim)
+            claim = await _claim(service.renders, worker)
+            if claim is not None:
+                await work_on(service, claim)
+                continue
+        except Exception:  # as of a disk that is full; a frame that is held is ready again when its lease has run out
+            log.exception("renders cannot go on now")
+        with suppress(TimeoutError):
+            await asyncio.wait_for(service.renders_sent.wait(), PAUSE_S)
+        service.renders_sent.clear()
 
 
-async def _work_on(service: Service, claim: Claim) -> None:
-    """Draw a frame and note what became of it."""
+async def _claim(queue: RenderQueue, worker: str) -> Claim | None:
+    """Claim a frame. One that comes when the service stops is given back."""
+    claiming = asyncio.ensure_future(run_in_threadpool(queue.claim, worker, LEASE_S))
+    try:
+        return await asyncio.shield(claiming)
+    except asyncio.CancelledError:
+        claim = await claiming
+        if claim is not None:
+            queue.give_back(claim, STOPPING)
+        raise
+
+
+async def work_on(service: Service, claim: Claim) -> None:
+    """Draw a frame and note what became of it.
+
+    Args:
+        service: draws it.
+        claim: the frame.
+    """
     queue = service.renders
     drawing = asyncio.create_task(_draw(service, claim))
     holding = asyncio.create_task(_hold(service, claim, drawing))
     try:
         await drawing
     except asyncio.CancelledError:
-        # Here, as nothing that is awaited may be finished before the service is.
-        queue.give_back(claim, "the render was canceled, or the service stops")
         if _is_cancelling():
+            queue.give_back(claim, STOPPING)  # here, as nothing that is awaited may be finished before the service is
             raise
-    except (QueueFullError, StoppingError, ServiceError) as error:
-        await run_in_threadpool(queue.give_back, claim, str(error), BUSY_PAUSE_S)
-    except (PullfocusError, WorkerError, OSError) as error:
-        log.warning("frame %d of render %s could not be drawn: %s", claim.frame, claim.render, error)
-        await run_in_threadpool(queue.fail, claim, str(error), may_pass=_may_pass(error))
+        await run_in_threadpool(queue.give_back, claim, "the render was canceled")
+    except (PullfocusError, WorkerError, ServiceError, OSError) as error:
+        if _comes_too_early(error):
+            await run_in_threadpool(queue.put_off, claim, BUSY_PAUSE_S)
+        else:
+            log.warning("frame %d of render %s could not be drawn: %s", claim.frame, claim.render, error)
+            await run_in_threadpool(queue.fail, claim, str(error), may_pass=_may_pass(error))
     except Exception as error:
         log.exception("frame %d of render %s could not be drawn", claim.frame, claim.render)
         await run_in_threadpool(queue.fail, claim, repr(error), may_pass=False)
     finally:
         holding.cancel()
+
+
+def _comes_too_early(error: Exception) -> bool:
+    """Return whether there was no room for a frame, or its owner has used up the processor time of a day."""
+    if isinstance(error, ServiceError):
+        return error.status == 429
+    return isinstance(error, QueueFullError | StoppingError)
 
 
 def _is_cancelling() -> bool:
@@ -106,20 +131,35 @@ async def _draw(service: Service, claim: Claim) -> None:
         client,
         estimate_s=cost.ordinary_s,
     )
-    stored = await run_in_threadpool(service.render_files.write, claim.render, claim.frame, query.format, content)
-    await run_in_threadpool(service.renders.finish, claim, stored.size_bytes, stored.sha256)
+    storing = asyncio.ensure_future(run_in_threadpool(_store, service, claim, query.format, record.project, content))
+    try:
+        await asyncio.shield(storing)
+    except asyncio.CancelledError:
+        await storing  # the render may be removed once the frame is given back
+        raise
+
+
+def _store(service: Service, claim: Claim, suffix: str, project: str, content: bytes) -> None:
+    """Store a frame. What comes too late, as another worker has the frame by now, is thrown away."""
+    service.quotas.check_room(project, len(content))
+    path = service.render_files.path(claim.render, claim.frame, claim.attempt, suffix)
+    stored = service.render_files.write(path, content)
+    if not service.renders.finish(claim, stored.size_bytes, stored.sha256):
+        path.unlink(missing_ok=True)
 
 
 def _shot_of(service: Service, claim: Claim) -> ShotRecord:
-    """Return the shot of a render. Raises `NotFoundError`: it was deleted, or another one has its id now."""
+    """Return the shot of a render. Raises `InputError`: it was deleted, or another one has its id now."""
     record = service.store.get(claim.shot)
     if record.created_at.isoformat() != claim.shot_created_at:
-        raise PullfocusError(f"shot {claim.shot!r} is another one than when the render was sent", code="shot_replaced")
+        raise InputError(f"shot {claim.shot!r} is another one than when the render was sent", code="shot_replaced")
     return record
 
 
 def _may_pass(error: Exception) -> bool:
     """Return whether another try may succeed."""
+    if isinstance(error, ServiceError):
+        return False
     if isinstance(error, PullfocusError):
         return isinstance(error, GraphicsError | OutputError)
     return not isinstance(error, UnfitError)

@@ -107,7 +107,7 @@ class Service:
             raise
         trash = Trash(settings.data, settings.trash_days)
         quarantine = Quarantine(store, settings.max_blames)
-        quotas = Quotas(settings, store, trash)
+        quotas = Quotas(settings, store, trash, renders)
         hide_folder(settings.cache)
         environment = worker_environment(os.environ)
         caches = Caches(settings.cache, environment, settings.worker_disk_mb * MEBIBYTE)

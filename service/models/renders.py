@@ -94,7 +94,7 @@ class RenderRequest(PictureOptions):
 class RenderPlan(Model):
     """A render as it would be, where it is only tried."""
 
-    model_config = shown_as({"frames": "1-95", "count": 48, "secondsOfProcessor": 310.0})
+    model_config = shown_as({"frames": "1-95:2", "count": 48, "secondsOfProcessor": 310.0})
 
     frames: str = Field(description="All frames, as a range.")
     count: int = Field(description="Number of frames.")
@@ -127,7 +127,7 @@ class Render(Model):
     started_at: datetime | None = Field(description="Time at which the first frame was begun.")
     finished_at: datetime | None
     seconds_left: float | None = Field(
-        description="Expected time until it ends, s, were nothing else drawn; null before the first frame and after the end."
+        description="Expected time until it ends, s, if no other render is drawn; null before the first frame and after the end."
     )
 
 

@@ -8,12 +8,14 @@ from typing import Any
 from alembic import command
 from alembic.config import Config
 from alembic.util import CommandError
-from sqlalchemy import Engine, create_engine, event
+from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.exc import SQLAlchemyError
 
 from render.errors import OutputError
 from service.storage.database_file import DATABASE
 
+READS = "reads"
+"""Execution option of connections that only read."""
 BUSY_MS = 10_000
 """Time to wait for another writer."""
 _MIGRATIONS = Path(__file__).parent / "migrations"
@@ -28,7 +30,7 @@ def open_database(folder: Path) -> Engine:
     path = folder / DATABASE
     engine = create_engine(f"sqlite:///{path}")
     event.listen(engine, "connect", _configure)
-    event.listen(engine, "begin", lambda connection: connection.exec_driver_sql("BEGIN IMMEDIATE"))
+    event.listen(engine, "begin", _begin)
     try:
         migrate(engine)
     except (SQLAlchemyError, CommandError) as error:
@@ -47,8 +49,14 @@ def migrate(engine: Engine) -> None:
         command.upgrade(config, "head")
 
 
+def _begin(connection: Connection) -> None:
+    """Begin a transaction: one that may write has the lock from its start, so that it never has to give up half way."""
+    only_reads = connection.get_execution_options().get(READS, False)
+    connection.exec_driver_sql("BEGIN" if only_reads else "BEGIN IMMEDIATE")
+
+
 def _configure(connection: Any, _record: object) -> None:
-    """Let SQLAlchemy begin transactions, so that a reader which goes on to write has the lock from its start."""
+    """Let SQLAlchemy begin transactions by `_begin`, and make what is committed last."""
     connection.isolation_level = None
     for setting in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON", f"busy_timeout={BUSY_MS}"):
         connection.execute(f"PRAGMA {setting}")

@@ -34,18 +34,17 @@ class RenderFiles:
     def __init__(self, data: Path) -> None:
         self._folder = data / FOLDER
 
-    def path(self, render_id: str, frame: int, suffix: str) -> Path:
-        """Return the path of a frame, which may not be drawn yet."""
-        return self._folder / render_id / f"{frame}.{suffix}"
+    def path(self, render_id: str, frame: int, attempt: int, suffix: str) -> Path:
+        """Return the path of what an attempt at a frame has drawn."""
+        return self._folder / render_id / f"{frame}.{attempt}.{suffix}"
 
-    def write(self, render_id: str, frame: int, suffix: str, content: bytes) -> StoredFrame:
+    def write(self, path: Path, content: bytes) -> StoredFrame:
         """Write a frame beside its place and move it there: writing it twice does no harm.
 
         Raises:
             OutputError: it cannot be written.
             OSError: its folder cannot be made.
         """
-        path = self.path(render_id, frame, suffix)
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomic(path, content)
         return StoredFrame(len(content), hashlib.sha256(content).hexdigest())

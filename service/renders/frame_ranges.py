@@ -38,11 +38,16 @@ def format_frames(frames: Sequence[int]) -> str:
     """Return frames in rising order as a short range."""
     parts: list[str] = []
     start = 0
-    for place in range(1, len(frames) + 1):
-        if place == len(frames) or frames[place] != frames[place - 1] + 1:
-            first, last = frames[start], frames[place - 1]
-            parts.append(f"{first}-{last}" if last > first else f"{first}")
-            start = place
+    while start < len(frames):
+        end = start + 1
+        step = frames[end] - frames[start] if end < len(frames) else 1
+        while end < len(frames) and frames[end] - frames[end - 1] == step:
+            end += 1
+        if step > 1 and end - start < 3:  # two frames are no row with a step
+            end, step = start + 1, 1
+        first, last = frames[start], frames[end - 1]
+        parts.append(f"{first}" if first == last else f"{first}-{last}" if step == 1 else f"{first}-{last}:{step}")
+        start = end
     return ",".join(parts)
 
 

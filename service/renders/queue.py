@@ -10,15 +10,17 @@ from __future__ import annotations
 import secrets
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from sqlalchemy import Engine, delete, func, select, update
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session, undefer
 
 from render.errors import NotFoundError, OutputError
+from service.models.renders import RenderState, TaskState
+from service.renders.database import READS
 from service.renders.errors import ConflictError
 from service.renders.frame_ranges import format_frames
 from service.renders.tables import AttemptRow, RenderRow, TaskRow
@@ -30,10 +32,8 @@ BACK_OFF_S = 2.0
 MAX_ERROR = 4000
 """Length of an error's text."""
 
-RenderState = Literal[
-    "queued", "running", "pause-requested", "paused", "cancel-requested", "canceled", "failed", "done"
-]
-TaskState = Literal["ready", "running", "done", "failed", "canceled"]
+MOST_UNENDED = 2000
+"""Renders of one owner that have not ended."""
 
 
 @dataclass(frozen=True)
@@ -114,6 +114,15 @@ class RenderQueue:
         """Close the connections to the database."""
         self._engine.dispose()
 
+    def sent_before(self, owner: str, idempotency_key: str, digest: str) -> RenderRow | None:
+        """Return the render that was sent with a key before; None where there is none.
+
+        Raises:
+            ConflictError: the key was used for another request.
+        """
+        with self._reading() as session:
+            return _sent_before(session, owner, idempotency_key, digest)
+
     def submit(self, new: NewRender) -> RenderRow:
         """Add a render.
 
@@ -121,27 +130,26 @@ class RenderQueue:
             The render, or the one that was sent with the same idempotency key before.
 
         Raises:
-            ConflictError: the idempotency key was used for another request.
+            ConflictError: the idempotency key was used for another request, or the owner has too many renders.
         """
-        with self._session() as session:
+        with self._writing() as session:
             if new.idempotency_key is not None:
-                same = select(RenderRow).where(
-                    RenderRow.owner == new.owner, RenderRow.idempotency_key == new.idempotency_key
-                )
-                before = session.scalar(same)
-                if before is not None and before.digest != new.digest:
-                    raise ConflictError(
-                        "this idempotency key was sent with another render before; send a new key with a new render",
-                        code="idempotency_key_reused",
-                    )
+                before = _sent_before(session, new.owner, new.idempotency_key, new.digest)
                 if before is not None:
                     return before
+            unended = select(func.count()).where(RenderRow.owner == new.owner, RenderRow.ready + RenderRow.running > 0)
+            if (session.scalar(unended) or 0) >= MOST_UNENDED:
+                raise ConflictError(
+                    f"you have {MOST_UNENDED:,} renders that have not ended; wait, or cancel some",
+                    code="too_many_renders",
+                )
             render = RenderRow(
                 id=f"r-{secrets.token_hex(6)}",
                 **{name: value for name, value in vars(new).items() if name != "frames"},
                 frames=format_frames(new.frames),
                 count=len(new.frames),
                 ready=len(new.frames),
+                stored_bytes=len(new.edits.encode()),
                 wanted="run",
                 created_at=self._clock(),
             )
@@ -152,7 +160,7 @@ class RenderQueue:
 
     def get(self, render_id: str) -> RenderRow:
         """Return a render. Raises `NotFoundError`."""
-        with self._session() as session:
+        with self._reading() as session:
             return _found(session, render_id)
 
     def list(self, project: str | None, most: int, before: tuple[float, str] | None = None) -> Sequence[RenderRow]:
@@ -172,12 +180,12 @@ class RenderQueue:
                 (RenderRow.created_at == created_at) & (RenderRow.id < render_id)
             )
             wanted = wanted.where(is_older)
-        with self._session() as session:
+        with self._reading() as session:
             return session.scalars(wanted).all()
 
     def tasks(self, render_id: str) -> Sequence[tuple[TaskRow, Sequence[AttemptRow]]]:
         """Return the tasks of a render in the order of their frames, with their attempts. Raises `NotFoundError`."""
-        with self._session() as session:
+        with self._reading() as session:
             _found(session, render_id)
             tasks = session.scalars(select(TaskRow).where(TaskRow.render == render_id).order_by(TaskRow.frame)).all()
             attempts = session.scalars(
@@ -190,7 +198,7 @@ class RenderQueue:
 
     def task(self, render_id: str, frame: int) -> TaskRow:
         """Return a task. Raises `NotFoundError`: there is no such render, or it has no such frame."""
-        with self._session() as session:
+        with self._reading() as session:
             render = _found(session, render_id)
             task = session.get(TaskRow, (render_id, frame))
             if task is None:
@@ -206,7 +214,7 @@ class RenderQueue:
             lease_s: time after which the worker is taken for gone, unless it extends the lease.
         """
         now = self._clock()
-        with self._session() as session:
+        with self._writing() as session:
             self._end_lost(session, now)
             task = _next_task(session, now)
             if task is None:
@@ -233,7 +241,7 @@ class RenderQueue:
 
     def extend(self, claim: Claim, lease_s: float) -> bool:
         """Extend a lease; return whether the task is still the worker's and wanted."""
-        with self._session() as session:
+        with self._writing() as session:
             held = self._held(session, claim)
             if held is None:
                 return False
@@ -242,13 +250,14 @@ class RenderQueue:
 
     def finish(self, claim: Claim, size_bytes: int, sha256: str) -> bool:
         """Note that a frame is drawn and stored; return whether the task was still the worker's."""
-        with self._session() as session:
+        with self._writing() as session:
             held = self._held(session, claim)
             if held is None:
                 return False
             render, task = held
             task.size_bytes, task.sha256 = size_bytes, sha256
-            self._end(session, claim, render, task, "done", "done", None)
+            render.stored_bytes += size_bytes
+            self._end(session, render, task, "done", "done", None)
             return True
 
     def fail(self, claim: Claim, error: str, *, may_pass: bool) -> None:
@@ -259,29 +268,44 @@ class RenderQueue:
             error: what went wrong, for people.
             may_pass: whether another try may succeed.
         """
-        with self._session() as session:
+        with self._writing() as session:
             held = self._held(session, claim)
             if held is None:
                 return
             render, task = held
             task.failures += 1
             has_failed = not may_pass or task.failures >= MOST_FAILURES
-            self._end(session, claim, render, task, "failed" if has_failed else "ready", "failed", error)
+            self._end(session, render, task, "failed" if has_failed else "ready", "failed", error)
             task.not_before = self._clock() + BACK_OFF_S * 2 ** (task.failures - 1)
 
-    def give_back(self, claim: Claim, reason: str, pause_s: float = 0.0) -> None:
+    def give_back(self, claim: Claim, reason: str) -> None:
         """Give a task back that was not finished, as when the service stops; it counts as no failure.
 
         Args:
             claim: the task.
             reason: for people.
-            pause_s: time for which nobody claims it.
         """
-        with self._session() as session:
+        with self._writing() as session:
             held = self._held(session, claim)
             if held is not None:
-                self._end(session, claim, *held, "ready", "given-back", reason)
-                held[1].not_before = self._clock() + pause_s
+                self._end(session, *held, "ready", "given-back", reason)
+
+    def put_off(self, claim: Claim, pause_s: float) -> None:
+        """Give a task back that could not be begun, as if it had not been claimed; none of its render is claimed for a while.
+
+        Args:
+            claim: the task.
+            pause_s: time until another one of its render is claimed.
+        """
+        with self._writing() as session:
+            held = self._held(session, claim)
+            if held is None:
+                return
+            render, task = held
+            self._end(session, render, task, "ready", "given-back", None)
+            session.delete(session.get_one(AttemptRow, (task.render, task.frame, task.attempts)))
+            task.attempts -= 1
+            render.not_before = self._clock() + pause_s
 
     def pause(self, render_id: str) -> RenderRow:
         """Begin no more frames of a render. Raises `NotFoundError`, `ConflictError`: it has ended."""
@@ -293,7 +317,7 @@ class RenderQueue:
 
     def cancel(self, render_id: str) -> RenderRow:
         """End a render; its finished frames stay. Raises `NotFoundError`, `ConflictError`: it has ended already."""
-        with self._session() as session:
+        with self._writing() as session:
             render = _unended(session, render_id)
             render.wanted = "cancel"
             waiting = update(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready")
@@ -304,8 +328,13 @@ class RenderQueue:
             return render
 
     def retry(self, render_id: str) -> RenderRow:
-        """Try the frames again that have failed or were canceled. Raises `NotFoundError`, `ConflictError`: there are none."""
-        with self._session() as session:
+        """Try the frames again that have failed or were canceled; a paused render stays so.
+
+        Raises:
+            NotFoundError: there is no such render.
+            ConflictError: it has no such frames.
+        """
+        with self._writing() as session:
             render = _found(session, render_id)
             if render.failed + render.canceled == 0:
                 raise ConflictError(f"render {render_id!r} has no frames that have failed or were canceled")
@@ -313,27 +342,37 @@ class RenderQueue:
             session.execute(again.values(state="ready", failures=0, not_before=0.0))
             render.ready += render.failed + render.canceled
             render.failed = render.canceled = 0
-            render.wanted, render.finished_at = "run", None
+            render.wanted = "pause" if render.wanted == "pause" else "run"
+            render.finished_at = None
             return render
 
-    def remove(self, render_id: str) -> None:
-        """Forget a render that has ended. Raises `NotFoundError`, `ConflictError`: it has not."""
-        with self._session() as session:
+    def remove(self, render_id: str, remove_files: Callable[[], None]) -> None:
+        """Forget a render that has ended, once its files are removed. Raises `NotFoundError`, `ConflictError`: it has not."""
+        with self._writing() as session:
             render = _found(session, render_id)
             if render.ready + render.running > 0:
                 raise ConflictError(f"render {render_id!r} is under way; cancel it before you remove it")
+            remove_files()
             session.execute(delete(RenderRow).where(RenderRow.id == render_id))
+
+    def stored_bytes(self, project: str) -> int:
+        """Return the size of what the renders of a project have stored, bytes."""
+        total = select(func.coalesce(func.sum(RenderRow.stored_bytes), 0)).where(RenderRow.project == project)
+        with self._reading() as session:
+            return session.scalar(total) or 0
 
     def numbers(self) -> dict[TaskState, int]:
         """Return the number of tasks in each state."""
         states: tuple[TaskState, ...] = ("ready", "running", "done", "failed", "canceled")
         sums = select(*(func.coalesce(func.sum(getattr(RenderRow, state)), 0) for state in states))
-        with self._session() as session:
+        with self._reading() as session:
             return dict(zip(states, session.execute(sums).one(), strict=True))
 
     def _want(self, render_id: str, wanted: str) -> RenderRow:
-        with self._session() as session:
+        with self._writing() as session:
             render = _unended(session, render_id)
+            if render.wanted == "cancel":
+                raise ConflictError(f"render {render_id!r} is being canceled; retry it once it has ended")
             render.wanted = wanted
             return render
 
@@ -347,7 +386,6 @@ class RenderQueue:
     def _end(
         self,
         session: Session,
-        claim: Claim,
         render: RenderRow,
         task: TaskRow,
         state: TaskState,
@@ -356,7 +394,7 @@ class RenderQueue:
     ) -> None:
         """End an attempt; a task that is ready again is canceled where its render is."""
         now = self._clock()
-        attempt = session.get_one(AttemptRow, (claim.render, claim.frame, claim.attempt))
+        attempt = session.get_one(AttemptRow, (task.render, task.frame, task.attempts))
         attempt.ended_at, attempt.outcome, attempt.error = now, outcome, error and error[:MAX_ERROR]
         task.worker = task.lease_until = None
         _move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
@@ -369,24 +407,32 @@ class RenderQueue:
         lost = select(TaskRow).where(TaskRow.state == "running", TaskRow.lease_until < now)
         for task in session.scalars(lost).all():
             render = session.get_one(RenderRow, task.render)
-            claim = Claim(task.render, task.frame, task.attempts, task.worker or "", "", "", "", "", {})
             task.failures += 1
             has_failed = task.failures >= MOST_FAILURES
-            self._end(session, claim, render, task, "failed" if has_failed else "ready", "lost", "the worker is gone")
+            self._end(session, render, task, "failed" if has_failed else "ready", "lost", "the worker is gone")
             task.not_before = now + BACK_OFF_S * 2 ** (task.failures - 1)
 
     def _note_end(self, render: RenderRow) -> None:
         render.finished_at = self._clock() if render.ready + render.running == 0 else None
 
-    @contextmanager
-    def _session(self) -> Iterator[Session]:
-        """Begin a transaction; what it has read can be used after its end."""
-        try:
-            with Session(self._engine, expire_on_commit=False) as session, session.begin():
-                yield session
-        except OperationalError as error:  # as of a full disk
-            reason = str(error.orig).partition("\n")[0]
-            raise OutputError(f"the queue of renders cannot be used now: {reason}", code="queue_unusable") from error
+    def _writing(self) -> AbstractContextManager[Session]:
+        """Begin a transaction that may write."""
+        return _transaction(self._engine)
+
+    def _reading(self) -> AbstractContextManager[Session]:
+        """Begin a transaction that only reads, and waits for no writer."""
+        return _transaction(self._engine.execution_options(**{READS: True}))
+
+
+@contextmanager
+def _transaction(engine: Engine) -> Iterator[Session]:
+    """Begin a transaction; what it has read can be used after its end. Raises `OutputError`: the database cannot be used."""
+    try:
+        with Session(engine, expire_on_commit=False) as session, session.begin():
+            yield session
+    except OperationalError as error:  # as of a full disk
+        reason = str(error.orig).partition("\n")[0]
+        raise OutputError(f"the queue of renders cannot be used now: {reason}", code="queue_unusable") from error
 
 
 def state_of(render: RenderRow) -> RenderState:
@@ -399,19 +445,30 @@ def state_of(render: RenderRow) -> RenderState:
         return "cancel-requested"
     if render.wanted == "pause":
         return "pause-requested" if render.running > 0 else "paused"
-    return "queued" if render.ready == render.count else "running"
+    return "queued" if render.started_at is None else "running"
 
 
 def _next_task(session: Session, now: float) -> TaskRow | None:
     """Return the task whose turn it is; None where all wait or there is none."""
     turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
-    waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0).order_by(*turn)
-    for render_id in session.scalars(waiting):
+    waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0, RenderRow.not_before <= now)
+    for render_id in session.scalars(waiting.order_by(*turn)):
         ready = select(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready", TaskRow.not_before <= now)
         task = session.scalar(ready.order_by(TaskRow.frame).limit(1))
         if task is not None:  # else all of its frames pause
             return task
     return None
+
+
+def _sent_before(session: Session, owner: str, idempotency_key: str, digest: str) -> RenderRow | None:
+    same = select(RenderRow).where(RenderRow.owner == owner, RenderRow.idempotency_key == idempotency_key)
+    before = session.scalar(same)
+    if before is not None and before.digest != digest:
+        raise ConflictError(
+            "this idempotency key was sent with another render before; send a new key with a new render",
+            code="idempotency_key_reused",
+        )
+    return before
 
 
 def _found(session: Session, render_id: str) -> RenderRow:

@@ -40,6 +40,8 @@ class RenderRow(Table):
     created_at: Mapped[float] = mapped_column(index=True)
     started_at: Mapped[float | None]
     finished_at: Mapped[float | None]
+    not_before: Mapped[float] = mapped_column(default=0.0)
+    stored_bytes: Mapped[int] = mapped_column(default=0)
     busy_s: Mapped[float] = mapped_column(default=0.0)
     ready: Mapped[int]
     running: Mapped[int] = mapped_column(default=0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Annotated
@@ -15,6 +16,7 @@ from starlette.concurrency import run_in_threadpool
 from render.model.edit_history import revision_of
 from service.http.access import READS, RENDERS, PrincipalDep
 from service.http.bodies import BodyRoute
+from service.http.clients import present_client
 from service.http.errors import ServiceError
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import problems
@@ -75,13 +77,20 @@ async def send_render(
         ),
     ] = None,
 ) -> Render:
-    """Send a render: its frames are drawn one after the other, where nobody waits for anything else.
+    """Send a render: its frames are drawn one after the other, while no one else waits for the service.
 
     It keeps the edits that the shot has now, and goes on after a restart of the service.
     """
-    record, frames, _ = await _checked(service, principal, request)
-    row = await run_in_threadpool(service.renders.submit, _new(record, principal, request, frames, idempotency_key))
-    service.renders_sent.set()
+    row = None
+    if idempotency_key is not None:
+        owner = present_client().principal
+        row = await run_in_threadpool(service.renders.sent_before, owner, idempotency_key, _digest(request))
+    if row is None:
+        record, frames, _ = await _checked(service, principal, request)
+        new = _new(record, principal, request, frames, idempotency_key)
+        await run_in_threadpool(service.quotas.check_room, record.project, len(new.edits.encode()))
+        row = await run_in_threadpool(service.renders.submit, new)
+        service.renders_sent.set()
     response.headers["Location"] = f"/v1/renders/{row.id}"
     return _shown(row)
 
@@ -107,7 +116,7 @@ async def list_renders(
     """List the renders of your project, the newest first."""
     start = None
     if before is not None:
-        last = _render_in_path(before, service, principal)
+        last = await run_in_threadpool(_render_in_path, before, service, principal)
         start = (last.created_at, last.id)
     project = None if principal.project == ALL_PROJECTS else principal.project
     rows = await run_in_threadpool(service.renders.list, project, most + 1, start)
@@ -145,12 +154,13 @@ def get_rendered_frame(
         detail = f"Frame {frame} of render {render.id!r} is not drawn yet: it is {task.state}."
         raise ServiceError(409, "frame_not_done", detail, path="frame")
     suffix = render.request["format"]
-    path = service.render_files.path(render.id, frame, suffix)
+    path = service.render_files.path(render.id, frame, task.attempts, suffix)
     if not path.is_file():
         detail = f"The file of frame {frame} of render {render.id!r} is gone."
         raise ServiceError(404, "frame_file_gone", detail, path="frame")
+    headers = {"ETag": f'"{task.sha256}"', "Cache-Control": "private, no-cache"}
     name = f"{plain_file_name(render.name) or 'render'}.{frame:04d}.{suffix}"
-    return FileResponse(path, media_type=MEDIA_TYPES[suffix], filename=name, headers={"ETag": f'"{task.sha256}"'})
+    return FileResponse(path, media_type=MEDIA_TYPES[suffix], filename=name, headers=headers)
 
 
 @router.post("/{render}/pause", operation_id="pauseRender", dependencies=RENDERS, responses=problems(404, 409))
@@ -182,8 +192,7 @@ def retry_render(service: ServiceDep, render: RenderInPath) -> Render:
 )
 def remove_render(service: ServiceDep, render: RenderInPath) -> None:
     """Remove a render that has ended, and its files."""
-    service.renders.remove(render.id)
-    service.render_files.remove(render.id)
+    service.renders.remove(render.id, lambda: service.render_files.remove(render.id))
 
 
 async def _checked(
@@ -209,21 +218,20 @@ async def _frames_of(service: Service, record: ShotRecord, request: RenderReques
         return parse_frames(request.frames)
     shot = await service.call_stage(shot_calls.describe_shot, record)
     first, last = shot.frame_range.start, shot.frame_range.end
-    return parse_frames(f"{round(first)}-{round(last)}")
+    return parse_frames(f"{math.ceil(first)}-{math.floor(last)}")
 
 
 def _new(
     record: ShotRecord, principal: Principal, request: RenderRequest, frames: list[int], key: str | None
 ) -> NewRender:
     edits = record.edit_text()
-    sent = request.model_dump(mode="json")
     return NewRender(
         name=request.name or record.name,
         project=record.project,
-        owner=principal.id,
+        owner=present_client().principal,
         owner_label=principal.label,
         idempotency_key=key,
-        digest=hashlib.sha256(json.dumps(sent, sort_keys=True).encode()).hexdigest(),
+        digest=_digest(request),
         shot=record.id,
         shot_created_at=record.created_at.isoformat(),
         edits=edits,
@@ -232,6 +240,10 @@ def _new(
         frames=frames,
         priority=request.priority,
     )
+
+
+def _digest(request: RenderRequest) -> str:
+    return hashlib.sha256(json.dumps(request.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
 
 
 def _shown(row: RenderRow) -> Render:

@@ -56,3 +56,4 @@ def test_a_range_that_is_written_reads_the_same(frames):
 
 def test_a_range_is_written_short():
     assert format_frames([1, 2, 3, 7, 9, 10]) == "1-3,7,9-10"
+    assert format_frames([1, 3, 5, 7, 8, 20, 40]) == "1-7:2,8,20,40"

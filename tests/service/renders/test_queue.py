@@ -147,6 +147,44 @@ def test_a_frame_that_is_given_back_is_no_failure(queue):
         queue.give_back(claim, "the service stops")
 
 
+def test_a_render_that_is_put_off_lets_others_go_first(queue, clock):
+    full, other = queue.submit(render(priority=90)), queue.submit(render([7]))
+    queue.put_off(queue.claim("one", LEASE_S), pause_s=15)
+    assert drawn(queue) == (other.id, 7)
+    assert queue.claim("one", LEASE_S) is None
+    clock.now += 15
+    assert queue.claim("one", LEASE_S).attempt == 1
+    assert [len(attempts) for _, attempts in queue.tasks(full.id)] == [1, 0, 0]
+
+
+def test_a_cancellation_is_not_taken_back(queue):
+    sent = queue.submit(render())
+    claim = queue.claim("one", LEASE_S)
+    queue.cancel(sent.id)
+    for change in (queue.resume, queue.pause):
+        with pytest.raises(ConflictError, match="is being canceled"):
+            change(sent.id)
+    queue.give_back(claim, "canceled")
+    assert state_of(queue.get(sent.id)) == "canceled"
+
+
+def test_what_a_project_has_stored_is_summed(queue):
+    queue.submit(render([1]))
+    drawn(queue)
+    assert queue.stored_bytes("default") == 10 + len("#usda 1.0")
+    assert queue.stored_bytes("another") == 0
+
+
+def test_the_renders_of_an_owner_are_bounded(queue, monkeypatch):
+    monkeypatch.setattr("service.renders.queue.MOST_UNENDED", 2)
+    for _ in range(2):
+        queue.submit(render([1]))
+    with pytest.raises(ConflictError, match="have not ended"):
+        queue.submit(render([1]))
+    drawn(queue)
+    queue.submit(render([1]))
+
+
 def test_a_paused_render_begins_no_frame(queue):
     sent = queue.submit(render())
     claim = queue.claim("one", LEASE_S)
@@ -174,11 +212,20 @@ def test_a_cancelled_render_keeps_what_it_has(queue):
 
 
 def test_only_a_render_that_has_ended_is_removed(queue):
+    removed = []
+
+    def busy():
+        raise OSError("busy")
+
     sent = queue.submit(render([1]))
     with pytest.raises(ConflictError, match="cancel it before"):
-        queue.remove(sent.id)
+        queue.remove(sent.id, removed.append)
     drawn(queue)
-    queue.remove(sent.id)
+    with pytest.raises(OSError, match="busy"):
+        queue.remove(sent.id, busy)
+    assert queue.get(sent.id).done == 1
+    queue.remove(sent.id, lambda: removed.append(sent.id))
+    assert removed == [sent.id]
     with pytest.raises(NotFoundError):
         queue.get(sent.id)
     with pytest.raises(NotFoundError):

@@ -303,7 +303,7 @@ export interface paths {
         readonly put?: never;
         /**
          * Send Render
-         * @description Send a render: its frames are drawn one after the other, where nobody waits for anything else.
+         * @description Send a render: its frames are drawn one after the other, while no one else waits for the service.
          *
          *     It keeps the edits that the shot has now, and goes on after a restart of the service.
          */
@@ -7496,7 +7496,7 @@ export interface components {
             readonly running: number;
             /**
              * Secondsleft
-             * @description Expected time until it ends, s, were nothing else drawn; null before the first frame and after the end.
+             * @description Expected time until it ends, s, if no other render is drawn; null before the first frame and after the end.
              */
             readonly secondsLeft: number | null;
             /**
@@ -7558,7 +7558,7 @@ export interface components {
          * @description A render as it would be, where it is only tried.
          * @example {
          *       "count": 48,
-         *       "frames": "1-95",
+         *       "frames": "1-95:2",
          *       "secondsOfProcessor": 310
          *     }
          */

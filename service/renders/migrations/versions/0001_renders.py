@@ -25,6 +25,8 @@ def upgrade() -> None:
         sa.Column("created_at", sa.Float(), nullable=False),
         sa.Column("started_at", sa.Float()),
         sa.Column("finished_at", sa.Float()),
+        sa.Column("not_before", sa.Float(), nullable=False),
+        sa.Column("stored_bytes", sa.Integer(), nullable=False),
         sa.Column("busy_s", sa.Float(), nullable=False),
         *(sa.Column(name, sa.Integer(), nullable=False) for name in ("ready", "running", "done", "failed", "canceled")),
         sa.UniqueConstraint("owner", "idempotency_key"),

@@ -10,6 +10,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+from render.errors import OutputError
+from service.http.errors import ServiceError
 from service.http.settings import Settings
 from tests.service.conftest import running, send, until
 
@@ -58,17 +60,17 @@ def test_frames_are_drawn_and_fetched(client, room, tmp_path):
 
 
 def test_a_render_keeps_the_edits_that_it_was_sent_with(client, room):
-    plain = render_of(client, room, frames="1", format="png")
-    ended(client, plain)
-    paused = render_of(client, room, frames="1", format="png", priority=0)
+    plain = client.get(f"/v1/shots/{room}/frame", params=SMALL | {"time": 24}).content
+    before = render_of(client, room, format="png")
+    client.post(f"/v1/renders/{before['id']}/pause")
+    watched(client, before, lambda now: now["state"] == "paused")
     assert client.patch(f"/v1/shots/{room}/camera/exposure", json={"compensationStops": 3}).status_code == 200
-    later = render_of(client, room, frames="1", format="png")
-    assert later["revision"] != paused["revision"] == plain["revision"]
-    pictures = []
-    for render in (plain, paused, later):
-        ended(client, render)
-        pictures.append(client.get(f"/v1/renders/{render['id']}/frames/1").content)
-    assert pictures[0] == pictures[1] != pictures[2]
+    client.post(f"/v1/renders/{before['id']}/resume")
+    later = render_of(client, room, frames="24", format="png")
+    assert later["revision"] != before["revision"]
+    assert [ended(client, render)["state"] for render in (before, later)] == ["done", "done"]
+    bright = client.get(f"/v1/renders/{later['id']}/frames/24").content
+    assert client.get(f"/v1/renders/{before['id']}/frames/24").content == plain != bright
 
 
 def test_the_whole_shot_is_the_default_and_can_be_tried(client, room):
@@ -120,7 +122,7 @@ def test_a_frame_that_fails_says_why_and_is_tried_again(client, room):
     assert ended(client, render)["failed"] == 1
 
 
-def test_a_render_is_paused_resumed_canceled_and_removed(client, room):
+def test_a_render_is_paused_resumed_canceled_and_removed(service, client, room):
     render = render_of(client, room)
     address = f"/v1/renders/{render['id']}"
     assert client.post(f"{address}/pause").json()["state"] in ("paused", "pause-requested")
@@ -134,7 +136,10 @@ def test_a_render_is_paused_resumed_canceled_and_removed(client, room):
     canceled = ended(client, render)
     assert canceled["done"] + canceled["canceled"] == 24
     assert canceled["state"] == ("canceled" if canceled["canceled"] else "done")
+    files = service.settings.data / "renders" / render["id"]
+    assert len(list(files.iterdir())) == canceled["done"]
     assert client.delete(address).status_code == 204
+    assert not files.exists()
     assert client.get(address).json()["code"] == "render_not_found"
 
 
@@ -159,6 +164,44 @@ def test_a_deleted_shot_ends_its_renders_with_a_word(client, room):
     assert failed["state"] == "failed"
     tasks = client.get(f"/v1/renders/{render['id']}/tasks").json()["tasks"]
     assert room in tasks[-1]["attempts"][-1]["error"]
+
+
+def test_a_queue_that_cannot_be_written_ends_nothing_else(service, client, room, monkeypatch):
+    def fail(claim, error, *, may_pass):
+        raise OutputError("the queue of renders cannot be used now: database or disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(service.internal.renders, "fail", fail)
+        stuck = render_of(client, room, frames="1", camera="/World/none")
+        watched(client, stuck, lambda now: now["running"] == 1)
+        assert ended(client, render_of(client, room, frames="1"))["state"] == "done"
+    client.post(f"/v1/renders/{stuck['id']}/cancel")
+
+
+def test_a_shot_in_quarantine_fails_its_renders(service, client, room, monkeypatch):
+    def refuse(record):
+        raise ServiceError(423, "quarantined", "The shot is in quarantine.")
+
+    monkeypatch.setattr(service.internal.quarantine, "check", refuse)
+    assert ended(client, render_of(client, room, frames="1-24"))["failed"] == 24
+
+
+def test_a_render_waits_for_its_owners_processor_time(service, client, room, monkeypatch):
+    checked = []
+
+    def refuse(sender=None):
+        checked.append(sender)
+        if sender is not None:
+            raise ServiceError(429, "quota_cpu", "You have used up your time.")
+
+    monkeypatch.setattr(service.internal.quotas, "check_work", refuse)
+    render = render_of(client, room, frames="1-24")
+    until(lambda: any(checked))
+    time.sleep(1.5)
+    waiting = client.get(f"/v1/renders/{render['id']}").json()
+    assert (waiting["ready"], waiting["running"]) == (24, 0)
+    assert len([sender for sender in checked if sender]) == 1
+    client.post(f"/v1/renders/{render['id']}/cancel")
 
 
 def test_renders_are_seen_in_their_project_alone(tmp_path, room_file):

@@ -119,6 +119,22 @@ it("copied keys of a point that is gone are not pasted, and that is said", async
   expect(failed).toMatchObject([{ message: "The points of the copied keys are gone." }]);
 });
 
+it("copied keys follow their point to its new name", async () => {
+  const { fake, session, failed } = await opened();
+  session.keys.select([stackAt(session, 10)]);
+  session.keys.copy();
+  fake.onMade = () => {
+    fake.points = [point("robot", { weight: { 1: 1, 10: 0, 20: 1 } })];
+  };
+  await session.pointEdits.rename(point("pip"), "robot");
+  await turn();
+  session.playhead.goTo(40);
+  await turn();
+  await session.keys.paste();
+  expect(fake.made[1]).toMatchObject([{ type: "keyPoint", name: "robot", key: { time: 40 } }]);
+  expect(failed).toEqual([]);
+});
+
 describe("a point that edits under way", () => {
   it("rename keeps the keys that are dragged meanwhile", async () => {
     const { fake, session, failed } = await opened();

@@ -96,3 +96,26 @@ describe("newest wins", () => {
     expect(fetcher.free).toBe(true);
   });
 });
+
+it("what is given up during a pause is not sent", async () => {
+  const loaded: string[] = [];
+  let resume = (): void => undefined;
+  const newest = new NewestWins<string, string>({
+    load: (request) => {
+      loaded.push(request);
+      return Promise.resolve(request);
+    },
+    onResult: () => undefined,
+    onError: () => undefined,
+    pause: () => new Promise((resolve) => (resume = resolve)),
+  });
+  newest.load("1");
+  newest.clear();
+  resume();
+  await new Promise((resolve) => setTimeout(resolve));
+  expect(loaded).toEqual([]);
+  newest.load("2");
+  resume();
+  await new Promise((resolve) => setTimeout(resolve));
+  expect(loaded).toEqual(["2"]);
+});

@@ -5,10 +5,10 @@ import type { Changes } from "../model/changes";
 import { correct, isDense, recorrect, type Correction } from "../model/correction";
 import type { KeyOwner } from "../model/key_lanes";
 import type { Key } from "../model/keys";
-import { HintError } from "../net/errors";
 import { followOwner, type ReadKeys } from "./current_keys";
 import type { ShotDocument } from "./document";
 import type { Drag } from "./drag";
+import { goneHint } from "./hints";
 import type { PointNames } from "./point_names";
 
 /** A curve, and where a value of it is set. */
@@ -85,7 +85,7 @@ export class Corrections {
         ? unsaved
         : async () => {
             const keys = await this.#read(owner());
-            if (keys === null) throw new HintError("There is no such focus point any more.", "Select another point.");
+            if (keys === null) throw goneHint(owner());
             correction = { ...shown, owner: owner(), keys };
             return correct(correction, width);
           };

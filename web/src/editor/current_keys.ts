@@ -5,9 +5,9 @@ import { laneOf, type KeyOwner, type OwnedKey } from "../model/key_lanes";
 import type { Key } from "../model/keys";
 import { keysOf, type FocusPoint } from "../model/shot";
 import { sameTime } from "../model/time";
-import { HintError } from "../net/errors";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
+import { goneHint } from "./hints";
 import type { PointNames } from "./point_names";
 import { readSetting } from "./setting_state";
 
@@ -36,7 +36,7 @@ export async function readKeys(
  */
 export async function withoutGone(changes: Changes, read: ReadKeys): Promise<Changes> {
   const found = new Map<string, ReturnType<ReadKeys>>();
-  const gone = new Set<string>();
+  const gone: KeyOwner[] = [];
   const isThere = async (change: Change): Promise<boolean> => {
     const owner = ownerOf(change);
     if (!owner) return true;
@@ -44,15 +44,14 @@ export async function withoutGone(changes: Changes, read: ReadKeys): Promise<Cha
     const keys = found.get(name) ?? read(owner);
     found.set(name, keys);
     const now = await keys;
-    if (now === null && "point" in owner) gone.add(owner.point);
+    if (now === null) gone.push(owner);
     if (now === null || !isRemoval(change)) return now !== null;
     return now.some(({ time }) => sameTime(time, change.time));
   };
   const isKept = await Promise.all(changes.map(isThere));
   const kept = changes.filter((_, place) => isKept[place]);
   const [first] = gone;
-  if (first !== undefined && kept.length === 0)
-    throw new HintError(`There is no ${first} any more.`, "Its keys went with it.");
+  if (first && kept.length === 0) throw goneHint(first);
   return kept;
 }
 
@@ -67,6 +66,12 @@ export function followOwner(owner: KeyOwner, names: PointNames): () => KeyOwner 
   if ("setting" in owner) return () => owner;
   const nameNow = names.follow(owner.point);
   return () => ({ ...owner, point: nameNow() });
+}
+
+/** Returns a function that gives the keys with what their owners are called by then. */
+export function followKeys(keys: readonly OwnedKey[], names: PointNames): () => readonly OwnedKey[] {
+  const followed = keys.map(({ owner, key }) => ({ key, ownerNow: followOwner(owner, names) }));
+  return () => followed.map(({ key, ownerNow }) => ({ owner: ownerNow(), key }));
 }
 
 /** Returns a function that makes the changes by the names which the points have by then. */

@@ -152,18 +152,16 @@ export class ShotDocument {
   /** Reads focus points, readout and focus settings at a time; while the time or a drag is moving, the focus points alone. */
   follow(time: number, moving: boolean, revision: number): void {
     if (!this.hasLens) return;
-    this.#followPoints.load(time);
+    const points = this.pointsByTime.known(time);
+    if (points) this.#followPoints.take(points, time);
+    else this.#followPoints.load(time);
     if (moving) return;
     const at = { time, revision };
     const result = this.resultOf(at);
-    if (result?.readout) {
-      this.#followReadout.clear(); // a reading under way is of an earlier revision
-      this.#takeReadout(result.readout, at);
-    } else this.#followReadout.load(at);
-    if (result?.focusSettings) {
-      this.#followSettings.clear();
-      this.#settings.value = { revision, value: result.focusSettings };
-    } else this.#followSettings.load(at);
+    if (result?.readout) this.#followReadout.take(result.readout, at);
+    else this.#followReadout.load(at);
+    if (result?.focusSettings) this.#followSettings.take(result.focusSettings, at);
+    else this.#followSettings.load(at);
   }
 
   /** Reads the curve of a revision. */

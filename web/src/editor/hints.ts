@@ -1,6 +1,6 @@
 /** Reasons why a gesture does nothing, with what to do about it. */
 
-import { MOST_CHANGES } from "../model/key_lanes";
+import { MOST_CHANGES, type KeyOwner } from "../model/key_lanes";
 import type { Shot } from "../model/shot";
 import { HintError } from "../net/errors";
 
@@ -13,6 +13,12 @@ export function noEditsHint(reason: string | null): HintError | null {
 export function tooManyKeysHint(): HintError {
   const most = Math.floor((MOST_CHANGES - 1) / 2).toString();
   return new HintError("These are too many keys at once.", `An edit takes some ${most} keys: select fewer of them.`);
+}
+
+/** Where the focus point is gone whose keys are edited. */
+export function goneHint(owner: KeyOwner): HintError {
+  const name = "point" in owner ? owner.point : owner.setting;
+  return new HintError(`There is no ${name} any more.`, "Its keys went with it.");
 }
 
 /** Where the focus points of all copied keys are gone. */

@@ -35,7 +35,7 @@ import { formatFrame } from "../model/time";
 import { insertion } from "../model/spline";
 import { curvesOf } from "../model/value_curves";
 import { respanned } from "../model/value_scale";
-import { follow, withOwners, withoutGone, type ReadKeys } from "./current_keys";
+import { follow, followKeys, withOwners, withoutGone, type ReadKeys } from "./current_keys";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
 import { nothingToPasteHint, tooManyKeysHint } from "./hints";
@@ -86,6 +86,7 @@ export class KeyEditing {
 
   /** What `paste` sets. */
   readonly copied = signal<readonly OwnedKey[]>([]);
+  #copiedNow: () => readonly OwnedKey[] = () => [];
   /** How far a curve may be off that is simplified, as a share. */
   readonly tolerance = signal(0.02);
   /** Id of the curve that is drawn in place of the focus curve; null for none. */
@@ -228,13 +229,14 @@ export class KeyEditing {
   /** Keeps the selected keys for `paste`. */
   copy(): void {
     this.copied.value = this.#base().stacks.flatMap(({ keys }) => keys);
+    this.#copiedNow = followKeys(this.copied.peek(), this.#parts.pointNames);
   }
 
   /** Sets the copied keys, the first of which comes to the playhead, and selects them. */
   async paste(): Promise<void> {
     const { playhead, document } = this.#parts;
     if (this.copied.peek().length === 0 || this.isDragged) return;
-    const copied = withOwners(this.copied.peek(), document.points.peek());
+    const copied = withOwners(this.#copiedNow(), document.points.peek());
     if (copied.length === 0) {
       this.#fail(nothingToPasteHint(), () => undefined);
       return;
@@ -321,10 +323,8 @@ export class KeyEditing {
 
   /** Shows stacks as they are to be. */
   #show(base: Pending, after: readonly KeyStack[]): void {
-    const of = this.#idsNow(base);
-    this.#shown.value = new Map(
-      after.flatMap((stack, place) => [...(of[place] ?? [])].map((id) => [id, stack] as const)),
-    );
+    const of = this.#idsNow(base).map((ids) => [...ids]);
+    this.#shown.value = new Map(after.flatMap((stack, place) => of[place]?.map((id) => [id, stack] as const) ?? []));
   }
 
   /** The ids by which the service may have stacks: those before the edits under way, and those after each of them. */
@@ -378,8 +378,8 @@ export class KeyEditing {
     document.unsaved.value = changes;
     // What was read may change by edits under way.
     const isRead = document.pending.peek() === 0 && document.fresh.peek() && photography.fresh.peek();
-    const named = follow(changes, pointNames);
-    const now = (): Promise<Changes> => (isKnown ? Promise.resolve(named()) : withoutGone(named(), this.#read));
+    const renamed = follow(changes, pointNames);
+    const now = (): Promise<Changes> => (isKnown ? Promise.resolve(renamed()) : withoutGone(renamed(), this.#read));
     const edited = document.edit(label, isRead ? changes : now, changes);
     document.dragging.value = false;
     const isMade = await edited;

@@ -52,6 +52,12 @@ export class NewestWins<Request, Result> {
     else this.#waiting = queued;
   }
 
+  /** Delivers a result that is there already; requests in flight would bring older ones. */
+  take(result: Result, request: Request): void {
+    this.clear();
+    this.#options.onResult(result, request);
+  }
+
   /** Aborts all requests in flight and drops the one that waits. */
   clear(): void {
     this.#waiting = null;
@@ -68,6 +74,7 @@ export class NewestWins<Request, Result> {
   async #fly(flight: Flight<Request>): Promise<void> {
     try {
       if (this.#options.pause) await this.#options.pause();
+      if (flight.abort.signal.aborted) return;
       const result = await this.#options.load(flight.request, flight.abort.signal);
       if (this.#remove(flight) && flight.serial > this.#delivered) {
         this.#delivered = flight.serial;

@@ -140,7 +140,7 @@ function Handle({ session, plot, curve, keys, index, side }: KnotProps & { side:
   return (
     <button
       type="button"
-      class={plot.time.has(end.time) ? "handle" : "handle out"}
+      class={x >= plot.time.left && x <= plot.time.right ? "handle" : "handle out"}
       data-handle={side}
       style={{ left: `${x}px`, top: `${y}px` }}
       aria-label={`Handle ${name} frame ${formatFrame(key.time)}: slope ${trim(slope, 4)} a frame, ${length} frames long`}

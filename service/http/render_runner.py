@@ -36,18 +36,32 @@ STOPPING = "the service stops"
 
 async def run_renders(service: Service) -> None:
     """Draw the frames of renders until the service stops."""
+    await run_in_threadpool(_recover, service)
     worker = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(2)}"
+    has_failed = False
     while True:
         try:
             claim = await _claim(service.renders, worker)
+            has_failed = False
             if claim is not None:
                 await work_on(service, claim)
                 continue
         except Exception:  # as of a disk that is full; a frame that is held is ready again when its lease has run out
-            log.exception("renders cannot go on now")
+            if not has_failed:
+                log.exception("renders cannot go on now")
+            has_failed = True
         with suppress(TimeoutError):
             await asyncio.wait_for(service.renders_sent.wait(), PAUSE_S)
         service.renders_sent.clear()
+
+
+def _recover(service: Service) -> None:
+    """Take back what a service that was killed has left. No other one works in the data folder."""
+    try:
+        service.renders.take_back_all()
+        service.render_files.remove_set_aside()
+    except (OutputError, OSError) as error:
+        log.error("what an earlier service has left of renders cannot be taken back: %s", error)
 
 
 async def _claim(queue: RenderQueue, worker: str) -> Claim | None:
@@ -116,6 +130,7 @@ async def _hold(service: Service, claim: Claim, drawing: asyncio.Task[None]) -> 
             continue
         if not is_wanted:
             drawing.cancel()
+            return
 
 
 async def _draw(service: Service, claim: Claim) -> None:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import secrets
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from render.files import write_atomic
+from render.files import sync_folder, write_atomic
 from render.removal import remove_tree
 
 FOLDER = "renders"
+_ASIDE = "removed-"
 
 
 class StoredFrame(NamedTuple):
@@ -45,12 +48,26 @@ class RenderFiles:
             OutputError: it cannot be written.
             OSError: its folder cannot be made.
         """
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.parent.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            sync_folder(self._folder)
         write_atomic(path, content)
+        sync_folder(path.parent)  # the database says soon that it is there
         return StoredFrame(len(content), hashlib.sha256(content).hexdigest())
 
-    def remove(self, render_id: str) -> None:
-        """Remove all frames of a render."""
-        folder = self._folder / render_id
-        if folder.exists():
-            remove_tree(folder)
+    def set_aside(self, render_id: str) -> None:
+        """Set the frames of a render aside, for `remove_set_aside`; it is no error if there are none."""
+        with suppress(FileNotFoundError):
+            (self._folder / render_id).rename(self._folder / f"{_ASIDE}{render_id}-{secrets.token_hex(4)}")
+
+    def remove_set_aside(self) -> None:
+        """Remove the frames that were set aside, now or before the service was killed."""
+        for folder in self._folder.glob(f"{_ASIDE}*"):
+            if folder.is_dir():
+                remove_tree(folder)
+            else:
+                folder.unlink(missing_ok=True)
+
+    def has(self, path: Path, size_bytes: int | None) -> bool:
+        """Return whether a frame is there, of the size that it was stored with."""
+        return path.is_file() and path.stat().st_size == size_bytes

@@ -14,7 +14,7 @@ from render.errors import SettingsError
 
 MAX_FRAMES = 10_000
 MAX_FRAME = 10**9
-_PART = re.compile(r"\s*(-?\d{1,10})\s*(?:-\s*(-?\d{1,10})\s*(?::\s*(-?\d{1,10})\s*)?)?")
+_PART = re.compile(r"\s*(-?[0-9]{1,10})\s*(?:-\s*(-?[0-9]{1,10})\s*(?::\s*(-?[0-9]{1,10})\s*)?)?")
 
 
 def parse_frames(text: str) -> list[int]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy import Engine, delete, func, select, update
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session, undefer
 
 from render.errors import NotFoundError, OutputError
@@ -327,8 +327,12 @@ class RenderQueue:
             self._note_end(render)
             return render
 
-    def retry(self, render_id: str) -> RenderRow:
+    def retry(self, render_id: str, lost: Sequence[int] = ()) -> RenderRow:
         """Try the frames again that have failed or were canceled; a paused render stays so.
+
+        Args:
+            render_id: the render.
+            lost: frames that are done and whose files are gone, which are drawn again, too.
 
         Raises:
             NotFoundError: there is no such render.
@@ -336,24 +340,44 @@ class RenderQueue:
         """
         with self._writing() as session:
             render = _found(session, render_id)
-            if render.failed + render.canceled == 0:
-                raise ConflictError(f"render {render_id!r} has no frames that have failed or were canceled")
-            again = update(TaskRow).where(TaskRow.render == render_id, TaskRow.state.in_(("failed", "canceled")))
-            session.execute(again.values(state="ready", failures=0, not_before=0.0))
-            render.ready += render.failed + render.canceled
-            render.failed = render.canceled = 0
+            again = list(lost)
+            wanted = select(TaskRow).where(TaskRow.render == render_id)
+            is_over = TaskRow.state.in_(("failed", "canceled")) | (TaskRow.state == "done") & TaskRow.frame.in_(again)
+            tasks = session.scalars(wanted.where(is_over)).all()
+            if not tasks:
+                raise ConflictError(f"render {render_id!r} has no frames that have failed, were canceled or are lost")
+            for task in tasks:
+                render.stored_bytes -= (task.size_bytes or 0) if task.state == "done" else 0
+                _move(render, task, "ready")
+                task.failures, task.not_before = 0, 0.0
             render.wanted = "pause" if render.wanted == "pause" else "run"
             render.finished_at = None
             return render
 
-    def remove(self, render_id: str, remove_files: Callable[[], None]) -> None:
-        """Forget a render that has ended, once its files are removed. Raises `NotFoundError`, `ConflictError`: it has not."""
+    def remove(self, render_id: str, set_files_aside: Callable[[], None]) -> None:
+        """Forget a render that has ended.
+
+        Args:
+            render_id: the render.
+            set_files_aside: called in the transaction, before the render is forgotten; it must be quick.
+
+        Raises:
+            NotFoundError: there is no such render.
+            ConflictError: it has not ended.
+        """
         with self._writing() as session:
             render = _found(session, render_id)
             if render.ready + render.running > 0:
                 raise ConflictError(f"render {render_id!r} is under way; cancel it before you remove it")
-            remove_files()
+            set_files_aside()
             session.execute(delete(RenderRow).where(RenderRow.id == render_id))
+
+    def take_back_all(self) -> None:
+        """Take all frames back that are held, where every worker is known to be gone; it counts as no failure."""
+        with self._writing() as session:
+            for task in session.scalars(select(TaskRow).where(TaskRow.state == "running")).all():
+                render = session.get_one(RenderRow, task.render)
+                self._end(session, render, task, "ready", "lost", "the service ended")
 
     def stored_bytes(self, project: str) -> int:
         """Return the size of what the renders of a project have stored, bytes."""
@@ -430,7 +454,7 @@ def _transaction(engine: Engine) -> Iterator[Session]:
     try:
         with Session(engine, expire_on_commit=False) as session, session.begin():
             yield session
-    except OperationalError as error:  # as of a full disk
+    except DBAPIError as error:  # as of a full disk
         reason = str(error.orig).partition("\n")[0]
         raise OutputError(f"the queue of renders cannot be used now: {reason}", code="queue_unusable") from error
 

@@ -18,6 +18,7 @@ from service.http.access import READS, RENDERS, PrincipalDep
 from service.http.bodies import BodyRoute
 from service.http.clients import present_client
 from service.http.errors import ServiceError
+from service.http.hidden_folders import without_folders
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import problems
 from service.http.service import Service, ServiceDep
@@ -155,8 +156,10 @@ def get_rendered_frame(
         raise ServiceError(409, "frame_not_done", detail, path="frame")
     suffix = render.request["format"]
     path = service.render_files.path(render.id, frame, task.attempts, suffix)
-    if not path.is_file():
-        detail = f"The file of frame {frame} of render {render.id!r} is gone."
+    if not service.render_files.has(path, task.size_bytes):
+        detail = (
+            f"The file of frame {frame} of render {render.id!r} is gone or damaged; retry the render to draw it again."
+        )
         raise ServiceError(404, "frame_file_gone", detail, path="frame")
     headers = {"ETag": f'"{task.sha256}"', "Cache-Control": "private, no-cache"}
     name = f"{plain_file_name(render.name) or 'render'}.{frame:04d}.{suffix}"
@@ -183,8 +186,15 @@ def cancel_render(service: ServiceDep, render: RenderInPath) -> Render:
 
 @router.post("/{render}/retry", operation_id="retryRender", dependencies=RENDERS, responses=problems(404, 409))
 def retry_render(service: ServiceDep, render: RenderInPath) -> Render:
-    """Draw those frames of a render again that have failed or were given up."""
-    return _shown(service.renders.retry(render.id))
+    """Draw those frames of a render again that have failed, were given up, or whose files are gone."""
+    suffix, files = render.request["format"], service.render_files
+    lost = [
+        task.frame
+        for task, _ in service.renders.tasks(render.id)
+        if task.state == "done"
+        and not files.has(files.path(render.id, task.frame, task.attempts, suffix), task.size_bytes)
+    ]
+    return _shown(service.renders.retry(render.id, lost))
 
 
 @router.delete(
@@ -192,7 +202,8 @@ def retry_render(service: ServiceDep, render: RenderInPath) -> Render:
 )
 def remove_render(service: ServiceDep, render: RenderInPath) -> None:
     """Remove a render that has ended, and its files."""
-    service.renders.remove(render.id, lambda: service.render_files.remove(render.id))
+    service.renders.remove(render.id, lambda: service.render_files.set_aside(render.id))
+    service.render_files.remove_set_aside()
 
 
 async def _checked(
@@ -293,7 +304,7 @@ def _shown_attempt(attempt: AttemptRow) -> Attempt:
             "started_at": _time(attempt.started_at),
             "ended_at": _time_or_none(attempt.ended_at),
             "outcome": attempt.outcome,
-            "error": attempt.error,
+            "error": attempt.error and without_folders(attempt.error),
         }
     )
 

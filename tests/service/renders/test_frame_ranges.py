@@ -34,6 +34,7 @@ def test_frames_of_a_range(text, frames):
         ("1,,2", "like 1-10:2,15"),
         ("1-", "like 1-10:2,15"),
         ("1.5", "like 1-10:2,15"),
+        ("١-٣", "like 1-10:2,15"),
         ("1-10:0", "does not lead from"),
         ("10-1", "does not lead from"),
         ("1-10:-1", "does not lead from"),

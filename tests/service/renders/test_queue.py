@@ -139,6 +139,16 @@ def test_an_error_that_stays_fails_the_frame_alone(queue):
         queue.retry(sent.id)
 
 
+def test_a_frame_whose_file_is_gone_is_drawn_again(queue):
+    sent = queue.submit(render())
+    for _ in range(3):
+        drawn(queue)
+    assert state_of(queue.retry(sent.id, [2])) == "running"
+    assert drawn(queue)[1] == 2
+    ended = queue.get(sent.id)
+    assert (ended.done, ended.ready, state_of(ended)) == (3, 0, "done")
+
+
 def test_a_frame_that_is_given_back_is_no_failure(queue):
     queue.submit(render([1]))
     for number in range(1, MOST_FAILURES + 3):
@@ -270,10 +280,10 @@ def test_everything_is_there_after_a_restart(tmp_path, clock):
     before.close()
     after = RenderQueue(open_database(tmp_path), clock)
     assert states(after, sent.id) == ["done", "running", "ready"]
-    clock.now += LEASE_S + 1
-    assert drawn(after)[1] == 3  # while the frame of the worker that is gone pauses
-    clock.now += BACK_OFF_S
-    assert drawn(after)[1] == 2
+    after.take_back_all()
+    assert [drawn(after)[1] for _ in range(2)] == [2, 3]
+    _, (_, attempts), _ = after.tasks(sent.id)
+    assert [attempt.outcome for attempt in attempts] == ["lost", "done"]
     assert after.numbers() == {"ready": 0, "running": 0, "done": 3, "failed": 0, "canceled": 0}
     after.close()
 

@@ -429,7 +429,7 @@ export interface paths {
         readonly put?: never;
         /**
          * Retry Render
-         * @description Draw those frames of a render again that have failed or were given up.
+         * @description Draw those frames of a render again that have failed, were given up, or whose files are gone.
          */
         readonly post: operations["retryRender"];
         readonly delete?: never;

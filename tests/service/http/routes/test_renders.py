@@ -166,6 +166,39 @@ def test_a_deleted_shot_ends_its_renders_with_a_word(client, room):
     assert room in tasks[-1]["attempts"][-1]["error"]
 
 
+def test_a_lost_file_is_told_and_drawn_again(service, client, room):
+    render = render_of(client, room, frames="1-2")
+    ended(client, render)
+    first, second = sorted((service.settings.data / "renders" / render["id"]).iterdir())
+    first.unlink()
+    second.write_bytes(b"junk")
+    answers = [client.get(f"/v1/renders/{render['id']}/frames/{frame}") for frame in (1, 2)]
+    assert [answer.json()["code"] for answer in answers] == ["frame_file_gone"] * 2
+    assert client.post(f"/v1/renders/{render['id']}/retry").json()["ready"] == 2
+    assert ended(client, render)["done"] == 2
+    assert client.get(f"/v1/renders/{render['id']}/frames/2").status_code == 200
+
+
+def test_errors_name_no_folder_of_the_service(service, client, room, monkeypatch):
+    data = service.settings.data
+
+    def refuse(path, content):
+        raise OutputError(f"cannot write {path}: the disk is full")
+
+    monkeypatch.setattr(service.internal.render_files, "write", refuse)
+    render = render_of(client, room, frames="1")
+    address = f"/v1/renders/{render['id']}/tasks"
+    until(lambda: client.get(address).json()["tasks"][0]["attempts"][0:1] and told(client, address))
+    assert "the disk is full" in told(client, address)
+    assert str(data) not in told(client, address)
+    client.post(f"/v1/renders/{render['id']}/cancel")
+
+
+def told(client: httpx.Client, address: str) -> str | None:
+    """The error of the first attempt."""
+    return client.get(address).json()["tasks"][0]["attempts"][0]["error"]
+
+
 def test_a_queue_that_cannot_be_written_ends_nothing_else(service, client, room, monkeypatch):
     def fail(claim, error, *, may_pass):
         raise OutputError("the queue of renders cannot be used now: database or disk is full")

@@ -17,6 +17,9 @@ Each page is made from the docstrings of one package. Names that begin with an u
 LEFT_OUT = ("render.lab", "render.demo")
 """Packages without a page: benches and the demo shot's geometry are for those who read the source."""
 
+MIGRATIONS = "migrations"
+"""Folder of scripts that Alembic runs, which nobody imports."""
+
 
 def pages(root: Path, index: str) -> dict[str, str]:
     """The index and a page for each package, by path."""
@@ -43,9 +46,9 @@ def _packages(root: Path, room: str) -> Iterator[tuple[str, list[str]]]:
 
 
 def _is_public(file: Path, package: Path | None = None) -> bool:
-    if file.name == "__init__.py":
+    if file.name == "__init__.py" and MIGRATIONS not in file.parts:
         return package is not None and file.parent != package
-    return not file.stem.startswith("_")
+    return not file.stem.startswith("_") and MIGRATIONS not in file.parts
 
 
 def _module(root: Path, file: Path) -> str:

@@ -3,6 +3,7 @@
 import type { ReadonlySignal, Signal } from "@preact/signals";
 import { setAttribute, setKind, toggleKey, type Changes, type SimpleAttribute } from "../model/changes";
 import { freshName } from "../model/pull";
+import { rackProblem } from "../model/rack";
 import { primName, type Anchor, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
 import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
@@ -121,11 +122,19 @@ export class PointEdits {
     return this.#onPoint(`Remove ${point.name}`, point, ({ name }) => [{ type: "removePoint", name }]);
   }
 
-  /** Racks the focus from one point to another, from now on. */
-  rack(from: FocusPoint, to: string, frames: number, ease: Ease): void {
+  /** Racks the focus from one point to another, from now on; resolves to whether it does. */
+  rack(from: FocusPoint, to: string, frames: number, ease: Ease): Promise<boolean> {
     const start = this.#time.value;
-    const rack = { from: from.name, to, start, end: start + frames, ease };
-    void this.#document.edit(`Rack to ${to}`, [...this.#document.byPoints(), { type: "rack", rack }]);
+    const end = start + frames;
+    const [leavingIdentity, comingIdentity] = [this.identityOf(from.name), this.identityOf(to)];
+    return this.#onPoints(`Rack to ${to}`, (points) => {
+      const leaving = this.#now(points, from.name, leavingIdentity);
+      const coming = this.#now(points, to, comingIdentity);
+      const problem = rackProblem(leaving, coming, { start, end });
+      if (problem !== null) throw new HintError(problem, "Rack from another frame, or remove the key.");
+      const rack = { from: leaving.name, to: coming.name, start, end, ease };
+      return [...this.#document.byPoints(), { type: "rack", rack }];
+    });
   }
 
   #alter(label: string, point: FocusPoint, values: Partial<Pick<FocusPoint, "color" | "group">>): Promise<boolean> {
@@ -141,11 +150,16 @@ export class PointEdits {
   ): Promise<boolean> {
     const identity = point.identity ?? this.identityOf(point.name);
     const edit = (points: readonly FocusPoint[], time: number): Changes => {
-      const now = points.find(({ name }) => this.identityOf(name) === identity);
-      if (!now) throw new HintError(`There is no ${point.name} any more.`, "Select another point.");
-      return changesOf(now, time);
+      return changesOf(this.#now(points, point.name, identity), time);
     };
     return this.#onPoints(label, edit, options);
+  }
+
+  /** A point as it is now, by its identity. Throws a HintError: it is gone. */
+  #now(points: readonly FocusPoint[], name: string, identity: number): FocusPoint {
+    const now = points.find((point) => this.identityOf(point.name) === identity);
+    if (!now) throw new HintError(`There is no ${name} any more.`, "Select another point.");
+    return now;
   }
 
   /** Makes an edit of the points as the edits before it leave them. */

@@ -97,7 +97,7 @@ function RackTo({ session, point }: { session: Session; point: FocusPoint }): JS
       aria-label={`Rack from ${point.name}`}
       onSubmit={(event) => {
         event.preventDefault();
-        if (isLength) session.pointEdits.rack(point, target, length, ease);
+        if (isLength) void session.pointEdits.rack(point, target, length, ease);
       }}
     >
       <span>Rack to</span>

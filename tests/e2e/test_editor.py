@@ -182,6 +182,7 @@ def test_each_focus_mode_shows_its_settings_and_its_reason(page: Page, service: 
         expect(page.get_by_role("radio", name=name, exact=True)).to_be_checked()
         for label in ("Largest angle", "Expressive", "Locality"):
             expect(page.get_by_role("textbox", name=label)).to_have_count(1 if label in uses[name] else 0)
+        wait_settled(page)  # the button is pressed at once, and the edit made soon after
         asked = httpx.get(f"{service}/v1/shots/demo/readout", params={"time": 1}, timeout=120).json()
         assert asked["focusMode"] == mode
         expect(page.locator(".reason").first).to_have_text(asked["reason"])

@@ -41,6 +41,7 @@ from service.storage.store import ShotRecord
 from service.storage.store import not_found as no_shot
 
 router = APIRouter(tags=["renders"], prefix="/renders", route_class=BodyRoute, dependencies=READS)
+plans = APIRouter(tags=["renders"], prefix="/render-plans", route_class=BodyRoute, dependencies=RENDERS)
 
 MOST_LISTED = 200
 
@@ -96,7 +97,7 @@ async def send_render(
     return _shown(row)
 
 
-@router.post("/plan", operation_id="planRender", dependencies=RENDERS, responses=problems(404, 423, 503))
+@plans.post("", operation_id="planRender", responses=problems(404, 423, 503))
 async def plan_render(service: ServiceDep, principal: PrincipalDep, request: RenderRequest) -> RenderPlan:
     """Check a render and tell its frames and what they cost, and send nothing."""
     _, frames, frame_s = await _checked(service, principal, request)

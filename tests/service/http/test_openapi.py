@@ -45,7 +45,7 @@ DELETE /v1/shots/{shot}/long-exposure, GET /v1/shots/{shot}/long-exposure/pictur
 GET /v1/shots/{shot}/live,
 GET /v1/session, POST /v1/session, DELETE /v1/session, GET /v1/keys, POST /v1/keys, DELETE /v1/keys/{key},
 GET /livez, GET /readyz, GET /metrics, GET /version,
-GET /v1/renders, POST /v1/renders, POST /v1/renders/plan, GET /v1/renders/{render}, DELETE /v1/renders/{render},
+GET /v1/renders, POST /v1/renders, POST /v1/render-plans, GET /v1/renders/{render}, DELETE /v1/renders/{render},
 GET /v1/renders/{render}/tasks, GET /v1/renders/{render}/frames/{frame}, POST /v1/renders/{render}/pause,
 POST /v1/renders/{render}/resume, POST /v1/renders/{render}/cancel, POST /v1/renders/{render}/retry
 """

@@ -17,7 +17,8 @@ from service.http.frame_requests import frame_request
 from service.http.service import Service
 from service.models.frames import FrameQuery
 from service.picture.calls import frames as frame_calls
-from service.renders.queue import Claim, RenderQueue
+from service.renders.jobs import Claim
+from service.renders.queue import RenderQueue
 from service.storage.store import ShotRecord
 from service.workers.calls import call
 from service.workers.errors import QueueFullError, StoppingError, UnfitError, WorkerError

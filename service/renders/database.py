@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +11,13 @@ from alembic import command
 from alembic.config import Config
 from alembic.util import CommandError
 from sqlalchemy import Connection, Engine, create_engine, event
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
+from sqlalchemy.orm import Session
 
 from render.errors import OutputError
 from service.storage.database_file import DATABASE
 
-READS = "reads"
+_READS = "reads"
 """Execution option of connections that only read."""
 BUSY_MS = 10_000
 """Time to wait for another writer."""
@@ -49,9 +52,31 @@ def migrate(engine: Engine) -> None:
         command.upgrade(config, "head")
 
 
+@contextmanager
+def transaction(engine: Engine, *, only_reads: bool = False) -> Iterator[Session]:
+    """Begin a transaction; what it has read can be used after its end.
+
+    Args:
+        engine: of the database.
+        only_reads: whether it writes nothing, so that it waits for no writer.
+
+    Raises:
+        OutputError: the database cannot be used.
+    """
+    try:
+        with (
+            Session(engine.execution_options(**{_READS: only_reads}), expire_on_commit=False) as session,
+            session.begin(),
+        ):
+            yield session
+    except DBAPIError as error:  # as of a full disk
+        reason = str(error.orig).partition("\n")[0]
+        raise OutputError(f"the queue of renders cannot be used now: {reason}", code="queue_unusable") from error
+
+
 def _begin(connection: Connection) -> None:
     """Begin a transaction: one that may write has the lock from its start, so that it never has to give up half way."""
-    only_reads = connection.get_execution_options().get(READS, False)
+    only_reads = connection.get_execution_options().get(_READS, False)
     connection.exec_driver_sql("BEGIN" if only_reads else "BEGIN IMMEDIATE")
 
 

@@ -9,20 +9,19 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 
 from sqlalchemy import Engine, delete, func, select, update
-from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session, undefer
 
-from render.errors import NotFoundError, OutputError
-from service.models.renders import RenderState, TaskState
-from service.renders.database import READS
+from render.errors import NotFoundError
+from service.models.renders import TaskState
+from service.renders.database import transaction
 from service.renders.errors import ConflictError
 from service.renders.frame_ranges import format_frames
+from service.renders.jobs import Claim, NewRender
+from service.renders.states import find_render, find_unended, move
 from service.renders.tables import AttemptRow, RenderRow, TaskRow
 
 MOST_FAILURES = 3
@@ -31,71 +30,8 @@ BACK_OFF_S = 2.0
 """Pause before a task is tried again; twice as long each time."""
 MAX_ERROR = 4000
 """Length of an error's text."""
-
 MOST_UNENDED = 2000
 """Renders of one owner that have not ended."""
-
-
-@dataclass(frozen=True)
-class NewRender:
-    """A render that is sent.
-
-    Attributes:
-        name: for people and files.
-        project: whose it is.
-        owner: id of the principal who sends it.
-        owner_label: name of that principal.
-        idempotency_key: the same key again gives the same render; None for none.
-        digest: of the request, so that a key that is used for another one is found out.
-        shot: id of the shot.
-        shot_created_at: when that shot was accepted; another one may get its id later.
-        edits: text of its edit layer.
-        revision: of these edits.
-        request: the picture's settings, as JSON.
-        frames: in rising order.
-        priority: higher ones come first.
-    """
-
-    name: str
-    project: str
-    owner: str
-    owner_label: str
-    idempotency_key: str | None
-    digest: str
-    shot: str
-    shot_created_at: str
-    edits: str
-    revision: str
-    request: dict[str, Any]
-    frames: Sequence[int]
-    priority: int
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A task that a worker has claimed.
-
-    Attributes:
-        render: id of the render.
-        frame: to be drawn.
-        attempt: number of this attempt, from 1 on.
-        worker: who holds it.
-        owner: id of the principal whose render it is.
-        shot: id of the shot.
-        shot_created_at: when that shot was accepted.
-        edits: text of its edit layer.
-        request: the picture's settings.
-    """
-
-    render: str
-    frame: int
-    attempt: int
-    worker: str
-    owner: str
-    shot: str
-    shot_created_at: str
-    edits: str
-    request: dict[str, Any]
 
 
 class RenderQueue:
@@ -161,7 +97,7 @@ class RenderQueue:
     def get(self, render_id: str) -> RenderRow:
         """Return a render. Raises `NotFoundError`."""
         with self._reading() as session:
-            return _found(session, render_id)
+            return find_render(session, render_id)
 
     def list(self, project: str | None, most: int, before: tuple[float, str] | None = None) -> Sequence[RenderRow]:
         """Return renders, the newest first.
@@ -186,7 +122,7 @@ class RenderQueue:
     def tasks(self, render_id: str) -> Sequence[tuple[TaskRow, Sequence[AttemptRow]]]:
         """Return the tasks of a render in the order of their frames, with their attempts. Raises `NotFoundError`."""
         with self._reading() as session:
-            _found(session, render_id)
+            find_render(session, render_id)
             tasks = session.scalars(select(TaskRow).where(TaskRow.render == render_id).order_by(TaskRow.frame)).all()
             attempts = session.scalars(
                 select(AttemptRow).where(AttemptRow.render == render_id).order_by(AttemptRow.number)
@@ -199,7 +135,7 @@ class RenderQueue:
     def task(self, render_id: str, frame: int) -> TaskRow:
         """Return a task. Raises `NotFoundError`: there is no such render, or it has no such frame."""
         with self._reading() as session:
-            render = _found(session, render_id)
+            render = find_render(session, render_id)
             task = session.get(TaskRow, (render_id, frame))
             if task is None:
                 detail = f"render {render_id!r} has no frame {frame}, it has {render.frames[:200]}"
@@ -221,7 +157,7 @@ class RenderQueue:
                 return None
             render = session.get_one(RenderRow, task.render, options=[undefer(RenderRow.edits)])
             task.attempts += 1
-            _move(render, task, "running")
+            move(render, task, "running")
             task.worker, task.lease_until = worker, now + lease_s
             render.started_at = render.started_at or now
             session.add(
@@ -318,7 +254,7 @@ class RenderQueue:
     def cancel(self, render_id: str) -> RenderRow:
         """End a render; its finished frames stay. Raises `NotFoundError`, `ConflictError`: it has ended already."""
         with self._writing() as session:
-            render = _unended(session, render_id)
+            render = find_unended(session, render_id)
             render.wanted = "cancel"
             waiting = update(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready")
             session.execute(waiting.values(state="canceled"))
@@ -339,7 +275,7 @@ class RenderQueue:
             ConflictError: it has no such frames.
         """
         with self._writing() as session:
-            render = _found(session, render_id)
+            render = find_render(session, render_id)
             again = list(lost)
             wanted = select(TaskRow).where(TaskRow.render == render_id)
             is_over = TaskRow.state.in_(("failed", "canceled")) | (TaskRow.state == "done") & TaskRow.frame.in_(again)
@@ -348,7 +284,7 @@ class RenderQueue:
                 raise ConflictError(f"render {render_id!r} has no frames that have failed, were canceled or are lost")
             for task in tasks:
                 render.stored_bytes -= (task.size_bytes or 0) if task.state == "done" else 0
-                _move(render, task, "ready")
+                move(render, task, "ready")
                 task.failures, task.not_before = 0, 0.0
             render.wanted = "pause" if render.wanted == "pause" else "run"
             render.finished_at = None
@@ -366,7 +302,7 @@ class RenderQueue:
             ConflictError: it has not ended.
         """
         with self._writing() as session:
-            render = _found(session, render_id)
+            render = find_render(session, render_id)
             if render.ready + render.running > 0:
                 raise ConflictError(f"render {render_id!r} is under way; cancel it before you remove it")
             set_files_aside()
@@ -394,7 +330,7 @@ class RenderQueue:
 
     def _want(self, render_id: str, wanted: str) -> RenderRow:
         with self._writing() as session:
-            render = _unended(session, render_id)
+            render = find_unended(session, render_id)
             if render.wanted == "cancel":
                 raise ConflictError(f"render {render_id!r} is being canceled; retry it once it has ended")
             render.wanted = wanted
@@ -405,7 +341,7 @@ class RenderQueue:
         task = session.get(TaskRow, (claim.render, claim.frame))
         if task is None or (task.state, task.worker, task.attempts) != ("running", claim.worker, claim.attempt):
             return None
-        return _found(session, claim.render), task
+        return find_render(session, claim.render), task
 
     def _end(
         self,
@@ -421,7 +357,7 @@ class RenderQueue:
         attempt = session.get_one(AttemptRow, (task.render, task.frame, task.attempts))
         attempt.ended_at, attempt.outcome, attempt.error = now, outcome, error and error[:MAX_ERROR]
         task.worker = task.lease_until = None
-        _move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
+        move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
         if state == "done":
             render.busy_s += max(0.0, now - attempt.started_at)
         self._note_end(render)
@@ -440,36 +376,10 @@ class RenderQueue:
         render.finished_at = self._clock() if render.ready + render.running == 0 else None
 
     def _writing(self) -> AbstractContextManager[Session]:
-        """Begin a transaction that may write."""
-        return _transaction(self._engine)
+        return transaction(self._engine)
 
     def _reading(self) -> AbstractContextManager[Session]:
-        """Begin a transaction that only reads, and waits for no writer."""
-        return _transaction(self._engine.execution_options(**{READS: True}))
-
-
-@contextmanager
-def _transaction(engine: Engine) -> Iterator[Session]:
-    """Begin a transaction; what it has read can be used after its end. Raises `OutputError`: the database cannot be used."""
-    try:
-        with Session(engine, expire_on_commit=False) as session, session.begin():
-            yield session
-    except DBAPIError as error:  # as of a full disk
-        reason = str(error.orig).partition("\n")[0]
-        raise OutputError(f"the queue of renders cannot be used now: {reason}", code="queue_unusable") from error
-
-
-def state_of(render: RenderRow) -> RenderState:
-    """Return the state of a render, which follows from what is wanted and from the states of its tasks."""
-    if render.ready + render.running == 0:
-        if render.canceled > 0:
-            return "canceled"
-        return "failed" if render.failed > 0 else "done"
-    if render.wanted == "cancel":
-        return "cancel-requested"
-    if render.wanted == "pause":
-        return "pause-requested" if render.running > 0 else "paused"
-    return "queued" if render.started_at is None else "running"
+        return transaction(self._engine, only_reads=True)
 
 
 def _next_task(session: Session, now: float) -> TaskRow | None:
@@ -493,29 +403,3 @@ def _sent_before(session: Session, owner: str, idempotency_key: str, digest: str
             code="idempotency_key_reused",
         )
     return before
-
-
-def _found(session: Session, render_id: str) -> RenderRow:
-    render = session.get(RenderRow, render_id)
-    if render is None:
-        raise not_found(render_id)
-    return render
-
-
-def _unended(session: Session, render_id: str) -> RenderRow:
-    render = _found(session, render_id)
-    if render.ready + render.running == 0:
-        raise ConflictError(f"render {render_id!r} has ended: it is {state_of(render)}")
-    return render
-
-
-def not_found(render_id: str) -> NotFoundError:
-    """Return the error that a render is not there, as far as the sender may know."""
-    return NotFoundError(f"There is no render {render_id!r}.", code="render_not_found", path="render")
-
-
-def _move(render: RenderRow, task: TaskRow, state: TaskState) -> None:
-    """Put a task into another state, and count it there."""
-    setattr(render, task.state, getattr(render, task.state) - 1)
-    setattr(render, state, getattr(render, state) + 1)
-    task.state = state

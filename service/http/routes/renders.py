@@ -34,7 +34,8 @@ from service.models.renders import (
     RenderTaskList,
 )
 from service.renders.frame_ranges import format_frames, parse_frames
-from service.renders.queue import NewRender, not_found, state_of
+from service.renders.jobs import NewRender
+from service.renders.states import not_found, state_of
 from service.renders.tables import AttemptRow, RenderRow, TaskRow
 from service.stage.calls import shots as shot_calls
 from service.storage.store import ShotRecord
@@ -262,57 +263,23 @@ def _shown(row: RenderRow) -> Render:
     seconds_left = None
     if row.done > 0 and row.ready + row.running > 0:
         seconds_left = round(row.busy_s / row.done * (row.ready + row.running), 1)
-    return Render(
-        id=row.id,
-        name=row.name,
-        shot=row.shot,
-        revision=row.revision,
-        project=row.project,
-        owner=row.owner_label,
-        state=state_of(row),
-        priority=row.priority,
-        frames=row.frames,
-        count=row.count,
-        ready=row.ready,
-        running=row.running,
-        done=row.done,
-        failed=row.failed,
-        canceled=row.canceled,
-        created_at=_time(row.created_at),
-        started_at=_time_or_none(row.started_at),
-        finished_at=_time_or_none(row.finished_at),
-        seconds_left=seconds_left,
-    )
+    told = {name: getattr(row, name) for name in Render.model_fields if hasattr(row, name)}
+    told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left}
+    return Render.model_validate(told | _times(row, "created_at", "started_at", "finished_at"))
 
 
 def _shown_task(task: TaskRow, attempts: Sequence[AttemptRow]) -> RenderTask:
-    return RenderTask.model_validate(
-        {
-            "frame": task.frame,
-            "state": task.state,
-            "size_bytes": task.size_bytes,
-            "sha256": task.sha256,
-            "attempts": [_shown_attempt(attempt) for attempt in attempts],
-        }
-    )
+    told = {name: getattr(task, name) for name in ("frame", "state", "size_bytes", "sha256")}
+    return RenderTask.model_validate(told | {"attempts": [_shown_attempt(attempt) for attempt in attempts]})
 
 
 def _shown_attempt(attempt: AttemptRow) -> Attempt:
-    return Attempt.model_validate(
-        {
-            "number": attempt.number,
-            "worker": attempt.worker,
-            "started_at": _time(attempt.started_at),
-            "ended_at": _time_or_none(attempt.ended_at),
-            "outcome": attempt.outcome,
-            "error": attempt.error and without_folders(attempt.error),
-        }
-    )
+    told = {name: getattr(attempt, name) for name in ("number", "worker", "outcome")}
+    error = attempt.error and without_folders(attempt.error)
+    return Attempt.model_validate(told | {"error": error} | _times(attempt, "started_at", "ended_at"))
 
 
-def _time(seconds: float) -> datetime:
-    return datetime.fromtimestamp(seconds, UTC)
-
-
-def _time_or_none(seconds: float | None) -> datetime | None:
-    return None if seconds is None else _time(seconds)
+def _times(row: RenderRow | AttemptRow, *names: str) -> dict[str, datetime | None]:
+    """Return times of a row by their names."""
+    seconds = {name: getattr(row, name) for name in names}
+    return {name: None if at is None else datetime.fromtimestamp(at, UTC) for name, at in seconds.items()}

@@ -9,7 +9,9 @@ import pytest
 from render.errors import NotFoundError, OutputError
 from service.renders.database import open_database
 from service.renders.errors import ConflictError
-from service.renders.queue import BACK_OFF_S, MOST_FAILURES, NewRender, RenderQueue, state_of
+from service.renders.jobs import NewRender
+from service.renders.queue import BACK_OFF_S, MOST_FAILURES, RenderQueue
+from service.renders.states import state_of
 from service.storage.backup import back_up
 from service.storage.database_file import DATABASE
 from service.storage.restore import restore

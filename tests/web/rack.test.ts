@@ -2,6 +2,14 @@ import { rackProblem } from "@/model/rack";
 import { opened } from "./pointed_session";
 import { point } from "./points";
 
+beforeEach(() => {
+  vi.stubGlobal("cancelAnimationFrame", () => undefined);
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
 const SPAN = { start: 50, end: 62 };
 
 describe("a rack", () => {
@@ -23,7 +31,6 @@ describe("a rack", () => {
   });
 
   it("that cannot be is not sent, and that is said", async () => {
-    vi.stubGlobal("cancelAnimationFrame", () => undefined);
     const { fake, session, failed } = await opened();
     fake.points = [point("near", { weight: { 1: 0 } }), point("far")];
     session.document.refresh();
@@ -31,6 +38,5 @@ describe("a rack", () => {
     expect([fake.made, failed.length]).toEqual([[], 1]);
     expect(await session.pointEdits.rack(point("far"), "near", 12, "smooth")).toBe(true);
     expect(fake.made[0]?.at(-1)).toMatchObject({ type: "rack", rack: { from: "far", to: "near" } });
-    vi.unstubAllGlobals();
   });
 });

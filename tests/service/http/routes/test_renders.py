@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 
 import httpx
 import numpy as np
@@ -13,7 +12,7 @@ import pytest
 from render.errors import OutputError
 from service.http.errors import ServiceError
 from service.http.settings import Settings
-from tests.service.conftest import running, send, until
+from tests.service.conftest import Running, running, send, until
 
 pytestmark = pytest.mark.gl
 
@@ -35,6 +34,20 @@ def ended(client: httpx.Client, render: dict) -> dict:
 def watched(client: httpx.Client, render: dict, is_there) -> dict:
     until(lambda: is_there(client.get(f"/v1/renders/{render['id']}").json()))
     return client.get(f"/v1/renders/{render['id']}").json()
+
+
+def wait_for_turns(service: Running) -> None:
+    """Wait until the service has looked for frames twice from now on."""
+    queue, looks = service.internal.renders, []
+    claim = queue.claim
+
+    def counted(*arguments):
+        looks.append(arguments)
+        return claim(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(queue, "claim", counted)
+        until(lambda: len(looks) > 2)  # the first one may have begun before
 
 
 def test_frames_are_drawn_and_fetched(client, room, tmp_path):
@@ -128,7 +141,7 @@ def test_a_render_is_paused_resumed_canceled_and_removed(service, client, room):
     assert client.post(f"{address}/pause").json()["state"] in ("paused", "pause-requested")
     paused = watched(client, render, lambda now: now["state"] == "paused")
     assert client.delete(address).status_code == 409
-    time.sleep(1.5)  # longer than the runner waits between two looks
+    wait_for_turns(service)
     assert client.get(address).json() == paused
     client.post(f"{address}/resume")
     watched(client, render, lambda now: now["done"] > paused["done"])
@@ -230,7 +243,7 @@ def test_a_render_waits_for_its_owners_processor_time(service, client, room, mon
     monkeypatch.setattr(service.internal.quotas, "check_work", refuse)
     render = render_of(client, room, frames="1-24")
     until(lambda: any(checked))
-    time.sleep(1.5)
+    wait_for_turns(service)
     waiting = client.get(f"/v1/renders/{render['id']}").json()
     assert (waiting["ready"], waiting["running"]) == (24, 0)
     assert len([sender for sender in checked if sender]) == 1

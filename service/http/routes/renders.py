@@ -265,7 +265,8 @@ def _shown(row: RenderRow) -> Render:
         seconds_left = round(row.busy_s / row.done * (row.ready + row.running), 1)
     told = {name: getattr(row, name) for name in Render.model_fields if hasattr(row, name)}
     told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left}
-    return Render.model_validate(told | _times(row, "created_at", "started_at", "finished_at"))
+    told |= {"created_at": _time(row.created_at), "started_at": _time(row.started_at)}
+    return Render.model_validate(told | {"finished_at": _time(row.finished_at)})
 
 
 def _shown_task(task: TaskRow, attempts: Sequence[AttemptRow]) -> RenderTask:
@@ -275,11 +276,9 @@ def _shown_task(task: TaskRow, attempts: Sequence[AttemptRow]) -> RenderTask:
 
 def _shown_attempt(attempt: AttemptRow) -> Attempt:
     told = {name: getattr(attempt, name) for name in ("number", "worker", "outcome")}
-    error = attempt.error and without_folders(attempt.error)
-    return Attempt.model_validate(told | {"error": error} | _times(attempt, "started_at", "ended_at"))
+    told |= {"started_at": _time(attempt.started_at), "ended_at": _time(attempt.ended_at)}
+    return Attempt.model_validate(told | {"error": attempt.error and without_folders(attempt.error)})
 
 
-def _times(row: RenderRow | AttemptRow, *names: str) -> dict[str, datetime | None]:
-    """Return times of a row by their names."""
-    seconds = {name: getattr(row, name) for name in names}
-    return {name: None if at is None else datetime.fromtimestamp(at, UTC) for name, at in seconds.items()}
+def _time(seconds: float | None) -> datetime | None:
+    return None if seconds is None else datetime.fromtimestamp(seconds, UTC)

@@ -31,7 +31,7 @@ from render.errors import (
 from render.model.edit_history import EndOfHistoryError
 from service.edit_context import ChangedMeanwhileError
 from service.http.hidden_folders import without_folders
-from service.renders.errors import ConflictError
+from service.jobs.errors import ConflictError
 from service.workers.errors import (
     QueueFullError,
     StoppingError,

@@ -14,7 +14,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from render.errors import OutputError
 from service.http.lanes import Lanes
-from service.renders.queue import RenderQueue
+from service.jobs.queue import RenderQueue
 from service.workers.jobs import Finished
 from service.workers.pool import WorkerPool
 

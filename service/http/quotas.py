@@ -13,8 +13,8 @@ from service.http.errors import ServiceError
 from service.http.settings import MEBIBYTE, Settings
 from service.identity.cpu_usage import CpuUsage
 from service.identity.principal import ALL_PROJECTS
+from service.jobs.queue import RenderQueue
 from service.models.keys import Amount, Usage
-from service.renders.queue import RenderQueue
 from service.storage.edit_files import HISTORY
 from service.storage.store import ShotRecord, ShotStore
 from service.storage.trash import Trash

@@ -15,10 +15,10 @@ from render.errors import GraphicsError, InputError, OutputError, PullfocusError
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.service import Service
+from service.jobs.claims import Claim
+from service.jobs.queue import RenderQueue
 from service.models.frames import FrameQuery
 from service.picture.calls import frames as frame_calls
-from service.renders.jobs import Claim
-from service.renders.queue import RenderQueue
 from service.storage.store import ShotRecord
 from service.workers.calls import call
 from service.workers.errors import QueueFullError, StoppingError, UnfitError, WorkerError

@@ -28,12 +28,12 @@ from service.http.quarantine import Quarantine
 from service.http.quotas import Quotas
 from service.http.settings import MEBIBYTE, Settings
 from service.http.stopping import Stopping
+from service.jobs.files import RenderFiles
+from service.jobs.queue import RenderQueue
 from service.models.shots import Shot
 from service.picture import calls as picture
-from service.renders.database import open_database
-from service.renders.files import RenderFiles
-from service.renders.queue import RenderQueue
 from service.stage import calls as stage
+from service.storage.database.connection import open_database
 from service.storage.store import ShotRecord, ShotStore, not_found
 from service.storage.trash import Trash
 from service.workers.caches import Caches

@@ -26,7 +26,7 @@ from pathlib import Path
 
 from render.errors import InputError, OutputError
 from render.files import check_writable
-from service.storage.database_file import DATABASE
+from service.storage.database.file import DATABASE
 from service.storage.edit_files import EDITS, HISTORY, INDEX, states_of_index
 from service.storage.migration import layout_of
 from service.storage.restore import MANIFEST, verify

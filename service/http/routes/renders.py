@@ -23,6 +23,9 @@ from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import problems
 from service.http.service import Service, ServiceDep
 from service.identity.principal import ALL_PROJECTS, Principal
+from service.jobs.claims import NewRender
+from service.jobs.frame_ranges import format_frames, parse_frames
+from service.jobs.states import not_found, state_of
 from service.models.base import plain_file_name
 from service.models.renders import (
     Attempt,
@@ -33,11 +36,8 @@ from service.models.renders import (
     RenderTask,
     RenderTaskList,
 )
-from service.renders.frame_ranges import format_frames, parse_frames
-from service.renders.jobs import NewRender
-from service.renders.states import not_found, state_of
-from service.renders.tables import AttemptRow, RenderRow, TaskRow
 from service.stage.calls import shots as shot_calls
+from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
 from service.storage.store import ShotRecord
 from service.storage.store import not_found as no_shot
 

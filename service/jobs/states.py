@@ -5,9 +5,9 @@ from __future__ import annotations
 from sqlalchemy.orm import Session
 
 from render.errors import NotFoundError
+from service.jobs.errors import ConflictError
 from service.models.renders import RenderState, TaskState
-from service.renders.errors import ConflictError
-from service.renders.tables import RenderRow, TaskRow
+from service.storage.database.tables import RenderRow, TaskRow
 
 
 def state_of(render: RenderRow) -> RenderState:

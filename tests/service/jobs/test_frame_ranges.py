@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import SettingsError
-from service.renders.frame_ranges import MAX_FRAMES, format_frames, parse_frames
+from service.jobs.frame_ranges import MAX_FRAMES, format_frames, parse_frames
 
 
 @pytest.mark.parametrize(

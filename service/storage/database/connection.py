@@ -15,7 +15,7 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from render.errors import OutputError
-from service.storage.database_file import DATABASE
+from service.storage.database.file import DATABASE
 
 _READS = "reads"
 """Execution option of connections that only read."""

@@ -1,8 +1,8 @@
-"""Alembic's environment: migrations run on the connection that `service.renders.database.migrate` gives."""
+"""Alembic's environment: migrations run on the connection that `service.storage.database.connection.migrate` gives."""
 
 from alembic import context
 
-from service.renders.tables import Table
+from service.storage.database.tables import Table
 
 context.configure(
     connection=context.config.attributes["connection"], target_metadata=Table.metadata, render_as_batch=True

@@ -7,13 +7,13 @@ import threading
 import pytest
 
 from render.errors import NotFoundError, OutputError
-from service.renders.database import open_database
-from service.renders.errors import ConflictError
-from service.renders.jobs import NewRender
-from service.renders.queue import BACK_OFF_S, MOST_FAILURES, RenderQueue
-from service.renders.states import state_of
+from service.jobs.claims import NewRender
+from service.jobs.errors import ConflictError
+from service.jobs.queue import BACK_OFF_S, MOST_FAILURES, RenderQueue
+from service.jobs.states import state_of
 from service.storage.backup import back_up
-from service.storage.database_file import DATABASE
+from service.storage.database.connection import open_database
+from service.storage.database.file import DATABASE
 from service.storage.restore import restore
 
 LEASE_S = 60.0
@@ -188,7 +188,7 @@ def test_what_a_project_has_stored_is_summed(queue):
 
 
 def test_the_renders_of_an_owner_are_bounded(queue, monkeypatch):
-    monkeypatch.setattr("service.renders.queue.MOST_UNENDED", 2)
+    monkeypatch.setattr("service.jobs.queue.MOST_UNENDED", 2)
     for _ in range(2):
         queue.submit(render([1]))
     with pytest.raises(ConflictError, match="have not ended"):

@@ -16,13 +16,13 @@ from sqlalchemy import Engine, delete, func, select, update
 from sqlalchemy.orm import Session, undefer
 
 from render.errors import NotFoundError
+from service.jobs.claims import Claim, NewRender
+from service.jobs.errors import ConflictError
+from service.jobs.frame_ranges import format_frames
+from service.jobs.states import find_render, find_unended, move
 from service.models.renders import TaskState
-from service.renders.database import transaction
-from service.renders.errors import ConflictError
-from service.renders.frame_ranges import format_frames
-from service.renders.jobs import Claim, NewRender
-from service.renders.states import find_render, find_unended, move
-from service.renders.tables import AttemptRow, RenderRow, TaskRow
+from service.storage.database.connection import transaction
+from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
 
 MOST_FAILURES = 3
 """Errors that may pass after which a task has failed."""
@@ -38,7 +38,7 @@ class RenderQueue:
     """The queue of renders. Any thread may use it, and any number of processes.
 
     Args:
-        engine: of a database that `service.renders.database` has opened.
+        engine: of a database that `service.storage.database.connection` has opened.
         clock: tells the time, s since 1970.
     """
 

@@ -19,6 +19,7 @@ from fastapi.security import SecurityScopes
 from fastapi.security.base import SecurityBase
 from starlette.requests import HTTPConnection
 
+from service.http.change_notes import note_edits
 from service.http.errors import ServiceError
 from service.http.service import Service, ServiceDep
 from service.identity.principal import ALL_PROJECTS, NOBODY, Principal, ScopeName
@@ -135,6 +136,6 @@ def _needs(scope: ScopeName) -> Sequence[DependsParameter]:
 
 
 READS = _needs("read")
-EDITS = _needs("edit")
+EDITS = (*_needs("edit"), Depends(note_edits))
 RENDERS = _needs("render")
 ADMINISTERS = _needs("admin")

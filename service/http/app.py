@@ -5,15 +5,16 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import AsyncIterator, Callable, Coroutine
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from typing import Any
 
 from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
-from render.errors import PullfocusError
+from render.errors import OutputError, PullfocusError
 from service.http.auditing import AuditMiddleware
 from service.http.cache_upkeep import end_greedy_workers, fill_caches, retry_filling
+from service.http.change_notes import note_empty_shots
 from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
@@ -29,6 +30,7 @@ from service.http.routes import (
     cameras,
     curves,
     edits,
+    events,
     focus,
     frames,
     keys,
@@ -64,7 +66,8 @@ DEMO_ID = "demo"
 SAVING_PAUSE_S = 30.0
 """Time between two saves of the processor time that was used, which a killed service forgets."""
 EMPTYING_PAUSE_S = 600.0
-"""Time between two looks at what has been in the trash for long enough."""
+"""Time between two looks at what has been in the trash, or among the events, for long enough."""
+DAY_S = 86_400.0
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -78,7 +81,7 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service = Service.start(settings)
         app.state.service = service
-        upkeep = [_begin(work, service) for work in (_empty_trash, _save_usage, end_greedy_workers, run_renders)]
+        upkeep = [_begin(work, service) for work in WORKS]
         try:
             if settings.demo:
                 await _ensure_demo(service)
@@ -127,6 +130,7 @@ def create_app(settings: Settings) -> FastAPI:
         solving,
         curves,
         renders,
+        events,
         keys,
     ):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
@@ -136,6 +140,13 @@ def create_app(settings: Settings) -> FastAPI:
     install_reference(app)
     install_page(app, settings.static)
     return app
+
+
+async def _follow_events(service: Service) -> None:
+    """Tell those who follow events of new ones."""
+    with suppress(OutputError):  # as of a full disk
+        await note_empty_shots(service)
+    await service.feed.run()
 
 
 def _begin(work: Callable[[Service], Coroutine[Any, Any, None]], service: Service) -> asyncio.Task[None]:
@@ -169,6 +180,14 @@ async def _save_usage(service: Service) -> None:
         await run_in_threadpool(service.quotas.cpu.save)
 
 
+async def _forget_events(service: Service) -> None:
+    """Forget old events, now and then."""
+    while True:
+        with suppress(OutputError):  # as of a full disk
+            await run_in_threadpool(service.events.prune, service.settings.event_days * DAY_S)
+        await asyncio.sleep(EMPTYING_PAUSE_S)
+
+
 async def _empty_trash(service: Service) -> None:
     """Remove what has been in the trash for long enough, now and then."""
     while True:
@@ -195,3 +214,7 @@ async def _ensure_demo(service: Service) -> None:
             raise
     except (OSError, PullfocusError, WorkerError) as error:
         log.error("the demo shot could not be written, the service runs without it: %s", error)
+
+
+WORKS = (_empty_trash, _save_usage, _follow_events, _forget_events, end_greedy_workers, run_renders)
+"""Work in the background of a service."""

@@ -18,12 +18,14 @@ from starlette.requests import HTTPConnection
 from render.errors import OutputError
 from service.http.admission import Admission
 from service.http.clients import present_client
+from service.http.event_feed import EventFeed
 from service.http.frame_cache import FrameCache
 from service.http.hidden_folders import hide_folder
 from service.http.lanes import PRELOAD, Lanes
 from service.http.live_places import LivePlaces
 from service.http.long_exposures import LongExposures
 from service.http.metrics import Metrics
+from service.http.presence import Presence
 from service.http.quarantine import Quarantine
 from service.http.quotas import Quotas
 from service.http.settings import MEBIBYTE, Settings
@@ -34,6 +36,7 @@ from service.models.shots import Shot
 from service.picture import calls as picture
 from service.stage import calls as stage
 from service.storage.database.connection import open_database
+from service.storage.events import EventLog
 from service.storage.store import ShotRecord, ShotStore, not_found
 from service.storage.trash import Trash
 from service.workers.caches import Caches
@@ -66,9 +69,12 @@ class Service:
         admission: judges what pictures cost.
         frame_cache: encoded pictures, by their entity tag.
         metrics: counters.
+        events: the log of events.
+        feed: those who follow it.
         renders: the queue of renders.
         render_files: frames that they have drawn.
         renders_sent: set when a render was sent.
+        presence: who looks at which shot.
         stopping: whether it is stopping.
         preparing: set while it does in advance, after its start, what makes the first picture late.
         run_id: changes with each start: the same inputs may give other pixels after an update.
@@ -85,9 +91,12 @@ class Service:
     admission: Admission
     frame_cache: FrameCache
     metrics: Metrics
+    events: EventLog
+    feed: EventFeed
     renders: RenderQueue
     render_files: RenderFiles
     renders_sent: asyncio.Event = field(default_factory=asyncio.Event)
+    presence: Presence = field(default_factory=Presence)
     stopping: Stopping = field(default_factory=Stopping)
     preparing: asyncio.Event = field(default_factory=asyncio.Event)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))
@@ -101,10 +110,12 @@ class Service:
         """
         store = ShotStore(settings.data)
         try:
-            renders = RenderQueue(open_database(settings.data))
+            database = open_database(settings.data)
         except OutputError:
             store.close()
             raise
+        events = EventLog(database)
+        renders = RenderQueue(database, events)
         trash = Trash(settings.data, settings.trash_days)
         quarantine = Quarantine(store, settings.max_blames)
         quotas = Quotas(settings, store, trash, renders)
@@ -144,6 +155,8 @@ class Service:
             admission,
             frame_cache,
             metrics,
+            events,
+            EventFeed(events),
             renders,
             files,
         )
@@ -151,6 +164,11 @@ class Service:
     @cached_property
     def live_places(self) -> LivePlaces:
         """The places of live connections."""
+        return LivePlaces(self.settings.max_viewers)
+
+    @cached_property
+    def event_places(self) -> LivePlaces:
+        """The places of those who follow events."""
         return LivePlaces(self.settings.max_viewers)
 
     @cached_property

@@ -55,6 +55,7 @@ class Settings:
         quota_stored_mb: size of the shots of a project with their edits, those in the trash too, MiB; 0 for any size. A shot that
             would exceed it is refused; edits are not.
         quota_cpu_s_per_day: processor time that the work for one sender may take in 24 hours, s; 0 for any time.
+        event_days: days for which events are kept, so that a reader who was away can go on where it was.
         trash_days: days for which a deleted shot can be restored; 0 removes it at once.
         max_upload_mb: size of one upload, MiB.
         max_unpacked_mb: size that an archive may unpack to, MiB.
@@ -66,7 +67,7 @@ class Settings:
         max_waiting: requests that may wait in each lane; one more is answered 503.
         max_waiting_each: requests of one client that may wait in each lane; one more is answered 503.
         max_viewers: live connections at a time. Where all are open, a client with at least two fewer than whoever has the most
-            takes one of those; otherwise one more is answered 503.
+            takes one of those; otherwise one more is answered 503. As many may follow events.
         frame_timeout_s: time for one picture, waiting not counted.
         stage_timeout_s: time for one reading or edit of a stage, waiting not counted.
         check_memory_mb: memory of a process that opens an upload for the first time, MiB.
@@ -104,6 +105,7 @@ class Settings:
     quota_shots: int = 0
     quota_stored_mb: int = 0
     quota_cpu_s_per_day: float = 0.0
+    event_days: float = 7.0
     trash_days: int = 30
     max_upload_mb: int = 512
     max_unpacked_mb: int = 2048

@@ -18,11 +18,13 @@ from sqlalchemy.orm import Session, undefer
 from render.errors import NotFoundError
 from service.jobs.claims import Claim, NewRender
 from service.jobs.errors import ConflictError
+from service.jobs.events import noted, render_event, task_event
 from service.jobs.frame_ranges import format_frames
 from service.jobs.states import find_render, find_unended, move
 from service.models.renders import TaskState
 from service.storage.database.connection import transaction
 from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
+from service.storage.events import EventLog
 
 MOST_FAILURES = 3
 """Errors that may pass after which a task has failed."""
@@ -39,11 +41,13 @@ class RenderQueue:
 
     Args:
         engine: of a database that `service.storage.database.connection` has opened.
+        events: takes down what changes.
         clock: tells the time, s since 1970.
     """
 
-    def __init__(self, engine: Engine, clock: Callable[[], float] = time.time) -> None:
+    def __init__(self, engine: Engine, events: EventLog, clock: Callable[[], float] = time.time) -> None:
         self._engine = engine
+        self._events = events
         self._clock = clock
 
     def close(self) -> None:
@@ -92,6 +96,7 @@ class RenderQueue:
             session.add(render)
             session.flush()
             session.add_all(TaskRow(render=render.id, frame=frame, state="ready") for frame in new.frames)
+            self._events.add(session, render_event(render, "render.sent"))
             return render
 
     def get(self, render_id: str) -> RenderRow:
@@ -157,9 +162,11 @@ class RenderQueue:
                 return None
             render = session.get_one(RenderRow, task.render, options=[undefer(RenderRow.edits)])
             task.attempts += 1
-            move(render, task, "running")
+            with noted(self._events, session, render):
+                move(render, task, "running")
+                render.started_at = render.started_at or now
             task.worker, task.lease_until = worker, now + lease_s
-            render.started_at = render.started_at or now
+            self._events.add(session, task_event(render, task, worker=worker))
             session.add(
                 AttemptRow(render=render.id, frame=task.frame, number=task.attempts, worker=worker, started_at=now)
             )
@@ -255,11 +262,12 @@ class RenderQueue:
         """End a render; its finished frames stay. Raises `NotFoundError`, `ConflictError`: it has ended already."""
         with self._writing() as session:
             render = find_unended(session, render_id)
-            render.wanted = "cancel"
-            waiting = update(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready")
-            session.execute(waiting.values(state="canceled"))
-            render.canceled += render.ready
-            render.ready = 0
+            with noted(self._events, session, render):
+                render.wanted = "cancel"
+                waiting = update(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready")
+                session.execute(waiting.values(state="canceled"))
+                render.canceled += render.ready
+                render.ready = 0
             self._note_end(render)
             return render
 
@@ -282,11 +290,12 @@ class RenderQueue:
             tasks = session.scalars(wanted.where(is_over)).all()
             if not tasks:
                 raise ConflictError(f"render {render_id!r} has no frames that have failed, were canceled or are lost")
-            for task in tasks:
-                render.stored_bytes -= (task.size_bytes or 0) if task.state == "done" else 0
-                move(render, task, "ready")
-                task.failures, task.not_before = 0, 0.0
-            render.wanted = "pause" if render.wanted == "pause" else "run"
+            with noted(self._events, session, render):
+                for task in tasks:
+                    render.stored_bytes -= (task.size_bytes or 0) if task.state == "done" else 0
+                    move(render, task, "ready")
+                    task.failures, task.not_before = 0, 0.0
+                render.wanted = "pause" if render.wanted == "pause" else "run"
             render.finished_at = None
             return render
 
@@ -306,6 +315,7 @@ class RenderQueue:
             if render.ready + render.running > 0:
                 raise ConflictError(f"render {render_id!r} is under way; cancel it before you remove it")
             set_files_aside()
+            self._events.add(session, render_event(render, "render.removed"))
             session.execute(delete(RenderRow).where(RenderRow.id == render_id))
 
     def take_back_all(self) -> None:
@@ -333,7 +343,8 @@ class RenderQueue:
             render = find_unended(session, render_id)
             if render.wanted == "cancel":
                 raise ConflictError(f"render {render_id!r} is being canceled; retry it once it has ended")
-            render.wanted = wanted
+            with noted(self._events, session, render):
+                render.wanted = wanted
             return render
 
     def _held(self, session: Session, claim: Claim) -> tuple[RenderRow, TaskRow] | None:
@@ -357,7 +368,9 @@ class RenderQueue:
         attempt = session.get_one(AttemptRow, (task.render, task.frame, task.attempts))
         attempt.ended_at, attempt.outcome, attempt.error = now, outcome, error and error[:MAX_ERROR]
         task.worker = task.lease_until = None
-        move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
+        with noted(self._events, session, render):
+            move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
+            self._events.add(session, task_event(render, task, worker=attempt.worker, error=attempt.error))
         if state == "done":
             render.busy_s += max(0.0, now - attempt.started_at)
         self._note_end(render)

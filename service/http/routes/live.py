@@ -10,7 +10,8 @@ from fastapi import APIRouter, FastAPI, WebSocket
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from service.http.access import RENDERS
+from service.http.access import RENDERS, PrincipalDep
+from service.http.change_notes import note_viewers
 from service.http.clients import present_client
 from service.http.errors import RETRY_AFTER, ServiceError, problem
 from service.http.identity import Identity, IdentityDep
@@ -18,6 +19,7 @@ from service.http.live_connection import LiveConnection
 from service.http.live_places import LivePlace
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
+from service.models.events import Event, EventGap
 from service.models.focus_maps import FocusMapHead
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop
 
@@ -52,11 +54,18 @@ Browsers may connect only from the service's own page: the `Origin` has to match
 
 
 _FROM_CLIENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck, LiveStop)
-_TO_CLIENT: tuple[type[BaseModel], ...] = (LivePictureHead, LiveReadout, LiveProblem, FocusMapHead)
+_TO_CLIENT: tuple[type[BaseModel], ...] = (
+    LivePictureHead,
+    LiveReadout,
+    LiveProblem,
+    FocusMapHead,
+    Event,
+    EventGap,
+)
 
 
 def describe_messages(app: FastAPI) -> None:
-    """Add the messages of the WebSocket to the OpenAPI document, which describes only HTTP by itself.
+    """Add the messages of the WebSockets, and events, to the OpenAPI document, which describes only HTTP by itself.
 
     Args:
         app: the application.
@@ -74,7 +83,9 @@ def describe_messages(app: FastAPI) -> None:
 
 
 @router.websocket("/shots/{shot}/live")
-async def connect_live(socket: WebSocket, service: ServiceDep, identity: IdentityDep, shot: ShotId) -> None:
+async def connect_live(
+    socket: WebSocket, service: ServiceDep, principal: PrincipalDep, identity: IdentityDep, shot: ShotId
+) -> None:
     """Stream pictures; see `PROTOCOL`."""
     with service.live_places.hold(present_client().principal) as place:
         if place is None:
@@ -84,9 +95,12 @@ async def connect_live(socket: WebSocket, service: ServiceDep, identity: Identit
         service.metrics.live_viewers.inc()
         try:
             await socket.accept()
-            await _serve_while_valid(LiveConnection(service, socket, shot), socket, identity, place)
+            with service.presence.enter(shot, principal.label):
+                await note_viewers(service, shot)
+                await _serve_while_valid(LiveConnection(service, socket, shot), socket, identity, place)
         finally:
             service.metrics.live_viewers.dec()
+            await note_viewers(service, shot)
 
 
 async def _serve_while_valid(

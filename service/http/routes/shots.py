@@ -11,6 +11,7 @@ from starlette.concurrency import run_in_threadpool
 from service.edit_context import EditContext, edits_tag
 from service.http.access import EDITS, READS, PrincipalDep
 from service.http.bodies import BodyRoute
+from service.http.change_notes import note_shot
 from service.http.errors import ServiceError
 from service.http.links import shot_links
 from service.http.quarantine import REASONS
@@ -81,6 +82,7 @@ async def create_shot(
     reserved = service.quotas.receiving(_project_of_upload(principal, project))
     async with contextmanager_in_threadpool(reserved) as reception:
         record, described = await _receive(service, reception, file, name, root)
+    await note_shot(service, record, "shot.added")
     response.headers["Location"] = f"/v1/shots/{record.id}"
     return described.model_copy(update=ShotSummary.model_validate(record).model_dump())
 
@@ -127,6 +129,7 @@ async def delete_shot(service: ServiceDep, shot: ShotId, if_match: IfMatch = Non
     """
     record = service.store.get(shot)
     await run_in_threadpool(service.trash.put, record, EditContext(if_match))
+    await note_shot(service, record, "shot.deleted")
     await service.long_exposures.discard(record.id)
     await service.close_shot(record.id)
 

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Path, Response
 from starlette.concurrency import run_in_threadpool
 
 from service.http.access import EDITS, PrincipalDep
+from service.http.change_notes import note_shot
 from service.http.errors import ServiceError
 from service.http.routes.parameters import problems
 from service.http.service import Service, ServiceDep
@@ -50,6 +51,7 @@ async def restore_shot(
     await service.close_shot(shot_id)  # workers that were started for a request of before see an empty folder
     response.headers["Location"] = f"/v1/shots/{shot_id}"
     record = service.store.get(shot_id)
+    await note_shot(service, record, "shot.restored")
     reason = service.quarantine.reason(record)
     return ShotSummary.model_validate(record).model_copy(update={"quarantine": reason})
 

@@ -1,10 +1,10 @@
-"""Tables of the renders: jobs, their tasks (a frame each) and the attempts of these."""
+"""Tables of the renders (jobs, their tasks, which are a frame each, and the attempts of these) and of events."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import JSON, ForeignKey, ForeignKeyConstraint, Index, Text, UniqueConstraint
+from sqlalchemy import JSON, BigInteger, ForeignKey, ForeignKeyConstraint, Index, Integer, Text, UniqueConstraint
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 
@@ -87,3 +87,19 @@ class AttemptRow(Table):
     ended_at: Mapped[float | None]
     outcome: Mapped[str | None]
     error: Mapped[str | None] = mapped_column(Text)
+
+
+class EventRow(Table):
+    """Something that has changed. Numbers rise in the order of commits, and none is given twice."""
+
+    __tablename__ = "events"
+    __table_args__ = {"sqlite_autoincrement": True}  # noqa: RUF012 - SQLAlchemy's own form
+
+    number: Mapped[int] = mapped_column(BigInteger().with_variant(Integer, "sqlite"), primary_key=True)
+    at: Mapped[float] = mapped_column(index=True)
+    topic: Mapped[str]
+    kind: Mapped[str]
+    project: Mapped[str]
+    shot: Mapped[str | None]
+    render: Mapped[str | None]
+    data: Mapped[dict[str, Any]] = mapped_column(JSON)

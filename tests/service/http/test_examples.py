@@ -112,6 +112,8 @@ def send_example(demo: httpx.Client, name: str, request: tuple) -> httpx.Respons
         query = {key: value.replace(EXAMPLE_RENDER, newest) for key, value in query.items()}
     if "{trashed}" in CALLS[name][1]:  # the id of an entry has the time at which it was made
         address = CALLS[name][1].replace("{trashed}", demo.get("/v1/trash").json()["shots"][0]["id"])
+    if name == "followEvents":
+        query = query | {"follow": "false"}  # else it does not end
     if name == "getFrame":
         query = QUICK | query if len(query) == 1 else {**QUICK, **{k: v for k, v in query.items() if k not in QUICK}}
     return demo.request(method, address, params=query, headers=headers, json=body, files=file_of(name, demo))

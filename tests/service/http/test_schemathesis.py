@@ -53,6 +53,9 @@ include-operation-id = {json.dumps(judged)}
 [operations.checks.positive_data_acceptance]
 expected-statuses = {json.dumps(JUDGED)}
 [[operations]]
+include-operation-id = "followEvents"
+parameters = {{ follow = false }}
+[[operations]]
 include-operation-id = "signIn"
 [operations.checks.positive_data_acceptance]
 expected-statuses = {json.dumps([*ACCEPTED, 401])}

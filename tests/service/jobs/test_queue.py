@@ -14,6 +14,7 @@ from service.jobs.states import state_of
 from service.storage.backup import back_up
 from service.storage.database.connection import open_database
 from service.storage.database.file import DATABASE
+from service.storage.events import EventLog
 from service.storage.restore import restore
 
 LEASE_S = 60.0
@@ -34,11 +35,17 @@ def clock():
     return Clock()
 
 
+def opened(folder, clock) -> RenderQueue:
+    """A queue over the database of a folder."""
+    engine = open_database(folder)
+    return RenderQueue(engine, EventLog(engine, clock), clock)
+
+
 @pytest.fixture
 def queue(tmp_path, clock):
-    opened = RenderQueue(open_database(tmp_path), clock)
-    yield opened
-    opened.close()
+    queue = opened(tmp_path, clock)
+    yield queue
+    queue.close()
 
 
 def render(frames=(1, 2, 3), priority=50, key=None, name="dailies", digest="digest") -> NewRender:
@@ -275,12 +282,12 @@ def test_renders_are_listed_from_the_newest_on(queue, clock):
 
 
 def test_everything_is_there_after_a_restart(tmp_path, clock):
-    before = RenderQueue(open_database(tmp_path), clock)
+    before = opened(tmp_path, clock)
     sent = before.submit(render())
     drawn(before)
     before.claim("killed", LEASE_S)
     before.close()
-    after = RenderQueue(open_database(tmp_path), clock)
+    after = opened(tmp_path, clock)
     assert states(after, sent.id) == ["done", "running", "ready"]
     after.take_back_all()
     assert [drawn(after)[1] for _ in range(2)] == [2, 3]
@@ -308,14 +315,14 @@ def test_a_database_of_a_newer_version_is_left_alone(tmp_path):
 def test_a_backup_has_the_queue_as_it_was(tmp_path, clock):
     data = tmp_path / "data"
     (data / "shots").mkdir(parents=True)
-    queue = RenderQueue(open_database(data), clock)
+    queue = opened(data, clock)
     sent = queue.submit(render())
     drawn(queue)  # in the log that SQLite keeps beside the database
     back_up(data, tmp_path / "backup.tar.gz")
     queue.submit(render(name="later"))
     queue.close()
     restore(tmp_path / "backup.tar.gz", tmp_path / "restored")
-    restored = RenderQueue(open_database(tmp_path / "restored"), clock)
+    restored = opened(tmp_path / "restored", clock)
     assert [row.id for row in restored.list(None, 9)] == [sent.id]
     assert states(restored, sent.id) == ["done", "ready", "ready"]
     restored.close()

@@ -104,6 +104,35 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/events": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Follow Events
+         * @description Follow what changes: shots, edits, renders, their tasks, and who looks at a shot (Server-Sent Events).
+         *
+         *     Events are numbered and kept for some days. A reader that was cut off sends the number of the last event that it has seen, as
+         *     `Last-Event-ID` (browsers do that by themselves) or `after`, and misses none. Where events that it has not seen are kept no
+         *     longer, the stream begins with the event `gap`, an `EventGap`: read again what you show. Without a number the stream begins now.
+         *
+         *     Each event has its topic as `event`, its number as `id`, and an `Event` as `data`. There are two `tasks` or more for each frame;
+         *     `renders` tells the changes of a render's state alone.
+         *
+         *     A WebSocket at the same address sends an `Event`, or an `EventGap` first, as each of its messages.
+         */
+        readonly get: operations["followEvents"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/films": {
         readonly parameters: {
             readonly query?: never;
@@ -2645,6 +2674,172 @@ export interface components {
              * @description Angle of a rotating shutter that is open for this time.
              */
             readonly shutterAngleDeg: number;
+        };
+        /**
+         * Event
+         * @description Something that has changed.
+         * @example {
+         *       "at": "2026-11-27T08:00:42Z",
+         *       "data": {
+         *         "attempt": 1,
+         *         "count": 96,
+         *         "done": 25,
+         *         "frame": 25,
+         *         "state": "done",
+         *         "worker": "camera-pc"
+         *       },
+         *       "kind": "task.changed",
+         *       "number": 1824,
+         *       "project": "default",
+         *       "render": "r-5f0c1d2e3a4b",
+         *       "shot": "demo",
+         *       "topic": "tasks"
+         *     }
+         */
+        readonly Event: {
+            /**
+             * At
+             * Format: date-time
+             */
+            readonly at: string;
+            readonly data: components["schemas"]["EventData"];
+            /**
+             * Kind
+             * @enum {string}
+             */
+            readonly kind: "shot.added" | "shot.deleted" | "shot.restored" | "edits.changed" | "render.sent" | "render.changed" | "render.removed" | "task.changed" | "presence.changed";
+            /**
+             * Number
+             * @description Rises with each event of the service; numbers in between may be missing.
+             */
+            readonly number: number;
+            /** Project */
+            readonly project: string;
+            /**
+             * Render
+             * @description Id of the render that it is about.
+             */
+            readonly render: string | null;
+            /**
+             * Shot
+             * @description Id of the shot that it is about.
+             */
+            readonly shot: string | null;
+            /**
+             * Topic
+             * @enum {string}
+             */
+            readonly topic: "shots" | "edits" | "renders" | "tasks" | "presence";
+        };
+        /**
+         * EventData
+         * @description Fields of an event; those that do not concern it are left out.
+         */
+        readonly EventData: {
+            /**
+             * Attempt
+             * @description Number of the attempt at the task.
+             * @default null
+             */
+            readonly attempt?: number | null;
+            /**
+             * Canceled
+             * @description Those that were given up.
+             * @default null
+             */
+            readonly canceled?: number | null;
+            /**
+             * Count
+             * @description Frames of the render.
+             * @default null
+             */
+            readonly count?: number | null;
+            /**
+             * Done
+             * @description Those that are stored.
+             * @default null
+             */
+            readonly done?: number | null;
+            /**
+             * Error
+             * @description What went wrong with the attempt.
+             * @default null
+             */
+            readonly error?: string | null;
+            /**
+             * Failed
+             * @description Those that could not be drawn.
+             * @default null
+             */
+            readonly failed?: number | null;
+            /**
+             * Frame
+             * @description Frame of the task.
+             * @default null
+             */
+            readonly frame?: number | null;
+            /**
+             * Name
+             * @description Name of the shot or of the render.
+             * @default null
+             */
+            readonly name?: string | null;
+            /**
+             * Ready
+             * @description Those that wait.
+             * @default null
+             */
+            readonly ready?: number | null;
+            /**
+             * Revision
+             * @description Revision of the edits.
+             * @default null
+             */
+            readonly revision?: string | null;
+            /**
+             * Running
+             * @description Those that are drawn.
+             * @default null
+             */
+            readonly running?: number | null;
+            /**
+             * State
+             * @description State that the render or task has now.
+             * @default null
+             */
+            readonly state?: ("queued" | "running" | "pause-requested" | "paused" | "cancel-requested" | "canceled" | "failed" | "done") | ("ready" | "running" | "done" | "failed" | "canceled") | null;
+            /**
+             * Viewers
+             * @description Names of those who look at the shot.
+             * @default null
+             */
+            readonly viewers?: readonly string[] | null;
+            /**
+             * Worker
+             * @description Who works on the task, or did.
+             * @default null
+             */
+            readonly worker?: string | null;
+        };
+        /**
+         * EventGap
+         * @description Tells a reader that events which it has not seen are kept no longer: what it shows has to be read again.
+         * @example {
+         *       "after": 12,
+         *       "oldest": 4711
+         *     }
+         */
+        readonly EventGap: {
+            /**
+             * After
+             * @description Number of the last event that the reader knew.
+             */
+            readonly after: number;
+            /**
+             * Oldest
+             * @description Number of the oldest event that is kept.
+             */
+            readonly oldest: number;
         };
         /**
          * ExposureReadout
@@ -8796,6 +8991,85 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly followEvents: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Number of the last event that you know. */
+                readonly after?: number | null;
+                /** @description false ends the stream after the events that there are now. */
+                readonly follow?: boolean;
+                /** @description About this render. */
+                readonly render?: string | null;
+                /** @description About this shot. */
+                readonly shot?: string | null;
+                /** @description Of these topics; all when left out. */
+                readonly topic?: readonly ("shots" | "edits" | "renders" | "tasks" | "presence")[] | null;
+            };
+            readonly header?: {
+                /** @description The same; it goes before `after`. */
+                readonly "last-event-id"?: number | null;
+            };
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The stream. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "text/event-stream": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -10,8 +10,6 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from pxr import Sdf
-
 from render.cli.console import camel_case_keys, finite, print_json
 from render.cli.options import camera as camera_options
 from render.cli.options import (
@@ -21,6 +19,7 @@ from render.cli.options import (
     long_exposure,
     picture,
     progressive,
+    scene,
     shared,
     stereo,
     usdrecord,
@@ -39,10 +38,7 @@ from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice
 from render.shot.times import DEFAULT_TIME
 from render.stage import Finding
-from render.stage.options import COMPLEXITIES, PURPOSES, StageOptions
 from render.stage.render_products import Product
-
-CULLS = ("nothing", "backfaces")
 
 
 @dataclass(frozen=True)
@@ -88,6 +84,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="file to write: .exr (scene-linear), .png or .jpg (graded); a run of # in it is the frame number;"
         " with --products a folder",
     )
+    add_options(parser)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the options, without those of `shared.add_stage`."""
     shared.add_camera(parser)
     stereo.add_arguments(parser)
     shared.add_lens(parser)
@@ -104,34 +105,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="record the values that hold without a time, not those of a frame",
     )
-    _add_scene_options(parser)
+    scene.add_arguments(parser)
     usdrecord.add_arguments(parser)
     picture.add_arguments(parser)
     for module in (camera_options, grade, flare, long_exposure, contact_sheet, progressive):
         module.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print a list of the written files on standard output")
-
-
-def _add_scene_options(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("scene")
-    group.add_argument(
-        "--purposes",
-        "-p",
-        metavar="LIST",
-        help="of render, proxy and guide; default is always drawn; without it render, or those of --renderSettingsPrimPath",
-    )
-    group.add_argument(
-        "--mask", metavar="PATHS", help="only these prims, with commas or spaces between, and what is in them"
-    )
-    group.add_argument(
-        "--complexity", "-c", default="low", choices=COMPLEXITIES, help="how finely round prims are divided"
-    )
-    group.add_argument(
-        "--cull",
-        default=CULLS[0],
-        choices=CULLS,
-        help="backfaces: draw only the outsides of what is not doubleSided; both sides are drawn without it",
-    )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -146,13 +125,13 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: no OpenGL context.
         OutputError: a file cannot be written; those before it are whole.
     """
-    options = _read_options(arguments)
+    options = read_options(arguments)
     with usdrecord.applied(arguments):
         _run(arguments, options)
 
 
 def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
-    shot = _open_shot(arguments)
+    shot = scene.open_shot(arguments)
     if arguments.products:
         _run_products(arguments, options, shot)
         return
@@ -165,7 +144,7 @@ def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
     _check_files(shot, [*files, *([arguments.traceToFile] if arguments.traceToFile else [])])
     grade.warn_of_unapplied(arguments)
     with shared.printed_findings(shot, arguments.stage):
-        job = _set_up(shot, shared.choose_camera(shot, arguments.camera), options, frames[0])
+        job = make_job(shot, shared.choose_camera(shot, arguments.camera), options, frames[0])
         written = _record(job, options, list(zip(frames, files, strict=True)))
     if arguments.json:
         print_json(
@@ -192,7 +171,7 @@ def _run_stereo(arguments: argparse.Namespace, options: RecordOptions, shot: Sho
     with shared.printed_findings(shot, arguments.stage):
         pair = stereo.choose_pair(shot, arguments.camera)
         _set_camera(shot, pair.right, options)
-        job = _set_up(shot, pair.left, options, frames[0])
+        job = make_job(shot, pair.left, options, frames[0])
         written = record_stereo_frames(job, pair, list(zip(frames, files, strict=True)))
     if arguments.json:
         print_json(
@@ -271,7 +250,16 @@ def _make_folders(files: Sequence[Path]) -> None:
             raise OutputError(f"the folder {folder} cannot be made: {error.strerror}", path=str(folder)) from error
 
 
-def _read_options(arguments: argparse.Namespace) -> RecordOptions:
+def read_options(arguments: argparse.Namespace) -> RecordOptions:
+    """Read and check what can be checked before the shot is opened.
+
+    Args:
+        arguments: as `add_arguments` declares them.
+
+    Raises:
+        SettingsError: the arguments are out of range or contradict each other.
+        InputError: a file that they name cannot be used.
+    """
     progressive.check_progressive(arguments)
     usdrecord.check_arguments(arguments)
     stereo.check_arguments(arguments)
@@ -321,8 +309,19 @@ def _read_frames(arguments: argparse.Namespace) -> list[float] | None:
     return [DEFAULT_TIME]
 
 
-def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: float) -> RecordJob:
-    """Set the shot's camera as the options say, and collect what recording takes."""
+def make_job(shot: Shot, camera_path: str | None, options: RecordOptions, time: float) -> RecordJob:
+    """Set the shot's camera as the options say, and collect what recording takes.
+
+    Args:
+        shot: the shot.
+        camera_path: prim path; None for a camera that frames the whole stage.
+        options: as `read_options` returns them.
+        time: USD time code at which the size of the picture is taken.
+
+    Raises:
+        SettingsError: a setting is out of range.
+        InputError: the camera cannot be used.
+    """
     _set_camera(shot, camera_path, options)
     width, height = _picture_size(shot, camera_path, options, time)
     merged = picture.merge(shot.own_settings(), options.given)
@@ -393,51 +392,3 @@ def _check_files(shot: Shot, files: Sequence[Path]) -> None:
         check_replaceable(file)
     for file in files:
         shot.check_not_own(file)
-
-
-def _open_shot(arguments: argparse.Namespace) -> Shot:
-    purposes = None
-    if arguments.purposes is not None:
-        words = shared.read_words("--purposes", arguments.purposes, PURPOSES)
-        purposes = tuple(dict.fromkeys(("default", *words)))
-    mask = _read_mask(arguments.mask)
-    options = StageOptions(
-        purposes=purposes,
-        mask=mask,
-        camera=shared.camera_path(arguments.camera),
-        all_cameras=arguments.stereo,
-        complexity=arguments.complexity,
-        cull_backfaces=arguments.cull == "backfaces",
-        camera_light=not arguments.disableCameraLight,
-        dome_visible=arguments.dome_visible,
-        draw_modes=not arguments.disableDrawMode,
-        session_layer=arguments.sessionLayer,
-        resolver=arguments.resolver,
-        settings_prim=arguments.renderSettingsPrimPath,
-        render_pass=arguments.renderPassPrimPath,
-    )
-    shot = shared.open_shot(arguments, options)
-    missing = [path for path in mask or () if not shot.stage.GetPrimAtPath(path)]
-    if missing:
-        raise SettingsError(f"--mask names what {arguments.stage} does not hold: {', '.join(missing)}")
-    return shot
-
-
-def _read_mask(typed: str | None) -> tuple[str, ...] | None:
-    """Read the prim paths of --mask.
-
-    Raises:
-        SettingsError: there is none, or one is no absolute prim path.
-    """
-    if typed is None:
-        return None
-    paths = shared.split_words(typed)
-    wrong = [path for path in paths if not _is_prim_path(path)]
-    if wrong or not paths:
-        raise SettingsError(f"--mask takes absolute prim paths, got {', '.join(wrong) or 'none'}")
-    return paths
-
-
-def _is_prim_path(text: str) -> bool:
-    path = Sdf.Path(text) if Sdf.Path.IsValidPathString(text) else Sdf.Path()
-    return bool(path.IsAbsolutePath() and path.IsAbsoluteRootOrPrimPath())

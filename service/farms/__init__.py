@@ -1,0 +1,1 @@
+"""Render farms: jobs that others run."""

@@ -113,7 +113,18 @@ def test_the_commands_of_a_page_run(page: Path, demo: Path, tmp_path: Path, monk
 
 def test_the_pages_show_every_command_that_ends() -> None:
     shown = {words[1] for page in PAGES for words in commands(page, "pullfocus")}
-    assert shown == {"demo", "inspect", "record", "focus-curve", "meter", "lenses", "films", "bodies", "keys"}
+    assert shown == {
+        "demo",
+        "inspect",
+        "record",
+        "focus-curve",
+        "meter",
+        "lenses",
+        "films",
+        "bodies",
+        "keys",
+        "export-openjd",
+    }
 
 
 def test_the_requests_of_the_pages_are_answered(

@@ -28,10 +28,6 @@ ENTRY_POINT_GROUP = "pullfocus.commands"
 """Entry points of commands in other packages: functions from arguments to the exit status. Each is loaded when it is called,
 and may raise `PullfocusError`."""
 
-PLANNED_COMMANDS = {
-    "worker": "the render farm",
-}
-
 _LATE_PACKAGES = ("OpenImageIO", "xml.etree.ElementTree")
 """Packages that not every command uses: their code runs when one of their names is first used."""
 
@@ -75,10 +71,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(typed: list[str]) -> int:
     added = {} if typed and typed[0] in COMMANDS else _added_commands()
-    if typed and typed[0] in PLANNED_COMMANDS:
-        raise SettingsError(
-            f"`pullfocus {typed[0]}` comes later, with {PLANNED_COMMANDS[typed[0]]}", code="comes_later"
-        )
     if typed and typed[0] in added:
         return added[typed[0]].load()(typed[1:])  # type: ignore[no-any-return]  # the contract of the group
     compile_methods_late()

@@ -83,6 +83,12 @@ def _parser() -> argparse.ArgumentParser:
         help="format of the log (default: text on a terminal, else json)",
     )
     parser.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        default=given_alone,
+        help="scheduler whose workers draw the frames of renders, such as tcp://farm:8786; local:N starts N on this machine",
+    )
+    parser.add_argument(
         "--proxy-headers",
         dest="trusted_proxies",
         metavar="ADDRESS",

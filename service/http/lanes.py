@@ -28,8 +28,6 @@ from service.workers.pool import WorkerPool
 from service.workers.roles import role
 from service.workers.sandbox import Limits
 
-PRELOAD = "service.picture.preload"
-"""Module that the template of the workers imports."""
 STAGE_SLOTS = 4
 READ_SLOTS = 2
 CHECK_SLOTS = 2

@@ -66,8 +66,12 @@ class Quotas:
 
     def note_finished(self, finished: Finished) -> None:
         """Charge work that was done to whom it was done for."""
-        if finished.client.principal and self._cpu_s:
-            self.cpu.charge(finished.client.principal, finished.cpu_s)
+        self.charge(finished.client, finished.cpu_s)
+
+    def charge(self, client: Client, cpu_s: float) -> None:
+        """Charge processor time, s, to whom it was used for."""
+        if client.principal and self._cpu_s:
+            self.cpu.charge(client.principal, cpu_s)
 
     @contextmanager
     def receiving(self, project: str) -> Iterator[Reception]:

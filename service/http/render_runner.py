@@ -1,27 +1,27 @@
-"""Draws the frames of renders, one after the other, while no one else waits for the service."""
+"""Has the frames of renders drawn by the workers of an executor."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-import os
-import secrets
-import socket
+from collections import Counter
+from collections.abc import Collection
 from contextlib import suppress
 
 from starlette.concurrency import run_in_threadpool
 
-from render.errors import GraphicsError, InputError, OutputError, PullfocusError
+from render.errors import InputError, OutputError, PullfocusError
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
+from service.http.lane_executor import LaneExecutor
 from service.http.service import Service
 from service.jobs.claims import Claim
+from service.jobs.dask_executor import DaskAddress, DaskExecutor
+from service.jobs.frame_work import Executor, FrameError, FrameWork, may_pass
 from service.jobs.queue import RenderQueue
 from service.models.frames import FrameQuery
-from service.picture.calls import frames as frame_calls
 from service.storage.store import ShotRecord
-from service.workers.calls import call
-from service.workers.errors import QueueFullError, StoppingError, UnfitError, WorkerError
+from service.workers.errors import QueueFullError, StoppingError, WorkerError
 from service.workers.jobs import Client
 
 log = logging.getLogger("pullfocus.service")
@@ -38,22 +38,79 @@ STOPPING = "the service stops"
 async def run_renders(service: Service) -> None:
     """Draw the frames of renders until the service stops."""
     await run_in_threadpool(_recover, service)
-    worker = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(2)}"
-    has_failed = False
-    while True:
+    executor = _make_executor(service)
+    try:
+        await RenderRunner(service, executor).run()
+    finally:
+        await executor.close()
+
+
+def _make_executor(service: Service) -> Executor:
+    if not service.settings.dask:
+        return LaneExecutor(service)
+    address = DaskAddress.parse(service.settings.dask)
+    return DaskExecutor(address, service.quotas.charge, service.quarantine.blame)
+
+
+class RenderRunner:
+    """Hands the frames of renders to the workers of an executor.
+
+    Args:
+        service: whose renders they are.
+        executor: draws them.
+    """
+
+    def __init__(self, service: Service, executor: Executor) -> None:
+        self._service = service
+        self._executor = executor
+        self._drawing: dict[asyncio.Task[None], str] = {}
+
+    async def run(self) -> None:
+        """Keep every worker busy until this is cancelled; what is drawn then is given back."""
+        has_failed = False
         try:
-            claim = await _claim(service.renders, worker)
-            has_failed = False
+            while True:
+                try:
+                    is_busy = await self._begin_one()
+                    has_failed = False
+                except (
+                    Exception
+                ):  # as of a disk that is full; a frame that is held is ready again when its lease has run out
+                    if not has_failed:
+                        log.exception("renders cannot go on now")
+                    has_failed, is_busy = True, False
+                if not is_busy:
+                    await self._wait()
+        finally:
+            for task in self._drawing:
+                task.cancel()
+            await asyncio.gather(*self._drawing, return_exceptions=True)
+
+    async def _begin_one(self) -> bool:
+        """Begin the next frame, if a worker is free and there is one. Returns whether it was so."""
+        places = self._executor.places()
+        counts = Counter(self._drawing.values())
+        free = sorted((name for name in places if counts[name] < places[name]), key=lambda name: counts[name])
+        for worker in free:
+            claim = await _claim(self._service.renders, worker, tuple(places))
             if claim is not None:
-                await work_on(service, claim)
-                continue
-        except Exception:  # as of a disk that is full; a frame that is held is ready again when its lease has run out
-            if not has_failed:
-                log.exception("renders cannot go on now")
-            has_failed = True
+                task = asyncio.create_task(work_on(self._service, self._executor, claim))
+                self._drawing[task] = worker
+                task.add_done_callback(self._end)
+                return True
+        return False
+
+    def _end(self, task: asyncio.Task[None]) -> None:
+        del self._drawing[task]
+        self._service.renders_wake.set()
+        if not task.cancelled() and task.exception() is not None:
+            log.error("what became of a frame cannot be noted", exc_info=task.exception())
+
+    async def _wait(self) -> None:
+        """Wait until a render is sent or a frame has ended, or for some time."""
         with suppress(TimeoutError):
-            await asyncio.wait_for(service.renders_sent.wait(), PAUSE_S)
-        service.renders_sent.clear()
+            await asyncio.wait_for(self._service.renders_wake.wait(), PAUSE_S)
+        self._service.renders_wake.clear()
 
 
 def _recover(service: Service) -> None:
@@ -65,9 +122,9 @@ def _recover(service: Service) -> None:
         log.error("what an earlier service has left of renders cannot be taken back: %s", error)
 
 
-async def _claim(queue: RenderQueue, worker: str) -> Claim | None:
+async def _claim(queue: RenderQueue, worker: str, present: Collection[str]) -> Claim | None:
     """Claim a frame. One that comes when the service stops is given back."""
-    claiming = asyncio.ensure_future(run_in_threadpool(queue.claim, worker, LEASE_S))
+    claiming = asyncio.ensure_future(run_in_threadpool(queue.claim, worker, LEASE_S, present))
     try:
         return await asyncio.shield(claiming)
     except asyncio.CancelledError:
@@ -77,24 +134,27 @@ async def _claim(queue: RenderQueue, worker: str) -> Claim | None:
         raise
 
 
-async def work_on(service: Service, claim: Claim) -> None:
-    """Draw a frame and note what became of it.
+async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
+    """Have a frame drawn and note what became of it.
 
     Args:
-        service: draws it.
+        service: whose frame it is.
+        executor: draws it.
         claim: the frame.
     """
     queue = service.renders
-    drawing = asyncio.create_task(_draw(service, claim))
+    drawing = asyncio.create_task(_draw(service, executor, claim))
     holding = asyncio.create_task(_hold(service, claim, drawing))
     try:
         await drawing
     except asyncio.CancelledError:
         if _is_cancelling():
+            drawing.cancel()
+            await asyncio.wait((drawing,))
             queue.give_back(claim, STOPPING)  # here, as nothing that is awaited may be finished before the service is
             raise
         await run_in_threadpool(queue.give_back, claim, "the render was canceled")
-    except (PullfocusError, WorkerError, ServiceError, OSError) as error:
+    except (PullfocusError, WorkerError, ServiceError, FrameError, OSError) as error:
         if _comes_too_early(error):
             await run_in_threadpool(queue.put_off, claim, BUSY_PAUSE_S)
         else:
@@ -134,19 +194,17 @@ async def _hold(service: Service, claim: Claim, drawing: asyncio.Task[None]) -> 
             return
 
 
-async def _draw(service: Service, claim: Claim) -> None:
-    """Draw a frame and store it."""
+async def _draw(service: Service, executor: Executor, claim: Claim) -> None:
+    """Have a frame drawn and store it."""
     record = _shot_of(service, claim)
+    service.quarantine.check(record)
     query = FrameQuery.model_validate(claim.request | {"time": claim.frame})
     cost, limits = service.admission.check(record.id, query)
     client = Client(claim.owner, claim.render)
     service.quotas.check_work(client)
-    content = await service.lanes.long.result(
-        call(frame_calls.render_frame, frame_request(record, claim.edits, query, limits), query.format, False),
-        service.place_of(record),
-        client,
-        estimate_s=cost.ordinary_s,
-    )
+    request = frame_request(record, claim.edits, query, limits)
+    key = f"{claim.render}/{claim.frame}/{claim.attempt}"
+    content = await executor.draw(claim.worker, FrameWork(key, request, query.format, client, cost.ordinary_s))
     storing = asyncio.ensure_future(run_in_threadpool(_store, service, claim, query.format, record.project, content))
     try:
         await asyncio.shield(storing)
@@ -174,8 +232,4 @@ def _shot_of(service: Service, claim: Claim) -> ShotRecord:
 
 def _may_pass(error: Exception) -> bool:
     """Return whether another try may succeed."""
-    if isinstance(error, ServiceError):
-        return False
-    if isinstance(error, PullfocusError):
-        return isinstance(error, GraphicsError | OutputError)
-    return not isinstance(error, UnfitError)
+    return not isinstance(error, ServiceError) and may_pass(error)

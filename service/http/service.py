@@ -21,7 +21,7 @@ from service.http.clients import present_client
 from service.http.event_feed import EventFeed
 from service.http.frame_cache import FrameCache
 from service.http.hidden_folders import hide_folder
-from service.http.lanes import PRELOAD, Lanes
+from service.http.lanes import Lanes
 from service.http.live_places import LivePlaces
 from service.http.long_exposures import LongExposures
 from service.http.metrics import Metrics
@@ -73,7 +73,7 @@ class Service:
         feed: those who follow it.
         renders: the queue of renders.
         render_files: frames that they have drawn.
-        renders_sent: set when a render was sent.
+        renders_wake: set when a render was sent, or a frame has ended.
         presence: who looks at which shot.
         stopping: whether it is stopping.
         preparing: set while it does in advance, after its start, what makes the first picture late.
@@ -95,7 +95,7 @@ class Service:
     feed: EventFeed
     renders: RenderQueue
     render_files: RenderFiles
-    renders_sent: asyncio.Event = field(default_factory=asyncio.Event)
+    renders_wake: asyncio.Event = field(default_factory=asyncio.Event)
     presence: Presence = field(default_factory=Presence)
     stopping: Stopping = field(default_factory=Stopping)
     preparing: asyncio.Event = field(default_factory=asyncio.Event)
@@ -124,7 +124,7 @@ class Service:
         caches = Caches(settings.cache, environment, settings.worker_disk_mb * MEBIBYTE)
         log.info(support().describe())
         pool = WorkerPool(
-            Template(PRELOAD, environment),
+            Template(picture.PRELOAD, environment),
             max_bytes=settings.kept_memory_mb * MEBIBYTE,
             gpus=settings.gpus,
             caches=caches,

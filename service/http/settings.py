@@ -9,6 +9,7 @@ from typing import Literal
 
 from service.http.logs import LogFormat
 from service.models.curve import MAX_CURVE_FRAMES
+from service.workers.folders import default_cache_folder
 
 MEBIBYTE = 1024 * 1024
 Access = Literal["open", "insecure", "keys"]
@@ -18,12 +19,6 @@ def default_data_folder() -> Path:
     """Return the data folder used by default: ``$XDG_DATA_HOME/pullfocus``, else ``~/.local/share/pullfocus``."""
     base = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
     return Path(base) / "pullfocus"
-
-
-def default_cache_folder() -> Path:
-    """Return the folder of the workers' cache by default: ``$XDG_CACHE_HOME/pullfocus-service``, else in ``~/.cache``."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "pullfocus-service"
 
 
 @dataclass(frozen=True)
@@ -83,6 +78,8 @@ class Settings:
         cache: folder of the workers' compiled shaders, tables and temporary files; created when missing.
         frame_cache_mb: size of the cache of encoded pictures, MiB.
         min_free_mb: free space on the disk of the data folder, MiB; with less, the service is not ready.
+        dask: where the frames of renders are drawn: empty for the workers of the service, `local:N` for N more processes of this
+            machine, or the address of a Dask scheduler such as `tcp://farm:8786`; both need `pullfocus[dask]`.
         max_lane_age_s: time that a request may wait in a lane, s; while one has waited longer, the service is not ready.
         stop_grace_s: time that requests in progress have to end when the service is stopped, s.
     """
@@ -131,5 +128,6 @@ class Settings:
     cache: Path = field(default_factory=default_cache_folder)
     frame_cache_mb: int = 256
     min_free_mb: int = 256
+    dask: str = ""
     max_lane_age_s: float = 60.0
     stop_grace_s: float = 30.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import AbstractContextManager
 
 from sqlalchemy import Engine, delete, func, select, update
@@ -30,6 +30,8 @@ MOST_FAILURES = 3
 """Errors that may pass after which a task has failed."""
 BACK_OFF_S = 2.0
 """Pause before a task is tried again; twice as long each time."""
+MOST_FAILED_EACH = 3
+"""Frames of a render that one worker may fail before the others draw the rest."""
 MAX_ERROR = 4000
 """Length of an error's text."""
 MOST_UNENDED = 2000
@@ -147,17 +149,19 @@ class RenderQueue:
                 raise NotFoundError(detail, code="frame_not_found", path="frame")
             return task
 
-    def claim(self, worker: str, lease_s: float) -> Claim | None:
+    def claim(self, worker: str, lease_s: float, present: Collection[str] = ()) -> Claim | None:
         """Claim the next task: of the render with the highest priority, then of the oldest, its first frame that is ready.
 
         Args:
             worker: who claims it.
             lease_s: time after which the worker is taken for gone, unless it extends the lease.
+            present: all workers that there are. A frame that one has failed is left to those who have not; where it has failed
+                `MOST_FAILED_EACH` frames of a render, all of that render are.
         """
         now = self._clock()
         with self._writing() as session:
             self._end_lost(session, now)
-            task = _next_task(session, now)
+            task = _next_task(session, now, worker, present)
             if task is None:
                 return None
             render = session.get_one(RenderRow, task.render, options=[undefer(RenderRow.edits)])
@@ -395,16 +399,36 @@ class RenderQueue:
         return transaction(self._engine, only_reads=True)
 
 
-def _next_task(session: Session, now: float) -> TaskRow | None:
-    """Return the task whose turn it is; None where all wait or there is none."""
+def _next_task(session: Session, now: float, worker: str, present: Collection[str]) -> TaskRow | None:
+    """Return the task whose turn it is; None where all wait or there is none; see `RenderQueue.claim`."""
     turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
     waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0, RenderRow.not_before <= now)
     for render_id in session.scalars(waiting.order_by(*turn)):
+        left = _left_to_others(session, render_id, worker, present)
+        if left is None:
+            continue
         ready = select(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready", TaskRow.not_before <= now)
-        task = session.scalar(ready.order_by(TaskRow.frame).limit(1))
+        task = session.scalar(ready.where(TaskRow.frame.not_in(left)).order_by(TaskRow.frame).limit(1))
         if task is not None:  # else all of its frames pause
             return task
     return None
+
+
+def _left_to_others(session: Session, render_id: str, worker: str, present: Collection[str]) -> Collection[int] | None:
+    """Return the frames of a render that a worker leaves to others; None for all of them."""
+    others = set(present) - {worker}
+    if not others:
+        return ()
+    of_them = (AttemptRow.render == render_id) & AttemptRow.worker.in_([worker, *others])
+    query = select(AttemptRow.worker, AttemptRow.frame).where(of_them, AttemptRow.outcome.in_(("failed", "lost")))
+    failed: dict[str, set[int]] = {}
+    for name, frame in session.execute(query):
+        failed.setdefault(name, set()).add(frame)
+    own = failed.get(worker, set())
+    able = {name for name in others if len(failed.get(name, ())) < MOST_FAILED_EACH}
+    if len(own) >= MOST_FAILED_EACH and able:
+        return None
+    return {frame for frame in own if any(frame not in failed.get(name, ()) for name in able)}
 
 
 def _sent_before(session: Session, owner: str, idempotency_key: str, digest: str) -> RenderRow | None:

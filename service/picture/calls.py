@@ -17,4 +17,7 @@ else:
     state = RemoteModule("service.picture.state")
     warming = RemoteModule("service.picture.warming")
 
-__all__ = ["focus_maps", "frames", "live", "long_exposure", "metering", "state", "warming"]
+PRELOAD = "service.picture.preload"
+"""Module that the template of the workers imports."""
+
+__all__ = ["PRELOAD", "focus_maps", "frames", "live", "long_exposure", "metering", "state", "warming"]

@@ -41,3 +41,9 @@ def remove_tree(folder: Path) -> None:
     """Remove a folder as far as possible."""
     with suppress(OSError):
         removal.remove_tree(folder)
+
+
+def default_cache_folder() -> Path:
+    """Return the folder of the workers' cache by default: ``$XDG_CACHE_HOME/pullfocus-service``, else in ``~/.cache``."""
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "pullfocus-service"

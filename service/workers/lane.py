@@ -99,6 +99,11 @@ class Lane(Generic[State]):
         self._watcher.start()
 
     @property
+    def slots(self) -> int:
+        """Jobs that run at a time, those that are overdue not counted."""
+        return self._slots
+
+    @property
     def waiting(self) -> int:
         """Jobs in the queue, those that run not counted."""
         return len(self._queue)

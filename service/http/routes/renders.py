@@ -93,7 +93,7 @@ async def send_render(
         new = _new(record, principal, request, frames, idempotency_key)
         await run_in_threadpool(service.quotas.check_room, record.project, len(new.edits.encode()))
         row = await run_in_threadpool(service.renders.submit, new)
-        service.renders_sent.set()
+        service.renders_wake.set()
     response.headers["Location"] = f"/v1/renders/{row.id}"
     return _shown(row)
 

@@ -221,11 +221,6 @@ def test_an_unknown_part_of_an_exr_is_refused(pullfocus: Command, good: Path) ->
     assert_one_sentence(ended, WRONG_ARGUMENTS, "smell")
 
 
-@pytest.mark.parametrize("command", ["worker"])
-def test_commands_to_come_say_so(command: str, pullfocus: Command) -> None:
-    assert_one_sentence(pullfocus(command, "show", "--anything"), WRONG_ARGUMENTS, command, "comes later")
-
-
 @pytest.mark.parametrize(
     "arguments", [[], ["develop"], ["record"], ["inspect"], ["focus-curve", "--format", "pdf", "x"]]
 )

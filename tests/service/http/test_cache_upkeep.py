@@ -12,6 +12,7 @@ import pytest
 
 from service.http import cache_upkeep
 from service.http.settings import Settings
+from service.picture import cache_filling
 from tests.service.conftest import ROOM, Running, running, send, until
 
 FRAME = {"time": 1, "width": 64, "height": 36, "rays": 8}
@@ -38,7 +39,7 @@ def upload(service: Running) -> str:
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     """Let the shaders be compiled as if no user worked meanwhile, however busy the machine of the tests is."""
-    monkeypatch.setattr(cache_upkeep, "NICENESS", 0)
+    monkeypatch.setattr(cache_filling, "NICENESS", 0)
 
 
 def test_a_new_shot_begins_with_the_shaders_of_all_shots(tmp_path):
@@ -56,11 +57,11 @@ def test_a_new_shot_begins_with_the_shaders_of_all_shots(tmp_path):
 def test_a_service_without_compiled_shaders_works(tmp_path, monkeypatch, caplog):
     tries: list[Path] = []
 
-    def die(service: object, folder: Path, work: object) -> None:
+    def die(template: object, role: object, folder: Path, work: object) -> None:
         tries.append(folder)
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(cache_upkeep, "_run", die)
+    monkeypatch.setattr(cache_filling, "_run", die)
     monkeypatch.setattr(cache_upkeep, "RETRY_S", 0.1)
     caplog.set_level(logging.WARNING, "pullfocus.service")
     with running(Settings(data=tmp_path / "data", demo=False, cache=tmp_path / "cache")) as service:
@@ -74,7 +75,7 @@ def test_a_service_without_compiled_shaders_works(tmp_path, monkeypatch, caplog)
 
 def test_a_killed_worker_leaves_no_half_filled_base(tmp_path, monkeypatch, caplog):
     monkeypatch.setattr(cache_upkeep, "RETRY_S", 0.1)
-    monkeypatch.setattr(cache_upkeep, "PASSES", 1)
+    monkeypatch.setattr(cache_filling, "PASSES", 1)
     with running(Settings(data=tmp_path / "data", demo=False, cache=tmp_path / "cache")) as service:
         until(lambda: any((tmp_path / "cache").glob("run-*/base/mesa_shader_cache/*")))
         os.kill(service.internal.pool.template.pid, signal.SIGKILL)  # and all workers with it

@@ -1,0 +1,183 @@
+"""Drawer of frames on a machine of its own: sandboxed worker processes, and the files of the shots that they draw."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+import threading
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from render.errors import PullfocusError
+from service.jobs.frame_work import FrameWork, end_of, may_pass
+from service.jobs.shot_files import FileList, ShotFiles
+from service.picture.cache_filling import fill_cache
+from service.picture.calls import PRELOAD, frames, state
+from service.workers.caches import Caches
+from service.workers.calls import call
+from service.workers.errors import End, WorkerError
+from service.workers.folders import default_cache_folder
+from service.workers.forking import Template
+from service.workers.jobs import Finished, observer
+from service.workers.lane import Lane
+from service.workers.places import Place
+from service.workers.pool import WorkerPool
+from service.workers.process import NotBegunError
+from service.workers.roles import role
+from service.workers.sandbox import Limits, worker_environment
+
+log = logging.getLogger("pullfocus.worker")
+
+MEBIBYTE = 1 << 20
+
+
+@dataclass(frozen=True)
+class DrawerSettings:
+    """Limits of a machine that draws frames.
+
+    Attributes:
+        folder: of the shots that it keeps; no other drawer uses it.
+        cache: folder of compiled shaders, tables and temporary files, which others may share.
+        shots_mb: size of the shots that are kept, MiB.
+        memory_mb: memory of a process that draws, MiB.
+        disk_mb: space for the compiled shaders, tables and temporary files of one such process, MiB.
+        timeout_s: time for one frame, s.
+        gpus: GPUs that the processes are spread over; 0 leaves the choice to the driver.
+    """
+
+    folder: Path
+    cache: Path = field(default_factory=default_cache_folder)
+    shots_mb: int = 20_480
+    memory_mb: int = 8192
+    disk_mb: int = 2048
+    timeout_s: float = 300.0
+    gpus: int = 0
+
+
+@dataclass(frozen=True)
+class DrawnFrame:
+    """A frame that was drawn.
+
+    Attributes:
+        content: its file.
+        cpu_s: processor time that it took, s.
+    """
+
+    content: bytes
+    cpu_s: float
+
+
+@dataclass(frozen=True)
+class FailedFrame:
+    """A frame that could not be drawn.
+
+    Attributes:
+        message: why, for people.
+        may_pass: whether another try may succeed.
+        end: why the process ended that drew it; None where it did not.
+        cpu_s: processor time that it took, s.
+    """
+
+    message: str
+    may_pass: bool
+    end: End | None
+    cpu_s: float
+
+
+@dataclass(frozen=True)
+class MissingShot:
+    """The answer of a machine that does not keep the shot of a frame."""
+
+
+class Drawer:
+    """Draws frames, one at a time.
+
+    Args:
+        settings: limits.
+
+    Raises:
+        OutputError: its folder cannot be written.
+    """
+
+    def __init__(self, settings: DrawerSettings) -> None:
+        self.shots = ShotFiles(settings.folder, settings.shots_mb * MEBIBYTE)
+        environment = worker_environment(os.environ)
+        self._caches = Caches(settings.cache, environment, settings.disk_mb * MEBIBYTE)
+        self._pool = WorkerPool(
+            Template(PRELOAD, environment),
+            max_bytes=settings.memory_mb * MEBIBYTE,
+            gpus=settings.gpus,
+            caches=self._caches,
+        )
+        limits = Limits(
+            memory_bytes=settings.memory_mb * MEBIBYTE,
+            cpu_s=None,
+            file_bytes=settings.disk_mb * MEBIBYTE,
+            descriptors=512,
+            processes=256,
+        )
+        self._lane: Lane[state.PictureWorkerState] = Lane(
+            role("long", state.PictureWorkerState, limits, draws=True),
+            self._pool,
+            max_waiting=64,
+            timeout_s=settings.timeout_s,
+        )
+        self._drawing: dict[str, asyncio.Task[bytes]] = {}
+        self._filling = threading.Lock()
+
+    def warm_up(self) -> None:
+        """Compile the shaders that all shots need, where that was not done on this machine yet; a failure is logged."""
+        with self._filling:
+            try:
+                self._caches.fill_base(lambda folder: fill_cache(self._pool.template, self._lane.role, folder))
+            except (PullfocusError, WorkerError, NotBegunError, OSError) as error:
+                log.warning(
+                    "shaders cannot be compiled in advance, so that the first frame of a shot is late: %s", error
+                )
+
+    async def draw(self, work: FrameWork, files: FileList) -> DrawnFrame | FailedFrame | MissingShot:
+        """Draw a frame.
+
+        Args:
+            work: the frame.
+            files: those of its shot.
+        """
+        finished: list[Finished] = []
+        with self.shots.use(files.hash) as folder:
+            if folder is None:
+                return MissingShot()
+            record = replace(work.request.record, folder=folder)
+            wanted = call(frames.render_frame, replace(work.request, record=record), work.format, False)
+            token = observer.set(finished.append)
+            drawing = asyncio.ensure_future(
+                self._lane.result(wanted, Place(files.hash, (record.files,)), work.client, estimate_s=work.estimate_s)
+            )
+            observer.reset(token)
+            self._drawing[work.key] = drawing
+            try:
+                return DrawnFrame(await drawing, _cpu_s(finished))
+            except asyncio.CancelledError:
+                if not drawing.cancelled():
+                    raise
+                return FailedFrame("it was given up", True, None, _cpu_s(finished))
+            except (PullfocusError, WorkerError, OSError) as error:
+                return FailedFrame(str(error), may_pass(error), end_of(error), _cpu_s(finished))
+            finally:
+                del self._drawing[work.key]
+
+    def stop(self, key: str) -> None:
+        """Give a frame up that is drawn, or waits. Does nothing where it has ended."""
+        drawing = self._drawing.get(key)
+        if drawing is not None:
+            drawing.cancel()
+
+    def close(self) -> None:
+        """End the worker processes."""
+        self._lane.close()
+        self._pool.close()
+        self._caches.close()
+
+
+def _cpu_s(finished: list[Finished]) -> float:
+    return sum(one.cpu_s for one in finished)

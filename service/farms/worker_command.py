@@ -52,7 +52,9 @@ def worker(arguments: Sequence[str]) -> int:
         raise SettingsError("a worker joins a scheduler: expected tcp://HOST:PORT or tls://HOST:PORT", path="dask")
     for name in ("shots_mb", "memory_mb", "timeout_s"):
         if getattr(typed, name) <= 0:
-            raise SettingsError(f"--{name.replace('_', '-')} is greater than 0, got {getattr(typed, name):g}", path=name)
+            raise SettingsError(
+                f"--{name.replace('_', '-')} is greater than 0, got {getattr(typed, name):g}", path=name
+            )
     set_up_logs(typed.log_format)
     folder = typed.folder.expanduser().absolute()
     with _locked(folder):
@@ -124,7 +126,9 @@ async def _serve(scheduler: str, name: str, folder: Path) -> None:
     try:
         distributed: Any = import_module("distributed")
     except ImportError as error:
-        raise SettingsError("Dask is not installed; install it with: pip install 'pullfocus[dask]'", path="dask") from error
+        raise SettingsError(
+            "Dask is not installed; install it with: pip install 'pullfocus[dask]'", path="dask"
+        ) from error
     stopping = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, stopping.set)

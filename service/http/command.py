@@ -19,6 +19,7 @@ from service.http.exposure import with_exposure
 from service.http.logs import LogFormat, set_up_logs
 from service.http.settings import Settings, default_data_folder
 from service.http.stopping import GracefulServer
+from service.storage.database.connection import open_database
 from service.storage.store import ShotStore
 
 
@@ -32,14 +33,15 @@ def serve(arguments: Sequence[str]) -> int:
         The exit status.
 
     Raises:
-        SettingsError: the host is no address of this machine, the port is out of range, or keys are needed and there are none.
-        OutputError: the port or the data folder is in use, or cannot be opened.
+        SettingsError: the host is no address of this machine, the port is out of range, keys are needed and there are none, or
+            the database is none that can be used.
+        OutputError: the port or the data folder is in use, or they or the database cannot be opened.
     """
     settings = _settings(_parser().parse_args(arguments))
     listener = _listen(settings.host, settings.port)
     set_up_logs(settings.log_format)
     settings = with_exposure(settings)
-    ShotStore(settings.data).close()  # a folder that cannot be used fails here, before the server starts
+    _try_data(settings)
     host, port = listener.getsockname()[:2]
     shown = f"[{host}]" if ":" in host else host
     logging.getLogger("pullfocus.service").info("http://%s:%d/ serves the shots of %s", shown, port, settings.data)
@@ -47,6 +49,15 @@ def serve(arguments: Sequence[str]) -> int:
     server = GracefulServer(app, server_config(app, settings), settings.stop_grace_s)
     server.run(sockets=[listener])
     return 0 if server.started else 1
+
+
+def _try_data(settings: Settings) -> None:
+    """Open the data folder and the database: those that cannot be used fail here, before the server starts."""
+    store = ShotStore(settings.data)
+    try:
+        open_database(settings.data, settings.database).dispose()
+    finally:
+        store.close()
 
 
 def _parser() -> argparse.ArgumentParser:

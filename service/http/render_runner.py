@@ -114,9 +114,9 @@ class RenderRunner:
 
 
 def _recover(service: Service) -> None:
-    """Take back what a service that was killed has left. No other one works in the data folder."""
+    """Take back what a service that was killed has left. No other one works in the data folder, whose lock this one has."""
     try:
-        service.renders.take_back_all()
+        service.renders.take_back_left()
         service.render_files.remove_set_aside()
     except (OutputError, OSError) as error:
         log.error("what an earlier service has left of renders cannot be taken back: %s", error)

@@ -15,7 +15,7 @@ from fastapi import Depends
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import HTTPConnection
 
-from render.errors import OutputError
+from render.errors import PullfocusError
 from service.http.admission import Admission
 from service.http.clients import present_client
 from service.http.event_feed import EventFeed
@@ -106,12 +106,13 @@ class Service:
         """Open the data folder and start the lanes; their processes start with the first call.
 
         Raises:
-            OutputError: the data folder cannot be written, or another service uses it.
+            OutputError: the data folder cannot be written, another service uses it, or the database cannot be opened.
+            SettingsError: the database is none that can be used.
         """
         store = ShotStore(settings.data)
         try:
-            database = open_database(settings.data)
-        except OutputError:
+            database = open_database(settings.data, settings.database)
+        except PullfocusError:
             store.close()
             raise
         events = EventLog(database)

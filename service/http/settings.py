@@ -33,6 +33,8 @@ class Settings:
         otlp_endpoint: address of an OpenTelemetry collector that traces of requests are sent to over HTTP, such as
             `http://localhost:4318`; it needs `pullfocus[tracing]`. The default is that of `OTEL_EXPORTER_OTLP_ENDPOINT`, if any.
         data: folder of shots and their edits; created when missing.
+        database: address of a PostgreSQL database for the renders, such as `postgresql://pullfocus@db.studio.example/renders`; it
+            needs `pullfocus[postgresql]`. The default is SQLite in the data folder.
         demo: whether the demo shot is written there at start.
         static: folder of the built page.
         allowed_hosts: names allowed in the `Host` header, beside the address that a connection came to. The default is loopback
@@ -90,6 +92,7 @@ class Settings:
     log_format: LogFormat | None = None
     otlp_endpoint: str = ""
     data: Path = field(default_factory=default_data_folder)
+    database: str = field(default="", repr=False)  # it may have a password
     demo: bool = True
     static: Path = Path(__file__).parents[1] / "static"
     allowed_hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")

@@ -8,11 +8,10 @@ gone: the task is ready again after a pause. An error that may pass (a worker th
 from __future__ import annotations
 
 import secrets
-import time
 from collections.abc import Callable, Collection, Sequence
 from contextlib import AbstractContextManager
 
-from sqlalchemy import Engine, delete, func, select, update
+from sqlalchemy import BigInteger, Engine, cast, delete, func, select, update
 from sqlalchemy.orm import Session, undefer
 
 from render.errors import NotFoundError
@@ -22,7 +21,7 @@ from service.jobs.events import noted, render_event, task_event
 from service.jobs.frame_ranges import format_frames
 from service.jobs.states import find_render, find_unended, move
 from service.models.renders import TaskState
-from service.storage.database.connection import transaction
+from service.storage.database.connection import is_shared, time_of, transaction
 from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
 from service.storage.events import EventLog
 
@@ -44,10 +43,10 @@ class RenderQueue:
     Args:
         engine: of a database that `service.storage.database.connection` has opened.
         events: takes down what changes.
-        clock: tells the time, s since 1970.
+        clock: tells the time in a transaction, s since 1970; by default the clock that all users of the database share.
     """
 
-    def __init__(self, engine: Engine, events: EventLog, clock: Callable[[], float] = time.time) -> None:
+    def __init__(self, engine: Engine, events: EventLog, clock: Callable[[Session], float] = time_of) -> None:
         self._engine = engine
         self._events = events
         self._clock = clock
@@ -93,7 +92,7 @@ class RenderQueue:
                 ready=len(new.frames),
                 stored_bytes=len(new.edits.encode()),
                 wanted="run",
-                created_at=self._clock(),
+                created_at=self._clock(session),
             )
             session.add(render)
             session.flush()
@@ -158,8 +157,8 @@ class RenderQueue:
             present: all workers that there are. A frame that one has failed is left to those who have not; where it has failed
                 `MOST_FAILED_EACH` frames of a render, all of that render are.
         """
-        now = self._clock()
         with self._writing() as session:
+            now = self._clock(session)
             self._end_lost(session, now)
             task = _next_task(session, now, worker, present)
             if task is None:
@@ -192,7 +191,7 @@ class RenderQueue:
             held = self._held(session, claim)
             if held is None:
                 return False
-            held[1].lease_until = self._clock() + lease_s
+            held[1].lease_until = self._clock(session) + lease_s
             return held[0].wanted != "cancel"
 
     def finish(self, claim: Claim, size_bytes: int, sha256: str) -> bool:
@@ -223,7 +222,7 @@ class RenderQueue:
             task.failures += 1
             has_failed = not may_pass or task.failures >= MOST_FAILURES
             self._end(session, render, task, "failed" if has_failed else "ready", "failed", error)
-            task.not_before = self._clock() + BACK_OFF_S * 2 ** (task.failures - 1)
+            task.not_before = self._clock(session) + BACK_OFF_S * 2 ** (task.failures - 1)
 
     def give_back(self, claim: Claim, reason: str) -> None:
         """Give a task back that was not finished, as when the service stops; it counts as no failure.
@@ -252,7 +251,7 @@ class RenderQueue:
             self._end(session, render, task, "ready", "given-back", None)
             session.delete(session.get_one(AttemptRow, (task.render, task.frame, task.attempts)))
             task.attempts -= 1
-            render.not_before = self._clock() + pause_s
+            render.not_before = self._clock(session) + pause_s
 
     def pause(self, render_id: str) -> RenderRow:
         """Begin no more frames of a render. Raises `NotFoundError`, `ConflictError`: it has ended."""
@@ -272,7 +271,7 @@ class RenderQueue:
                 session.execute(waiting.values(state="canceled"))
                 render.canceled += render.ready
                 render.ready = 0
-            self._note_end(render)
+            self._note_end(session, render)
             return render
 
     def retry(self, render_id: str, lost: Sequence[int] = ()) -> RenderRow:
@@ -322,8 +321,13 @@ class RenderQueue:
             self._events.add(session, render_event(render, "render.removed"))
             session.execute(delete(RenderRow).where(RenderRow.id == render_id))
 
-    def take_back_all(self) -> None:
-        """Take all frames back that are held, where every worker is known to be gone; it counts as no failure."""
+    def take_back_left(self) -> None:
+        """Take all frames back that are held, when the only service of a data folder starts; it counts as no failure.
+
+        A database that several services may use is left alone: leases tell there which workers are gone.
+        """
+        if is_shared(self._engine):
+            return
         with self._writing() as session:
             for task in session.scalars(select(TaskRow).where(TaskRow.state == "running")).all():
                 render = session.get_one(RenderRow, task.render)
@@ -331,9 +335,9 @@ class RenderQueue:
 
     def stored_bytes(self, project: str) -> int:
         """Return the size of what the renders of a project have stored, bytes."""
-        total = select(func.coalesce(func.sum(RenderRow.stored_bytes), 0)).where(RenderRow.project == project)
+        total = cast(func.coalesce(func.sum(RenderRow.stored_bytes), 0), BigInteger)
         with self._reading() as session:
-            return session.scalar(total) or 0
+            return session.scalar(select(total).where(RenderRow.project == project)) or 0
 
     def numbers(self) -> dict[TaskState, int]:
         """Return the number of tasks in each state."""
@@ -368,7 +372,7 @@ class RenderQueue:
         error: str | None,
     ) -> None:
         """End an attempt; a task that is ready again is canceled where its render is."""
-        now = self._clock()
+        now = self._clock(session)
         attempt = session.get_one(AttemptRow, (task.render, task.frame, task.attempts))
         attempt.ended_at, attempt.outcome, attempt.error = now, outcome, error and error[:MAX_ERROR]
         task.worker = task.lease_until = None
@@ -377,7 +381,7 @@ class RenderQueue:
             self._events.add(session, task_event(render, task, worker=attempt.worker, error=attempt.error))
         if state == "done":
             render.busy_s += max(0.0, now - attempt.started_at)
-        self._note_end(render)
+        self._note_end(session, render)
 
     def _end_lost(self, session: Session, now: float) -> None:
         """Take tasks back from workers whose leases have run out."""
@@ -389,8 +393,8 @@ class RenderQueue:
             self._end(session, render, task, "failed" if has_failed else "ready", "lost", "the worker is gone")
             task.not_before = now + BACK_OFF_S * 2 ** (task.failures - 1)
 
-    def _note_end(self, render: RenderRow) -> None:
-        render.finished_at = self._clock() if render.ready + render.running == 0 else None
+    def _note_end(self, session: Session, render: RenderRow) -> None:
+        render.finished_at = self._clock(session) if render.ready + render.running == 0 else None
 
     def _writing(self) -> AbstractContextManager[Session]:
         return transaction(self._engine)

@@ -7,7 +7,6 @@ a higher number: a reader that goes on after the last number it has seen misses 
 from __future__ import annotations
 
 import logging
-import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,7 +15,7 @@ from sqlalchemy import Engine, delete, event, func, select
 from sqlalchemy.orm import Session
 
 from render.errors import OutputError
-from service.storage.database.connection import transaction
+from service.storage.database.connection import time_of, transaction
 from service.storage.database.tables import EventRow
 
 log = logging.getLogger("pullfocus.service")
@@ -68,10 +67,10 @@ class EventLog:
 
     Args:
         engine: of a database that `service.storage.database.connection` has opened.
-        clock: tells the time, s since 1970.
+        clock: tells the time in a transaction, s since 1970; by default the clock that all users of the database share.
     """
 
-    def __init__(self, engine: Engine, clock: Callable[[], float] = time.time) -> None:
+    def __init__(self, engine: Engine, clock: Callable[[Session], float] = time_of) -> None:
         self._engine = engine
         self._clock = clock
         self.on_new: Callable[[], None] = _do_nothing
@@ -82,7 +81,7 @@ class EventLog:
         if not session.info.get("has_events"):
             session.info["has_events"] = True
             event.listen(session, "after_commit", lambda _: self.on_new())
-        session.add(EventRow(at=self._clock(), **vars(new) | {"data": dict(new.data)}))
+        session.add(EventRow(at=self._clock(session), **vars(new) | {"data": dict(new.data)}))
 
     def note(self, new: NewEvent) -> None:
         """Add an event of what was done elsewhere. A database that cannot be used is logged: what was done is done."""
@@ -141,7 +140,7 @@ class EventLog:
         """
         with transaction(self._engine) as session:
             newest = session.scalar(select(func.max(EventRow.number))) or 0
-            is_old = (EventRow.at < self._clock() - kept_s) | (EventRow.number <= newest - MOST_EVENTS)
+            is_old = (EventRow.at < self._clock(session) - kept_s) | (EventRow.number <= newest - MOST_EVENTS)
             found = session.execute(delete(EventRow).where(is_old, EventRow.number < newest))
             return found.rowcount  # type: ignore[attr-defined, no-any-return]
 

@@ -17,8 +17,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
-from render.errors import OutputError, SettingsError
+from render.errors import OutputError, PullfocusError, SettingsError
+from service.http.settings import Settings
 from service.identity.issuer import Issuer
+from service.storage.database.address import address_of, name_of
+from service.storage.database.connection import revisions
+from service.storage.database.file import DATABASE, noted_database
 from service.storage.migration import LAYOUT, layout_of
 from service.workers import sandbox
 
@@ -47,24 +51,22 @@ class Finding:
     remedy: str = ""
 
 
-def examine(data: Path, host: str, port: int, issuer: str = "") -> Iterator[Finding]:
+def examine(settings: Settings) -> Iterator[Finding]:
     """Make every check, the quick ones first.
 
     Args:
-        data: data folder of the service.
-        host: address that it listens on.
-        port: its port.
-        issuer: address of the issuer whose tokens it accepts; empty for none.
+        settings: of the service.
     """
     yield Finding("python", "ok", f"Python {platform.python_version()}, pullfocus {version('pullfocus')}")
     yield _kernel()
     yield _confinement()
     yield from _limits()
-    yield _port(host, port)
-    yield _data(data)
-    yield _disk(data)
-    if issuer:
-        yield _issuer(issuer)
+    yield _port(settings.host, settings.port)
+    yield _data(settings.data)
+    yield _disk(settings.data)
+    yield _database(settings.data, settings.database)
+    if settings.oidc_issuer:
+        yield _issuer(settings.oidc_issuer)
     yield _probe("libraries", "reinstall pullfocus with its dependencies")
     yield _probe("gl", "install Mesa's EGL (libegl1, libgl1-mesa-dri), or give the process access to the GPU's device")
 
@@ -145,6 +147,30 @@ def _disk(data: Path) -> Finding:
     state: State = "fail" if free < LEAST_FREE_BYTES else "warn" if free < LITTLE_FREE_BYTES else "ok"
     remedy = "" if state == "ok" else "make room, or choose a folder on a larger disk with --data"
     return Finding("disk", state, f"{free / 1024**3:.1f} GiB are free", remedy)
+
+
+def _database(data: Path, setting: str) -> Finding:
+    noted = noted_database(data)
+    if noted is not None and not setting:
+        text = f"the service has last used the database {noted}, which these settings do not name"
+        return Finding("database", "warn", text, "name its configuration: pullfocus doctor --config FILE")
+    if not setting and not (data / DATABASE).exists():
+        return Finding("database", "ok", "SQLite, which will be made in the data folder at the first start")
+    try:
+        name = name_of(address_of(data, setting))
+        present, known = revisions(data, setting)
+    except PullfocusError as error:
+        remedy = "let the service reach the server and sign in (~/.pgpass)" if setting else "restore the last backup"
+        return Finding("database", "fail", str(error), remedy)
+    if present is None:
+        return Finding("database", "ok", f"{name} answers; its tables will be made at the first start")
+    if present not in known:
+        text = f"{name} has tables of revision {present}, which a newer version of pullfocus wrote"
+        return Finding("database", "fail", text, "install that version")
+    if present != known[0]:
+        text = f"{name} has tables of revision {present}; they are brought to {known[0]} at the next start"
+        return Finding("database", "warn", text, "back it up before")
+    return Finding("database", "ok", f"{name} answers, and has tables of revision {present}")
 
 
 def _probe(what: str, remedy: str) -> Finding:

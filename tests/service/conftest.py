@@ -17,6 +17,7 @@ from service.http.app import create_app
 from service.http.connections import server_config
 from service.http.service import Service
 from service.http.settings import Settings
+from tests.service.kits.postgresql import PostgresqlServer, running_postgresql
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,26 @@ def service(tmp_path_factory) -> Iterator[Running]:
 @pytest.fixture
 def client(service) -> httpx.Client:
     return service.client
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[PostgresqlServer]:
+    """The PostgreSQL that the tests of a process share; skipped where none is installed."""
+    with running_postgresql() as server:
+        yield server
+
+
+@pytest.fixture
+def postgresql_database(postgresql) -> Iterator[str]:
+    """Address of an empty database of PostgreSQL."""
+    with postgresql.empty_database() as url:
+        yield url
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database(request) -> str:
+    """The setting `database` of an empty database of each kind."""
+    return "" if request.param == "sqlite" else request.getfixturevalue("postgresql_database")
 
 
 ROOM = """#usda 1.0

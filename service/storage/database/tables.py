@@ -2,14 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Any
+import re
+from typing import Any, ClassVar
 
-from sqlalchemy import JSON, BigInteger, ForeignKey, ForeignKeyConstraint, Index, Integer, Text, UniqueConstraint
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    Dialect,
+    ForeignKey,
+    ForeignKeyConstraint,
+    Index,
+    Integer,
+    Text,
+    TypeDecorator,
+    UniqueConstraint,
+)
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+_NOT_STORED = re.compile("[\0\ud800-\udfff]")
+
+
+class PlainText(TypeDecorator[str]):
+    """Text. In place of what no database holds, NUL and halves of surrogates, it has U+FFFD."""
+
+    impl = Text
+    cache_ok = True
+
+    def process_bind_param(self, value: str | None, dialect: Dialect) -> str | None:
+        """Return a text as it is stored and compared."""
+        return None if value is None else _NOT_STORED.sub("\ufffd", value)
 
 
 class Table(DeclarativeBase):
     """Base of all tables. Times are seconds since 1970, UTC."""
+
+    type_annotation_map: ClassVar = {str: PlainText}
 
 
 class RenderRow(Table):
@@ -30,10 +57,10 @@ class RenderRow(Table):
     digest: Mapped[str]
     shot: Mapped[str]
     shot_created_at: Mapped[str]
-    edits: Mapped[str] = mapped_column(Text, deferred=True)
+    edits: Mapped[str] = mapped_column(deferred=True)
     revision: Mapped[str]
     request: Mapped[dict[str, Any]] = mapped_column(JSON)
-    frames: Mapped[str] = mapped_column(Text)
+    frames: Mapped[str]
     count: Mapped[int]
     priority: Mapped[int]
     wanted: Mapped[str]
@@ -41,7 +68,7 @@ class RenderRow(Table):
     started_at: Mapped[float | None]
     finished_at: Mapped[float | None]
     not_before: Mapped[float] = mapped_column(default=0.0)
-    stored_bytes: Mapped[int] = mapped_column(default=0)
+    stored_bytes: Mapped[int] = mapped_column(BigInteger, default=0)
     busy_s: Mapped[float] = mapped_column(default=0.0)
     ready: Mapped[int]
     running: Mapped[int] = mapped_column(default=0)
@@ -67,7 +94,7 @@ class TaskRow(Table):
     not_before: Mapped[float] = mapped_column(default=0.0)
     worker: Mapped[str | None]
     lease_until: Mapped[float | None]
-    size_bytes: Mapped[int | None]
+    size_bytes: Mapped[int | None] = mapped_column(BigInteger)
     sha256: Mapped[str | None]
 
 
@@ -86,7 +113,7 @@ class AttemptRow(Table):
     started_at: Mapped[float]
     ended_at: Mapped[float | None]
     outcome: Mapped[str | None]
-    error: Mapped[str | None] = mapped_column(Text)
+    error: Mapped[str | None]
 
 
 class EventRow(Table):

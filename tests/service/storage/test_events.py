@@ -9,18 +9,9 @@ import pytest
 from render.errors import OutputError
 from service.storage.database.connection import open_database, transaction
 from service.storage.events import EventLog, NewEvent, Wanted
+from tests.service.kits.queues import Clock
 
 ALL = Wanted()
-
-
-class Clock:
-    """A clock that a test sets."""
-
-    def __init__(self):
-        self.now = 1000.0
-
-    def __call__(self):
-        return self.now
 
 
 @pytest.fixture
@@ -29,8 +20,8 @@ def clock():
 
 
 @pytest.fixture
-def log(tmp_path, clock):
-    engine = open_database(tmp_path)
+def log(tmp_path, clock, database):
+    engine = open_database(tmp_path, database)
     yield EventLog(engine, clock)
     engine.dispose()
 

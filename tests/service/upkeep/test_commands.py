@@ -15,7 +15,7 @@ from service.upkeep import doctor as doctor_module
 from service.upkeep.command import backup, doctor, restore
 from tests.service.kits.issuer import KEYS, running_issuer
 
-CHECKS = {"python", "kernel", "sandbox", "limits", "port", "data", "disk", "libraries", "gl"}
+CHECKS = {"python", "kernel", "sandbox", "limits", "port", "data", "disk", "database", "libraries", "gl"}
 
 
 def findings(capsys, *arguments):
@@ -60,6 +60,19 @@ def test_an_issuer_of_tokens_is_asked_for_its_keys():
     gone = doctor_module._issuer(issuer.address)
     assert (gone.state, issuer.address in gone.text) == ("fail", True)
     assert doctor_module._issuer("http://login.example").state == "fail"
+
+
+def test_the_settings_of_a_file_are_checked(capsys, tmp_path, monkeypatch):
+    pytest.importorskip("psycopg")
+    monkeypatch.setattr(doctor_module, "_probe", lambda what, _: doctor_module.Finding(what, "ok", ""))
+    (tmp_path / "studio.toml").write_text(
+        'data = "studio"\ndatabase = "postgresql://mara:pa55word@127.0.0.1:1/renders"\n'
+    )
+    status, found = findings(capsys, "--config", str(tmp_path / "studio.toml"), "--port", "0")
+    assert (status, found["database"]["state"]) == (1, "fail")
+    assert "'renders' of PostgreSQL on 127.0.0.1 cannot be opened" in found["database"]["text"]
+    assert "pa55word" not in json.dumps(found)
+    assert str(tmp_path / "studio") in found["data"]["text"]
 
 
 def test_a_library_that_kills_its_process_is_a_finding(monkeypatch):

@@ -26,7 +26,7 @@ def upgrade() -> None:
         sa.Column("started_at", sa.Float()),
         sa.Column("finished_at", sa.Float()),
         sa.Column("not_before", sa.Float(), nullable=False),
-        sa.Column("stored_bytes", sa.Integer(), nullable=False),
+        sa.Column("stored_bytes", sa.BigInteger(), nullable=False),
         sa.Column("busy_s", sa.Float(), nullable=False),
         *(sa.Column(name, sa.Integer(), nullable=False) for name in ("ready", "running", "done", "failed", "canceled")),
         sa.UniqueConstraint("owner", "idempotency_key"),
@@ -44,7 +44,7 @@ def upgrade() -> None:
         sa.Column("not_before", sa.Float(), nullable=False),
         sa.Column("worker", sa.String()),
         sa.Column("lease_until", sa.Float()),
-        sa.Column("size_bytes", sa.Integer()),
+        sa.Column("size_bytes", sa.BigInteger()),
         sa.Column("sha256", sa.String()),
     )
     op.create_index("render_tasks_by_state", "render_tasks", ["render", "state", "frame"])

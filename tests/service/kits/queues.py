@@ -1,0 +1,28 @@
+"""Queues of renders, and the clock that their tests set."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from sqlalchemy.orm import Session
+
+from service.jobs.queue import RenderQueue
+from service.storage.database.connection import open_database, time_of
+from service.storage.events import EventLog
+
+
+class Clock:
+    """A clock that a test sets."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def __call__(self, _session: Session) -> float:
+        return self.now
+
+
+def opened(folder: Path, database: str = "", clock: Callable[[Session], float] = time_of) -> RenderQueue:
+    """A queue over the database of a folder, or of an address."""
+    engine = open_database(folder, database)
+    return RenderQueue(engine, EventLog(engine, clock), clock)

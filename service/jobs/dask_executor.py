@@ -42,7 +42,7 @@ SENDS = 3
 MOST_LISTS = 256
 """Shots whose lists of files are remembered."""
 _LOCAL = re.compile(r"local(?::([1-9][0-9]?))?")
-_REMOTE = re.compile(r"(tcp|tls|ws|wss)://[^\s/]+:[0-9]{1,5}")
+_REMOTE = re.compile(r"(tcp|tls|ws|wss)://([^\s/:]+|\[[0-9a-fA-F:]+\]):[0-9]{1,5}")
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,8 @@ class DaskExecutor:
                     n_workers=self._address.workers,
                     threads_per_worker=THREADS,
                     memory_limit=0,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",  # a scheduler has a port for that anyway
+                    scheduler_kwargs={"dashboard": False},
                     asynchronous=True,
                 )
             self._client = await distributed.Client(

@@ -335,3 +335,40 @@ def test_a_backup_has_the_queue_as_it_was(tmp_path, clock):
     assert [row.id for row in restored.list(None, 9)] == [sent.id]
     assert states(restored, sent.id) == ["done", "ready", "ready"]
     restored.close()
+
+
+def fail(queue: RenderQueue, clock: Clock, worker: str, present) -> int | None:
+    """Have a worker fail the next frame that it gets; the frame."""
+    clock.now += 100
+    claim = queue.claim(worker, LEASE_S, present)
+    if claim is not None:
+        queue.fail(claim, "broken", may_pass=True)
+    return claim and claim.frame
+
+
+def test_a_worker_gets_no_frame_again_that_it_failed(queue, clock):
+    queue.submit(render((1, 2)))
+    present = ("one", "two")
+    assert fail(queue, clock, "one", present) == 1
+    assert fail(queue, clock, "one", present) == 2
+    assert fail(queue, clock, "one", present) is None
+    assert fail(queue, clock, "two", present) == 1
+    assert fail(queue, clock, "one", present) == 1  # both have failed it, and it has a try left
+    assert fail(queue, clock, "one", ("one",)) == 2  # alone
+
+
+def test_a_worker_that_fails_a_render_leaves_it_to_others(queue, clock):
+    sent = queue.submit(render((1, 2, 3, 4)))
+    present = ("one", "two")
+    assert [fail(queue, clock, "one", present) for _ in range(4)] == [1, 2, 3, None]
+    queue.submit(render((7,)))
+    assert fail(queue, clock, "one", present) == 7  # of another one
+    assert [drawn(queue, "two") for _ in range(4)] == [(sent.id, frame) for frame in (1, 2, 3, 4)]
+
+
+def test_a_render_that_all_fail_ends(queue, clock):
+    sent = queue.submit(render(range(1, 5)))
+    for _ in range(20):
+        for worker in ("one", "two"):
+            fail(queue, clock, worker, ("one", "two"))
+    assert state_of(queue.get(sent.id)) == "failed"

@@ -33,6 +33,7 @@ schema:  ## write what derives from the declared settings: the USD schema, the O
 	@.venv/bin/python -m usd_schemas.generate
 	@.venv/bin/python -m service.http.openapi >web/openapi.json
 	@.venv/bin/python -m service.http.page_settings >web/src/model/settings.gen.ts
+	@.venv/bin/python -m service.http.client_models >service/client/models.py
 	@scripts/web install
 	@scripts/node npm --prefix web run --silent types
 

@@ -29,7 +29,7 @@ async def note_edits(connection: HTTPConnection, service: ServiceDep) -> AsyncIt
     after = await run_in_threadpool(_revision, service, shot)
     if before and after and before != after:
         record, revision = after
-        event = NewEvent("edits", "edits.changed", record.project, record.id, data={"revision": revision})
+        event = NewEvent("edits", "edits-changed", record.project, record.id, data={"revision": revision})
         await run_in_threadpool(service.events.note, event)
 
 
@@ -51,7 +51,7 @@ async def note_viewers(service: Service, shot: str) -> None:
     except NotFoundError:
         return
     event = NewEvent(
-        "presence", "presence.changed", record.project, shot, data={"viewers": service.presence.names(shot)}
+        "presence", "presence-changed", record.project, shot, data={"viewers": service.presence.names(shot)}
     )
     await run_in_threadpool(service.events.note, event)
 

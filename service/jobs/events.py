@@ -31,7 +31,7 @@ def task_event(render: RenderRow, task: TaskRow, *, worker: str, error: str | No
     """
     data = {"frame": task.frame, "state": task.state, "attempt": task.attempts, "worker": worker, "error": error}
     counts = {name: getattr(render, name) for name in _COUNTS}
-    return NewEvent("tasks", "task.changed", render.project, render.shot, render.id, data | counts)
+    return NewEvent("tasks", "task-changed", render.project, render.shot, render.id, data | counts)
 
 
 @contextmanager
@@ -40,4 +40,4 @@ def noted(events: EventLog, session: Session, render: RenderRow) -> Iterator[Non
     before = state_of(render)
     yield
     if state_of(render) != before:
-        events.add(session, render_event(render, "render.changed"))
+        events.add(session, render_event(render, "render-changed"))

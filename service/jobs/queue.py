@@ -97,7 +97,7 @@ class RenderQueue:
             session.add(render)
             session.flush()
             session.add_all(TaskRow(render=render.id, frame=frame, state="ready") for frame in new.frames)
-            self._events.add(session, render_event(render, "render.sent"))
+            self._events.add(session, render_event(render, "render-sent"))
             return render
 
     def get(self, render_id: str) -> RenderRow:
@@ -318,7 +318,7 @@ class RenderQueue:
             if render.ready + render.running > 0:
                 raise ConflictError(f"render {render_id!r} is under way; cancel it before you remove it")
             set_files_aside()
-            self._events.add(session, render_event(render, "render.removed"))
+            self._events.add(session, render_event(render, "render-removed"))
             session.execute(delete(RenderRow).where(RenderRow.id == render_id))
 
     def take_back_left(self) -> None:

@@ -13,22 +13,22 @@ from service.models.renders import RenderState, TaskState
 
 Topic = Literal["shots", "edits", "renders", "tasks", "presence"]
 Kind = Literal[
-    "shot.added",
-    "shot.deleted",
-    "shot.restored",
-    "edits.changed",
-    "render.sent",
-    "render.changed",
-    "render.removed",
-    "task.changed",
-    "presence.changed",
+    "shot-added",
+    "shot-deleted",
+    "shot-restored",
+    "edits-changed",
+    "render-sent",
+    "render-changed",
+    "render-removed",
+    "task-changed",
+    "presence-changed",
 ]
 
 EVENT_EXAMPLE: JsonDict = {
     "number": 1824,
     "at": "2026-11-27T08:00:42Z",
     "topic": "tasks",
-    "kind": "task.changed",
+    "kind": "task-changed",
     "project": "default",
     "shot": "demo",
     "render": "r-5f0c1d2e3a4b",

@@ -6,6 +6,7 @@ import json
 import re
 import shlex
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,12 +15,14 @@ import OpenImageIO
 import pytest
 
 from render.cli.main import main
+from service import client as pullfocus_client
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "docs" / "guide").glob("*.md"))]
 ADDRESS = "http://127.0.0.1:8000"
 QUICK = ("--imageWidth", "64", "--rays", "4", "--supersample", "1")
+QUICK_RENDER = ("--width", "64", "--rays", "4", "--supersample", "1")
 PICTURES = (".png", ".jpg", ".exr")
 OUTPUT_OPTIONS = ("--out", "--key", "--tables")
 
@@ -98,14 +101,19 @@ def demo(demo_file: Path) -> Path:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page, "pullfocus")], ids=lambda page: page.stem)
-def test_the_commands_of_a_page_run(page: Path, demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_commands_of_a_page_run(
+    page: Path, service: str, demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PULLFOCUS_URL", service)
+    httpx.get(f"{service}/livez", timeout=300).raise_for_status()  # answers once the demo shot is written
     typed = commands(page, "pullfocus")
     if ["pullfocus", "demo", "demo"] not in typed:
         (tmp_path / "demo").symlink_to(demo)
     for words in map(in_few_frames, typed):
         quick = QUICK[2:] if "--products" in words else QUICK  # products have sizes of their own
-        assert main([*words[1:], *(quick if words[1] == "record" else ())]) == 0, shlex.join(words)
+        small = {"record": quick, "render": QUICK_RENDER}.get(words[1], ())
+        assert main([*words[1:], *small]) == 0, shlex.join(words)
         for path in outputs(words):
             assert path.stat().st_size > 0, shlex.join(words)
             assert path.suffix not in PICTURES or is_picture(path), shlex.join(words)
@@ -124,6 +132,9 @@ def test_the_pages_show_every_command_that_ends() -> None:
         "bodies",
         "keys",
         "export-openjd",
+        "push",
+        "render",
+        "jobs",
     }
 
 
@@ -155,10 +166,21 @@ def test_the_live_pictures_program_runs(service: str, tmp_path: Path, monkeypatc
 
 
 def test_the_focus_map_program_runs(service: str, capsys: pytest.CaptureFixture[str]) -> None:
-    (program,) = (program for program in programs() if "http://" in program)
+    (program,) = (program for program in programs() if "/focus-map" in program)
     httpx.get(f"{service}/livez", timeout=300).raise_for_status()
     exec(program.replace(ADDRESS, service).replace("width=480", "width=64"), {})
     assert re.fullmatch(r"\d+% of the picture is sharp\n", capsys.readouterr().out)
+
+
+def test_the_client_program_runs(service: str, demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (program,) = (program for program in programs() if "pullfocus_client" in program)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "pullfocus_client", pullfocus_client)  # as its own wheel has it
+    (tmp_path / "demo").symlink_to(demo)
+    exec(program.replace(ADDRESS, service).replace("width=480, rays=16", "width=64, rays=4"), {})
+    files = sorted(Path("frames").iterdir())
+    assert len(files) == 3
+    assert all(is_picture(path) for path in files)
 
 
 def test_the_other_python_programs_run(demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

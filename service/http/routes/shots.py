@@ -82,7 +82,7 @@ async def create_shot(
     reserved = service.quotas.receiving(_project_of_upload(principal, project))
     async with contextmanager_in_threadpool(reserved) as reception:
         record, described = await _receive(service, reception, file, name, root)
-    await note_shot(service, record, "shot.added")
+    await note_shot(service, record, "shot-added")
     response.headers["Location"] = f"/v1/shots/{record.id}"
     return described.model_copy(update=ShotSummary.model_validate(record).model_dump())
 
@@ -129,7 +129,7 @@ async def delete_shot(service: ServiceDep, shot: ShotId, if_match: IfMatch = Non
     """
     record = service.store.get(shot)
     await run_in_threadpool(service.trash.put, record, EditContext(if_match))
-    await note_shot(service, record, "shot.deleted")
+    await note_shot(service, record, "shot-deleted")
     await service.long_exposures.discard(record.id)
     await service.close_shot(record.id)
 

@@ -51,7 +51,7 @@ async def restore_shot(
     await service.close_shot(shot_id)  # workers that were started for a request of before see an empty folder
     response.headers["Location"] = f"/v1/shots/{shot_id}"
     record = service.store.get(shot_id)
-    await note_shot(service, record, "shot.restored")
+    await note_shot(service, record, "shot-restored")
     reason = service.quarantine.reason(record)
     return ShotSummary.model_validate(record).model_copy(update={"quarantine": reason})
 

@@ -27,7 +27,7 @@ def log(tmp_path, clock, database):
 
 
 def note(log: EventLog, topic="shots", project="default", **fields) -> None:
-    log.note(NewEvent(topic, f"{topic}.changed", project, **fields))
+    log.note(NewEvent(topic, f"{topic}-changed", project, **fields))
 
 
 def numbers(log: EventLog, after=0, wanted=ALL, most=100) -> list[int]:
@@ -69,7 +69,7 @@ def test_a_page_goes_on_where_the_last_one_ended(log):
 def test_an_event_is_committed_with_what_it_tells(log):
     def undone():
         with transaction(log._engine) as session:
-            log.add(session, NewEvent("shots", "shot.added", "default"))
+            log.add(session, NewEvent("shots", "shot-added", "default"))
             raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
@@ -81,8 +81,8 @@ def test_those_who_follow_are_told_once_it_is_committed(log):
     seen = []
     log.on_new = lambda: seen.append(log.newest())
     with transaction(log._engine) as session:
-        log.add(session, NewEvent("shots", "shot.added", "default"))
-        log.add(session, NewEvent("shots", "shot.deleted", "default"))
+        log.add(session, NewEvent("shots", "shot-added", "default"))
+        log.add(session, NewEvent("shots", "shot-deleted", "default"))
         assert seen == []
     assert seen == [2]
 

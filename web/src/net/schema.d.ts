@@ -2688,7 +2688,7 @@ export interface components {
          *         "state": "done",
          *         "worker": "camera-pc"
          *       },
-         *       "kind": "task.changed",
+         *       "kind": "task-changed",
          *       "number": 1824,
          *       "project": "default",
          *       "render": "r-5f0c1d2e3a4b",
@@ -2707,7 +2707,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            readonly kind: "shot.added" | "shot.deleted" | "shot.restored" | "edits.changed" | "render.sent" | "render.changed" | "render.removed" | "task.changed" | "presence.changed";
+            readonly kind: "shot-added" | "shot-deleted" | "shot-restored" | "edits-changed" | "render-sent" | "render-changed" | "render-removed" | "task-changed" | "presence-changed";
             /**
              * Number
              * @description Rises with each event of the service; numbers in between may be missing.

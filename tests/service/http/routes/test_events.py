@@ -74,9 +74,9 @@ def test_a_render_is_followed_from_its_sending_to_its_end(client, room):
             told.append(next(events))
     assert {event["render"] for event in told} == {sent["id"]}
     assert [(event["kind"], event["data"]["state"]) for event in told if event["topic"] == "renders"] == [
-        ("render.sent", "queued"),
-        ("render.changed", "running"),
-        ("render.changed", "done"),
+        ("render-sent", "queued"),
+        ("render-changed", "running"),
+        ("render-changed", "done"),
     ]
     frames = [(event["data"]["frame"], event["data"]["state"]) for event in told if event["topic"] == "tasks"]
     assert frames == [(1, "running"), (1, "done"), (2, "running"), (2, "done")]
@@ -94,7 +94,7 @@ def test_edits_and_shots_are_told(client, room_file):
     client.delete(f"/v1/shots/{shot}")
     (trashed,) = [entry for entry in client.get("/v1/trash").json()["shots"] if entry["shot"] == shot]
     client.post(f"/v1/trash/{trashed['id']}/restore")
-    wanted = ["shot.added", "edits.changed", "edits.changed", "shot.deleted", "shot.restored"]
+    wanted = ["shot-added", "edits-changed", "edits-changed", "shot-deleted", "shot-restored"]
     until(lambda: len(kept(client, after=start, shot=shot)) >= len(wanted))
     told = [event["data"] for event in kept(client, after=start, shot=shot)]
     assert [event["kind"] for event in told] == wanted
@@ -114,7 +114,7 @@ def test_viewers_come_and_go(client, room):
 def test_a_reader_goes_on_where_it_was(service, client):
     start = newest(client)
     for frame in range(1, 4):
-        service.internal.events.note(NewEvent("tasks", "task.changed", "default", "none", "r-x", {"frame": frame}))
+        service.internal.events.note(NewEvent("tasks", "task-changed", "default", "none", "r-x", {"frame": frame}))
     first, second, third = (int(event["id"]) for event in kept(client, after=start, render="r-x"))
     assert [int(event["id"]) for event in kept(client, {"Last-Event-ID": str(first)}, after=0, render="r-x")] == [
         second,
@@ -122,14 +122,14 @@ def test_a_reader_goes_on_where_it_was(service, client):
     ]
     with followed(client, {"Last-Event-ID": str(second)}, render="r-x") as events:
         assert next(events)["number"] == third
-        service.internal.events.note(NewEvent("tasks", "task.changed", "default", "none", "r-x", {"frame": 4}))
+        service.internal.events.note(NewEvent("tasks", "task-changed", "default", "none", "r-x", {"frame": 4}))
         assert next(events)["data"]["frame"] == 4
 
 
 def test_a_reader_is_told_what_it_has_missed_for_good(tmp_path):
     with running(Settings(data=tmp_path, demo=False)) as service:
         for _ in range(3):
-            service.internal.events.note(NewEvent("shots", "shot.added", "default", "none"))
+            service.internal.events.note(NewEvent("shots", "shot-added", "default", "none"))
         service.internal.events.prune(-1.0)
         (gap, event) = kept(service.client, after=1)
         assert (gap["event"], gap["data"]) == ("gap", {"after": 1, "oldest": 3})
@@ -147,7 +147,7 @@ def test_each_project_hears_of_its_own(tmp_path):
             keys.create("Ops", frozenset({"read"}), "*"),
         )
         for project in ("tram", "other"):
-            service.internal.events.note(NewEvent("shots", "shot.added", project, f"of-{project}"))
+            service.internal.events.note(NewEvent("shots", "shot-added", project, f"of-{project}"))
         assert service.client.get("/v1/events").status_code == 401
         bearer = {"Authorization": f"Bearer {key}"}
         assert [event["data"]["shot"] for event in kept(service.client, bearer)] == ["of-tram"]
@@ -166,15 +166,15 @@ def test_the_stream_ends_with_the_service(tmp_path):
 def test_a_websocket_sends_the_same(service, client):
     note = service.internal.events.note
     start = newest(client)
-    note(NewEvent("renders", "render.sent", "default", "none", "r-y"))
+    note(NewEvent("renders", "render-sent", "default", "none", "r-y"))
     address = socket_address(client, f"/v1/events?after={start}&render=r-y&topic=renders")
     with websockets.sync.client.connect(address) as socket:
         assert json.loads(socket.recv()) == kept(client, after=start, render="r-y")[0]["data"]
-        note(NewEvent("tasks", "task.changed", "default", "none", "r-y"))
-        note(NewEvent("renders", "render.changed", "default", "none", "r-y", {"state": "done"}))
+        note(NewEvent("tasks", "task-changed", "default", "none", "r-y"))
+        note(NewEvent("renders", "render-changed", "default", "none", "r-y", {"state": "done"}))
         assert json.loads(socket.recv())["data"] == {"state": "done"}
     with websockets.sync.client.connect(address + "&follow=false") as socket:
-        assert [json.loads(text)["kind"] for text in socket] == ["render.sent", "render.changed"]
+        assert [json.loads(text)["kind"] for text in socket] == ["render-sent", "render-changed"]
     foreign = {"Origin": "https://elsewhere.example"}
     with pytest.raises(websockets.exceptions.InvalidStatus, match="403"):
         websockets.sync.client.connect(address, additional_headers=foreign)
@@ -203,7 +203,7 @@ def test_a_killed_service_leaves_nobody_in_a_shot(tmp_path, room_file):
     with running(Settings(data=tmp_path, demo=False)) as service:
         shot = sent(service.client, room_file)
         service.internal.events.note(
-            NewEvent("presence", "presence.changed", "default", shot, data={"viewers": ["Mara"]})
+            NewEvent("presence", "presence-changed", "default", shot, data={"viewers": ["Mara"]})
         )
     with running(Settings(data=tmp_path, demo=False)) as service:
         until(lambda: kept(service.client, topic="presence")[-1]["data"]["data"] == {"viewers": []})

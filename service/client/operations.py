@@ -1,0 +1,214 @@
+"""Operations of the client as steps, for both clients."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+import uuid
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from .decoding import camel_case
+from .errors import AnswerError, SettingError, WaitTimeoutError
+from .frame_files import SUFFIXES, FrameFile, file_name, find_fetched
+from .models import Render, RenderList, RenderPlan, RenderTask, RenderTaskList, Shot, ShotList, ShotSummary
+from .packing import open_package
+from .steps import PATIENT, Call, Pause, Retries, Steps, Upload, Work, perform, read
+
+ENDED = ("done", "failed", "canceled")
+"""States of a render that has ended."""
+MOST_LISTED = 200
+"""Renders of one answer."""
+_FIRST_LOOK_S, _LONGEST_LOOK_S = 0.25, 3.0
+_UPLOAD_S = 900.0
+"""Time for the check of an upload, which opens the shot, s."""
+_SENDABLE = re.compile(r"[\x21-\x7e]{1,200}")
+
+AnyShot = Shot | ShotSummary | str
+"""A shot, or its id."""
+AnyRender = Render | str
+"""A render, or its id."""
+
+
+def shots(retries: Retries) -> Steps[list[ShotSummary]]:
+    """List the shots."""
+    return (yield from read(ShotList, Call("GET", "/v1/shots"), retries)).shots
+
+
+def shot(wanted: AnyShot, retries: Retries) -> Steps[Shot]:
+    """Read a shot."""
+    return (yield from read(Shot, Call("GET", _address("shots", wanted)), retries))
+
+
+def push(
+    path: Path,
+    name: str | None,
+    root: str | None,
+    project: str | None,
+    files: Sequence[Path] | None,
+    retries: Retries,
+) -> Steps[Shot]:
+    """Pack and upload a shot."""
+    package = yield Work(lambda: open_package(path, name, root, files))
+    try:
+        fields = {key: value for key, value in (("root", package.root), ("project", project)) if value is not None}
+        upload = Upload(package.name, package.file, fields)
+        call = Call("POST", "/v1/shots", upload=upload, is_repeatable=False, answer_s=_UPLOAD_S)
+        return (yield from read(Shot, call, retries))
+    finally:
+        package.file.close()
+
+
+def delete(wanted: AnyShot, retries: Retries) -> Steps[None]:
+    """Move a shot to the trash."""
+    yield from perform(Call("DELETE", _address("shots", wanted)), retries)
+
+
+def plan(wanted: AnyShot, settings: Mapping[str, Any], retries: Retries) -> Steps[RenderPlan]:
+    """Check a render, and send nothing."""
+    call = Call("POST", "/v1/render-plans", content=_render_body(wanted, settings))
+    return (yield from read(RenderPlan, call, retries))
+
+
+def render(wanted: AnyShot, settings: Mapping[str, Any], key: str | None, retries: Retries) -> Steps[Render]:
+    """Send a render, with an idempotency key in any case."""
+    key = key or uuid.uuid4().hex
+    if not _SENDABLE.fullmatch(key):
+        raise SettingError("an idempotency key has 1 to 200 letters, digits and signs, without spaces")
+    call = Call(
+        "POST", "/v1/renders", content=_render_body(wanted, settings), headers={"Idempotency-Key": key}, answer_s=120.0
+    )
+    return (yield from read(Render, call, retries))
+
+
+def renders(most: int, retries: Retries) -> Steps[list[Render]]:
+    """List the newest renders, page by page."""
+    found: list[Render] = []
+    before: str | None = None
+    while len(found) < most:
+        params: dict[str, str | int] = {"most": min(most - len(found), MOST_LISTED)}
+        page = yield from read(
+            RenderList, Call("GET", "/v1/renders", params | ({"before": before} if before else {})), retries
+        )
+        found += page.renders
+        if page.next is None or not page.renders:
+            break
+        before = page.next
+    return found[:most]
+
+
+def get(wanted: AnyRender, retries: Retries) -> Steps[Render]:
+    """Read how far a render is."""
+    return (yield from read(Render, Call("GET", _address("renders", wanted)), retries))
+
+
+def tasks(wanted: AnyRender, retries: Retries) -> Steps[list[RenderTask]]:
+    """List the frames of a render."""
+    return (yield from read(RenderTaskList, Call("GET", f"{_address('renders', wanted)}/tasks"), retries)).tasks
+
+
+def act(wanted: AnyRender, action: str, retries: Retries) -> Steps[Render]:
+    """Pause, resume, cancel or retry a render. A request without an answer is not sent again: somebody else may act, too."""
+    call = Call("POST", f"{_address('renders', wanted)}/{action}", is_repeatable=False)
+    return (yield from read(Render, call, retries))
+
+
+def remove(wanted: AnyRender, retries: Retries) -> Steps[None]:
+    """Remove a render and its files."""
+    yield from perform(Call("DELETE", _address("renders", wanted)), retries)
+
+
+class Watch:
+    """A render while it is watched.
+
+    Args:
+        render: the render, or its id.
+        timeout_s: time until `WaitTimeoutError`, s; None waits for as long as it takes.
+        retries: for the first request; later ones are repeated for a quarter of an hour.
+    """
+
+    def __init__(self, render: AnyRender, timeout_s: float | None, retries: Retries) -> None:
+        self._render = render
+        self._timeout_s = timeout_s
+        self._end = None if timeout_s is None else time.monotonic() + timeout_s
+        self._retries = retries
+        self._before: Render | None = None
+
+    def next_change(self) -> Steps[Render]:
+        """Read the render at first, and then wait until it has changed: it is looked at every few seconds."""
+        before, pause_s = self._before, _FIRST_LOOK_S
+        if before is None:
+            self._before = yield from get(self._render, self._retries)
+            return self._before
+        while True:
+            yield Pause(self._within_time(pause_s, before))
+            now = yield from get(self._render, PATIENT)
+            if now != before:
+                self._before = now
+                return now
+            pause_s = min(pause_s * 1.5, _LONGEST_LOOK_S)
+
+    def _within_time(self, pause_s: float, now: Render) -> float:
+        if self._end is None:
+            return pause_s
+        left_s = self._end - time.monotonic()
+        if left_s <= 0:
+            raise WaitTimeoutError(f"render {now.id} is {now.state} after {self._timeout_s:g} s")
+        return min(pause_s, left_s)
+
+
+class Download:
+    """Frames of a render that go to a folder.
+
+    Args:
+        folder: made where it is missing.
+        retries: for each frame.
+    """
+
+    def __init__(self, folder: Path, retries: Retries) -> None:
+        self._folder = folder
+        self._retries = retries
+        self._fetched: dict[int, str | None] = {}
+
+    def new_frames(self, render: Render) -> Steps[list[RenderTask]]:
+        """List the frames that are stored and not fetched."""
+        found = yield from tasks(render, self._retries)
+        return [task for task in found if task.state == "done" and self._fetched.get(task.frame, "") != task.sha256]
+
+    def fetch(self, render: Render, task: RenderTask) -> Steps[Path]:
+        """Fetch a frame, unless its file is there already; return the file."""
+        path: Path | None = yield Work(lambda: find_fetched(self._folder, render, task))
+        if path is None:
+            path = yield from self._receive(render, task)
+        self._fetched[task.frame] = task.sha256
+        return path
+
+    def _receive(self, render: Render, task: RenderTask) -> Steps[Path]:
+        with FrameFile(self._folder, task) as file:
+            call = Call("GET", f"{_address('renders', render)}/frames/{task.frame}")
+            answer = yield from perform(call, self._retries, file)
+            kind = answer.headers.get("Content-Type", "").partition(";")[0].strip().lower()
+            if kind not in SUFFIXES:
+                raise AnswerError(f"frame {task.frame} comes as {kind[:80]!r}, expected one of {', '.join(SUFFIXES)}")
+            name = file_name(render, task.frame, SUFFIXES[kind])
+            kept: Path = yield Work(lambda: file.keep(name))
+            return kept
+
+
+def _address(kind: str, wanted: Shot | ShotSummary | Render | str) -> str:
+    name = wanted if isinstance(wanted, str) else wanted.id
+    if name in ("", ".", ".."):
+        raise SettingError(f"{name!r} is no id of {kind}")
+    return f"/v1/{kind}/{quote(name, safe='')}"
+
+
+def _render_body(wanted: AnyShot, settings: Mapping[str, Any]) -> bytes:
+    name = wanted if isinstance(wanted, str) else wanted.id
+    sent = {camel_case(key): value for key, value in settings.items()}
+    try:
+        return json.dumps({"shot": name} | sent, allow_nan=False).encode()
+    except (TypeError, ValueError) as error:
+        raise SettingError(f"the settings cannot be sent: {error}") from error

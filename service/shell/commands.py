@@ -1,0 +1,177 @@
+"""`pullfocus push`, `pullfocus render` and `pullfocus jobs`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from render.cli.console import print_message
+from render.cli.parser import Parser
+from render.errors import SettingsError, one_line
+from service.client import Client
+from service.shell import connection, render_options, uploads
+from service.shell.connection import again, connected
+from service.shell.listing import print_render, print_renders
+from service.shell.watching import print_end, watch
+
+_CHANGES = {
+    "pause": "begin no more of its frames; those under way are finished",
+    "resume": "go on with a render that was paused",
+    "cancel": "end it; frames that are stored stay",
+    "retry": "draw those frames again that have failed, were given up, or are lost",
+    "remove": "remove a render that has ended, and its files",
+}
+
+
+def push(arguments: Sequence[str]) -> int:
+    """Upload a shot and print its id.
+
+    Args:
+        arguments: as typed after ``pullfocus push``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        PullfocusError: the shot cannot be read, or the service not reached, or it refuses.
+    """
+    parser = Parser(
+        prog="pullfocus push", description="Upload a shot to a service, and print its id.", allow_abbrev=False
+    )
+    parser.add_argument(
+        "shot",
+        metavar="SHOT",
+        type=Path,
+        help="USD file, which goes with the layers and textures that it refers to; or a .usdz, .zip or folder",
+    )
+    parser.add_argument("--name", help="name of the shot (default: that of the file)")
+    uploads.add_arguments(parser)
+    connection.add_arguments(parser)
+    typed = parser.parse_args(arguments)
+    with connected(typed) as client:
+        print(one_line(uploads.push_shot(client, typed.shot, typed, typed.name).id))
+    return 0
+
+
+def render(arguments: Sequence[str]) -> int:
+    """Send a render, print its id, and watch it until its end.
+
+    Args:
+        arguments: as typed after ``pullfocus render``.
+
+    Returns:
+        The exit status: 1 where frames have failed.
+
+    Raises:
+        SettingsError: settings cannot be used, or contradict each other.
+        PullfocusError: the shot cannot be read, or the service not reached, or it refuses.
+    """
+    typed = _render_parser().parse_args(arguments)
+    settings = render_options.read_settings(typed)
+    if typed.detach and typed.out is not None:
+        raise SettingsError("--detach does not wait for the frames that --out fetches: leave one of them out")
+    if typed.dry_run and uploads.is_path(typed.shot):
+        raise SettingsError(f"--dry-run sends nothing: push {typed.shot} first, and give the id of the shot")
+    with connected(typed) as client:
+        if typed.dry_run:
+            plan = client.plan(typed.shot, **settings)
+            print(
+                f"{plan.count} frames, {one_line(plan.frames)}: about {plan.seconds_of_processor:g} s of processor time"
+            )
+            return 0
+        shot = uploads.push_shot(client, Path(typed.shot), typed).id if uploads.is_path(typed.shot) else typed.shot
+        sent = client.render(shot, idempotency_key=typed.idempotency_key, **settings)
+        print(one_line(sent.id), flush=True)
+        if typed.detach:
+            print_message(f"`{again(typed, 'jobs', 'watch', sent.id)}` watches it")
+            return 0
+        return watch(client, sent.id, typed.out, typed)
+
+
+def jobs(arguments: Sequence[str]) -> int:
+    """List, watch and change the renders of a service.
+
+    Args:
+        arguments: as typed after ``pullfocus jobs``.
+
+    Returns:
+        The exit status: 1 where a render that is watched has not all its frames.
+
+    Raises:
+        PullfocusError: the service cannot be reached, or refuses.
+    """
+    typed = _jobs_parser().parse_args(arguments)
+    with connected(typed) as client:
+        return _run(client, typed)
+
+
+def _run(client: Client, typed: argparse.Namespace) -> int:
+    match typed.action:
+        case "list" | "show":
+            if typed.action == "list":
+                print_renders(client.renders(typed.most), as_json=typed.json)
+            else:
+                print_render(client.get(typed.id), client.tasks(typed.id), as_json=typed.json)
+        case "watch":
+            return watch(client, typed.id, typed.out, typed)
+        case "fetch":
+            paths = client.download(typed.id, typed.out, on_file=lambda path: print_message(str(path)))
+            render = client.get(typed.id)
+            print_message(f"{len(paths)} of {render.count} frames of render {render.id} are in {typed.out}")
+            return 0 if len(paths) == render.count else 1
+        case "remove":
+            client.remove(typed.id)
+            print_message(f"render {typed.id} is removed")
+        case change:
+            print_end(client, getattr(client, change)(typed.id), typed)
+    return 0
+
+
+def _render_parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="pullfocus render",
+        description="Have a service render a shot: send it, print the id of the render, and watch it until its end.",
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "shot", metavar="SHOT", help="id of a shot of the service, or a path with a dot or slash, which is pushed first"
+    )
+    parser.add_argument("--out", metavar="DIR", type=Path, help="fetch each frame into this folder when it is done")
+    parser.add_argument("--detach", "--no-wait", action="store_true", help="do not wait for the frames")
+    parser.add_argument("--dry-run", action="store_true", help="tell the frames and what they cost, and send nothing")
+    parser.add_argument("--idempotency-key", metavar="TEXT", help="the same one gives the same render")
+    render_options.add_arguments(parser)
+    uploads.add_arguments(parser)
+    connection.add_arguments(parser)
+    return parser
+
+
+def _jobs_parser() -> argparse.ArgumentParser:
+    parser = Parser(prog="pullfocus jobs", description="The renders of a service.", allow_abbrev=False)
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    listing = actions.add_parser("list", help="list them, the newest first")
+    listing.add_argument(
+        "--most", metavar="N", type=_count, default=50, help="number of renders (default: %(default)s)"
+    )
+    show = actions.add_parser("show", help="show one with its frames, and what went wrong with them")
+    watching = actions.add_parser("watch", help="show the progress of one until its end")
+    fetch = actions.add_parser(
+        "fetch", help="fetch the frames that are done; those that are there are not fetched again"
+    )
+    watching.add_argument("--out", metavar="DIR", type=Path, help="fetch each frame into this folder when it is done")
+    fetch.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the frames")
+    changes = [actions.add_parser(action, help=purpose) for action, purpose in _CHANGES.items()]
+    for action in (show, watching, fetch, *changes):
+        action.add_argument("id", metavar="ID", help="id of the render")
+    for action in (listing, show):
+        action.add_argument("--json", action="store_true", help="print JSON, with the keys of the REST interface")
+    for action in (listing, show, watching, fetch, *changes):
+        connection.add_arguments(action)
+    return parser
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text[:9]) <= 100_000:
+        raise argparse.ArgumentTypeError(f"expected 1 to 100,000, got {text!r}")
+    return int(text)

@@ -1,0 +1,79 @@
+"""Both clients against a real service: a shot is pushed, rendered, watched, fetched and removed."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from service.client import AsyncClient, Client, RefusedError
+from service.http.settings import Settings
+from tests.service.conftest import running
+
+pytestmark = pytest.mark.gl
+
+SMALL = {"width": 64, "rays": 4, "engine": "pinhole"}
+
+
+def test_a_shot_goes_all_the_way(service, room_file, tmp_path):
+    progress = []
+    with Client(str(service.client.base_url)) as client:
+        shot = client.push(room_file.parent, name="stage")
+        assert (shot.name, shot.root, shot.cameras) == ("stage.zip", "room.usda", ["/World/cam"])
+        assert shot.id in [each.id for each in client.shots()]
+        assert client.shot(shot.id).frame_range == shot.frame_range
+        plan = client.plan(shot, frames="1-2", **SMALL)
+        assert (plan.frames, plan.count) == ("1-2", 2)
+        render = client.render(shot, frames="1-2", name="dailies", format="png", **SMALL)
+        paths = client.download(render, tmp_path, follow=True, on_progress=progress.append)
+        assert sorted(path.name for path in paths) == ["dailies.0001.png", "dailies.0002.png"]
+        assert (progress[-1].state, progress[-1].done) == ("done", 2)
+        fetched = service.client.get(f"/v1/renders/{render.id}/frames/2").content
+        assert (tmp_path / "dailies.0002.png").read_bytes() == fetched
+        assert render.id in [each.id for each in client.renders()]
+        assert client.wait(render.id).state == "done"
+        with pytest.raises(RefusedError) as refused:
+            client.pause(render)
+        assert refused.value.status == 409
+        client.remove(render)
+        client.delete(shot)
+        with pytest.raises(RefusedError) as refused:
+            client.get(render)
+        assert refused.value.code == "render_not_found"
+
+
+def test_an_event_loop_goes_all_the_way(service, room, tmp_path):
+    async def go():
+        async with AsyncClient(str(service.client.base_url)) as client:
+            render = await client.render(room, frames="1-2", idempotency_key="loop", **SMALL)
+            again = await client.render(room, frames="1-2", idempotency_key="loop", **SMALL)
+            assert again.id == render.id
+            paths = await client.download(render, tmp_path, follow=True)
+            tasks = await client.tasks(render)
+            await client.remove(render)
+            return sorted(path.name for path in paths), [task.attempts[0].outcome for task in tasks]
+
+    assert asyncio.run(go()) == (["room.usda.0001.exr", "room.usda.0002.exr"], ["done", "done"])
+
+
+def test_a_render_is_listed_over_several_pages_and_canceled(service, room, monkeypatch):
+    monkeypatch.setattr("service.client.operations.MOST_LISTED", 2)
+    with Client(str(service.client.base_url)) as client:
+        sent = [client.render(room, frames="1-24", **SMALL) for _ in range(5)]
+        for render in sent:
+            client.cancel(render)
+        assert [render.id for render in client.renders(most=5)] == [render.id for render in reversed(sent)]
+        assert len(client.renders(most=3)) == 3
+        for render in sent:
+            client.wait(render)
+
+
+def test_a_key_is_needed_where_the_service_asks_for_one(tmp_path):
+    with running(Settings(data=tmp_path, demo=False, access="keys")) as service:
+        url = str(service.client.base_url)
+        key = service.app.state.identity.keys.create("Mara", {"read"}, "default")[1]
+        with Client(url, key) as client:
+            assert client.shots() == []
+        with Client(url) as client, pytest.raises(RefusedError) as refused:
+            client.shots()
+        assert refused.value.status == 401

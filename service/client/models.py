@@ -58,10 +58,12 @@ class Render:
         count: Number of frames.
         done: Frames that are stored.
         failed: Frames that could not be drawn.
+        format: Kind of the files. One of `exr`, `png`, `jpeg`.
         frames: All frames, as a range.
         id: Its name in URLs.
         owner: Who sent it.
         project: Project of the shot.
+        rays: Lens rays for each pixel.
         ready: Frames that wait.
         revision: Revision of the edits that are rendered.
         running: Frames that are drawn.
@@ -71,6 +73,7 @@ class Render:
         started_at: Time at which the first frame was begun.
         state: `pause-requested` and `cancel-requested` last until the frames that are drawn have ended. One of
             `queued`, `running`, `pause-requested`, `paused`, `cancel-requested`, `canceled`, `failed`, `done`.
+        width: Width of the pictures, px.
     """
 
     canceled: int
@@ -79,12 +82,14 @@ class Render:
     done: int
     failed: int
     finished_at: datetime | None
+    format: str
     frames: str
     id: str
     name: str
     owner: str
     priority: int
     project: str
+    rays: int
     ready: int
     revision: str
     running: int
@@ -92,6 +97,7 @@ class Render:
     shot: str
     started_at: datetime | None
     state: str
+    width: int
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,6 +15,7 @@ RenderState = Literal[
     "queued", "running", "pause-requested", "paused", "cancel-requested", "canceled", "failed", "done"
 ]
 TaskState = Literal["ready", "running", "done", "failed", "canceled"]
+RenderFormat = Literal["exr", "png", "jpeg"]
 
 RENDER_EXAMPLE: JsonDict = {
     "id": "r-5f0c1d2e3a4b",
@@ -26,6 +27,9 @@ RENDER_EXAMPLE: JsonDict = {
     "state": "running",
     "priority": 50,
     "frames": "1-96",
+    "width": 480,
+    "rays": 16,
+    "format": "exr",
     "count": 96,
     "ready": 70,
     "running": 1,
@@ -80,7 +84,7 @@ class RenderRequest(PictureOptions):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out."
     )
-    format: Literal["exr", "png", "jpeg"] = Field(
+    format: RenderFormat = Field(
         default="exr", description="`exr` is scene-linear light, the others the graded picture."
     )
     priority: int = Field(default=50, ge=0, le=100, description="Renders of a higher one come first.")
@@ -117,6 +121,9 @@ class Render(Model):
     )
     priority: int
     frames: str = Field(description="All frames, as a range.")
+    width: int = Field(description="Width of the pictures, px.")
+    rays: int = Field(description="Lens rays for each pixel.")
+    format: RenderFormat = Field(description="Kind of the files.")
     count: int = Field(description="Number of frames.")
     ready: int = Field(description="Frames that wait.")
     running: int = Field(description="Frames that are drawn.")

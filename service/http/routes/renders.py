@@ -264,6 +264,7 @@ def _shown(row: RenderRow) -> Render:
     if row.done > 0 and row.ready + row.running > 0:
         seconds_left = round(row.busy_s / row.done * (row.ready + row.running), 1)
     told = {name: getattr(row, name) for name in Render.model_fields if hasattr(row, name)}
+    told |= {name: row.request[name] for name in ("width", "rays", "format")}
     told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left}
     told |= {"created_at": _time(row.created_at), "started_at": _time(row.started_at)}
     return Render.model_validate(told | {"finished_at": _time(row.finished_at)})

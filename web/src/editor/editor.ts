@@ -23,6 +23,9 @@ export interface Sheet {
   readonly address: string;
 }
 
+/** Part of the dialog of renders that is open: the list, or the list and a new render. */
+export type RendersView = "list" | "new";
+
 /** A shot that is being opened; each try is another one. */
 interface Opening {
   readonly shot: string;
@@ -51,6 +54,8 @@ export class Editor {
   readonly helpOpen = signal(false);
   /** Whether the list of all commands is open. */
   readonly paletteOpen = signal(false);
+  /** Part of the dialog of renders that is open; null where it is closed. */
+  readonly rendersView = signal<RendersView | null>(null);
   /** How often a file of a shot was asked for; the page opens the browser's dialog then. */
   readonly fileRequests = signal(0);
 

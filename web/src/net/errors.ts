@@ -13,8 +13,8 @@ export interface Problem {
 export class ServiceError extends Error {
   readonly code: string;
   readonly path: string | null;
-  /** What the single findings are about, where there are several. */
-  readonly subjects: readonly string[];
+  /** The single findings, where there are several. */
+  readonly findings: NonNullable<Problem["errors"]>;
   readonly status: number;
   /** Wait that the service asks for before another try, s; null where it asks for none. */
   readonly retryAfterS: number | null;
@@ -24,9 +24,14 @@ export class ServiceError extends Error {
     this.name = "ServiceError";
     this.code = problem.code;
     this.path = problem.path ?? null;
-    this.subjects = problem.errors?.map(({ path }) => path) ?? [];
+    this.findings = problem.errors ?? [];
     this.status = status;
     this.retryAfterS = retryAfterS;
+  }
+
+  /** What the single findings are about. */
+  get subjects(): readonly string[] {
+    return this.findings.map(({ path }) => path);
   }
 }
 
@@ -135,7 +140,7 @@ function adviceFor(error: ServiceError): string {
 }
 
 /** With a capital at its head, unless that is a name, and a full stop at its end. */
-function sentence(text: string): string {
+export function sentence(text: string): string {
   const trimmed = text.trim();
   const headed = /^[a-z]+(\s|$)/.test(trimmed) ? trimmed.charAt(0).toUpperCase() + trimmed.slice(1) : trimmed;
   return /[.!?]$/.test(headed) ? headed : `${headed}.`;

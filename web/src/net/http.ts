@@ -28,6 +28,7 @@ import {
 import { LiveSocket, liveAddress } from "./live";
 import type { LiveListener, LiveLink } from "./live_link";
 import { Patience, type PatienceListener } from "./patience";
+import { HttpRenders } from "./renders";
 import type { paths } from "./schema";
 import type {
   CurveFormat,
@@ -47,6 +48,7 @@ import { sendFile } from "./upload";
 import { cameraOf, type View } from "./view";
 
 export class HttpService implements Service {
+  readonly renders: HttpRenders;
   readonly #base: string;
   readonly #client: Client<paths>;
   readonly #patience = new Patience();
@@ -57,6 +59,7 @@ export class HttpService implements Service {
   constructor(base = "") {
     this.#base = base;
     this.#client = createClient<paths>({ baseUrl: base, fetch: (request) => this.#send(request) });
+    this.renders = new HttpRenders(this.#client, base);
   }
 
   listen(listener: PatienceListener): void {

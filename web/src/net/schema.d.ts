@@ -7607,19 +7607,22 @@ export interface components {
          *       "createdAt": "2026-11-27T08:00:00Z",
          *       "done": 25,
          *       "failed": 0,
+         *       "format": "exr",
          *       "frames": "1-96",
          *       "id": "r-5f0c1d2e3a4b",
          *       "name": "night tram, dailies",
          *       "owner": "Mara's laptop",
          *       "priority": 50,
          *       "project": "default",
+         *       "rays": 16,
          *       "ready": 70,
          *       "revision": "5a302e56c1d04f7b",
          *       "running": 1,
          *       "secondsLeft": 142,
          *       "shot": "demo",
          *       "startedAt": "2026-11-27T08:00:01Z",
-         *       "state": "running"
+         *       "state": "running",
+         *       "width": 480
          *     }
          */
         readonly Render: {
@@ -7651,6 +7654,12 @@ export interface components {
             /** Finishedat */
             readonly finishedAt: string | null;
             /**
+             * Format
+             * @description Kind of the files.
+             * @enum {string}
+             */
+            readonly format: "exr" | "png" | "jpeg";
+            /**
              * Frames
              * @description All frames, as a range.
              */
@@ -7674,6 +7683,11 @@ export interface components {
              * @description Project of the shot.
              */
             readonly project: string;
+            /**
+             * Rays
+             * @description Lens rays for each pixel.
+             */
+            readonly rays: number;
             /**
              * Ready
              * @description Frames that wait.
@@ -7710,6 +7724,11 @@ export interface components {
              * @enum {string}
              */
             readonly state: "queued" | "running" | "pause-requested" | "paused" | "cancel-requested" | "canceled" | "failed" | "done";
+            /**
+             * Width
+             * @description Width of the pictures, px.
+             */
+            readonly width: number;
         };
         /**
          * RenderList
@@ -7722,19 +7741,22 @@ export interface components {
          *           "createdAt": "2026-11-27T08:00:00Z",
          *           "done": 25,
          *           "failed": 0,
+         *           "format": "exr",
          *           "frames": "1-96",
          *           "id": "r-5f0c1d2e3a4b",
          *           "name": "night tram, dailies",
          *           "owner": "Mara's laptop",
          *           "priority": 50,
          *           "project": "default",
+         *           "rays": 16,
          *           "ready": 70,
          *           "revision": "5a302e56c1d04f7b",
          *           "running": 1,
          *           "secondsLeft": 142,
          *           "shot": "demo",
          *           "startedAt": "2026-11-27T08:00:01Z",
-         *           "state": "running"
+         *           "state": "running",
+         *           "width": 480
          *         }
          *       ]
          *     }

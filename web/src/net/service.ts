@@ -11,6 +11,7 @@ import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary,
 import type { LiveListener, LiveLink } from "./live_link";
 import type { components } from "./schema";
 import type { PatienceListener } from "./patience";
+import type { RenderService } from "./renders";
 import type { View } from "./view";
 
 /** An edit to be made. */
@@ -76,6 +77,8 @@ export interface Sending {
 }
 
 export interface Service {
+  /** Jobs of many frames. */
+  readonly renders: RenderService;
   /** Sets who is asked for a key, and told of waits; until then requests that are refused fail. */
   listen(listener: PatienceListener): void;
   /** Who sends the requests. */

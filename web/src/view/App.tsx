@@ -6,6 +6,7 @@ import type { Editor } from "../editor/editor";
 import { FOLDABLE, type Layout } from "../editor/layout";
 import { Help } from "./dialogs/Help";
 import { Palette } from "./dialogs/Palette";
+import { RendersDialog } from "./dialogs/RendersDialog";
 import { Inspector } from "./panels/Inspector";
 import { SignIn } from "./dialogs/SignIn";
 import { SheetDialog } from "./dialogs/SheetDialog";
@@ -33,6 +34,7 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
       <Palette editor={editor} />
       <ShotFiles editor={editor} />
       <SheetDialog editor={editor} />
+      <RendersDialog editor={editor} />
       <SignIn editor={editor} />
       <Tooltip />
     </DropTarget>

@@ -32,6 +32,7 @@ export function TopBar({ editor }: { editor: Editor }): JSX.Element {
       <Panels editor={editor} />
       {session && <UndoButtons session={session} />}
       <Appearance editor={editor} />
+      <RendersButton editor={editor} />
       {session && <Downloads editor={editor} session={session} />}
       <Account editor={editor} />
       <button
@@ -185,6 +186,20 @@ function Appearance({ editor }: { editor: Editor }): JSX.Element {
   );
 }
 
+function RendersButton({ editor }: { editor: Editor }): JSX.Element {
+  return (
+    <button
+      type="button"
+      class="button icon-only of-renders"
+      aria-label="Renders"
+      title="Renders (Alt R)"
+      onClick={() => (editor.rendersView.value = "list")}
+    >
+      <Icon name="renders" />
+    </button>
+  );
+}
+
 function Downloads({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   const making = editor.waits.of("download");
   if (making) return <Waiting wait={making} />;
@@ -200,24 +215,38 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
         </>
       }
     >
-      {(close) =>
-        DOWNLOADS.map(({ group, what, refusal, make }, at, all) => (
-          <Fragment key={what}>
-            {group !== all[at - 1]?.group && <p class="menu-heading">{group}</p>}
-            <button
-              type="button"
-              disabled={refusal(session) !== null}
-              title={refusal(session) ?? undefined}
-              onClick={() => {
-                close();
-                void editor.export(what, (abort) => make(session, abort), save);
-              }}
-            >
-              {what}
-            </button>
-          </Fragment>
-        ))
-      }
+      {(close) => (
+        <>
+          {DOWNLOADS.map(({ group, what, refusal, make }, at, all) => (
+            <Fragment key={what}>
+              {group !== all[at - 1]?.group && <p class="menu-heading">{group}</p>}
+              <button
+                type="button"
+                disabled={refusal(session) !== null}
+                title={refusal(session) ?? undefined}
+                onClick={() => {
+                  close();
+                  void editor.export(what, (abort) => make(session, abort), save);
+                }}
+              >
+                {what}
+              </button>
+            </Fragment>
+          ))}
+          <p class="menu-heading">Many frames</p>
+          <button
+            type="button"
+            disabled={session.pictures.refusal !== null}
+            title={session.pictures.refusal ?? "They are drawn one after the other, while you go on"}
+            onClick={() => {
+              close();
+              editor.rendersView.value = "new";
+            }}
+          >
+            Render…
+          </button>
+        </>
+      )}
     </Menu>
   );
 }

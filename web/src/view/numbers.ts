@@ -12,3 +12,10 @@ export function parseQuantity(text: string, unit: string): number | null {
   const value = Number(bare.trim() || NaN);
   return Number.isFinite(value) ? value : null;
 }
+
+/** A size of a file, such as "6.1 MB". */
+export function formatBytes(bytes: number): string {
+  const power = Math.min(Math.floor(Math.log10(Math.max(bytes, 1)) / 3), 3);
+  const value = bytes / 1000 ** power;
+  return `${value.toFixed(value < 10 && power > 0 ? 1 : 0)} ${["B", "kB", "MB", "GB"][power] ?? "B"}`;
+}

@@ -118,6 +118,24 @@ const FILES = DOWNLOADS.map(({ group, what, keys, refusal, make }) =>
   }),
 );
 
+const RENDERS: readonly Command[] = [
+  always("Shot", {
+    name: "Renders",
+    keys: ["Alt R"],
+    act: ({ editor }) => {
+      editor.rendersView.value = "list";
+    },
+  }),
+  onShot("Shot", {
+    name: "Render many frames…",
+    keys: ["Alt Shift R"],
+    refusal: noPicture,
+    act: (_, { editor }) => {
+      editor.rendersView.value = "new";
+    },
+  }),
+];
+
 const LEAVING = always("Shot", {
   name: "Sign out",
   keys: ["Alt Q"],
@@ -152,4 +170,4 @@ const UNDO: readonly Command[] = [
   }),
 ];
 
-export const SHOT_COMMANDS: readonly Command[] = [...SHOTS, ...FILES, LEAVING, STOPPING, ...UNDO];
+export const SHOT_COMMANDS: readonly Command[] = [...SHOTS, ...FILES, ...RENDERS, LEAVING, STOPPING, ...UNDO];

@@ -10,6 +10,7 @@ import type { Note, ShotSummary } from "../../model/shot";
 import { Splitter } from "../controls/Splitter";
 import { Waiting } from "../controls/Waiting";
 import { Icon } from "../icons";
+import { formatBytes } from "../numbers";
 import { Trash } from "./Trash";
 
 const ACCEPTED = ".usd,.usda,.usdc,.usdz,.zip";
@@ -252,10 +253,4 @@ function Sent({ wait }: { wait: Wait }): JSX.Element {
 
 function plural(count: number, noun: string): string {
   return `${count} ${noun}${count === 1 ? "" : "s"}`;
-}
-
-function formatBytes(bytes: number): string {
-  const power = Math.min(Math.floor(Math.log10(Math.max(bytes, 1)) / 3), 3);
-  const value = bytes / 1000 ** power;
-  return `${value.toFixed(value < 10 && power > 0 ? 1 : 0)} ${["B", "kB", "MB", "GB"][power] ?? "B"}`;
 }

@@ -1,0 +1,139 @@
+import { RenderForm, type RenderSource } from "@/editor/render_form";
+import { errorOf, UnreachableError } from "@/net/errors";
+import { SHOT } from "./fake_service";
+import { FakeRenders } from "./render_fixtures";
+
+interface Typed {
+  readonly form: RenderForm;
+  readonly service: FakeRenders;
+  /** What is rendered; a test may change it. */
+  readonly source: { revision: number; edits: Promise<void> };
+}
+
+function typed(): Typed {
+  const service = new FakeRenders();
+  const state = { revision: 0, edits: Promise.resolve() };
+  const source: RenderSource = {
+    shot: SHOT,
+    camera: "/cam",
+    aspect: 2,
+    idle: () => state.edits,
+    document: { revision: { peek: () => state.revision } },
+    motion: { peek: () => 1 },
+    playhead: { played: { peek: () => ({ ...SHOT.range, start: 10, end: 20 }) } },
+  };
+  return { form: new RenderForm(service, source, "1920"), service, source: state };
+}
+
+beforeEach(() => {
+  vi.useFakeTimers();
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+/** Lets what is typed be tried. */
+const rest = (): Promise<unknown> => vi.advanceTimersByTimeAsync(1000);
+
+describe("a render that is typed", () => {
+  it("begins with what is played, and is tried at once", async () => {
+    const { form, service } = typed();
+    await rest();
+    expect(form.draft.value).toMatchObject({ frames: "10-20", width: "1920" });
+    expect(service.planned.map(({ frames, camera }) => [frames, camera])).toEqual([["10-20", "/cam"]]);
+    expect(form.plan.value?.count).toBe(96);
+  });
+
+  it("is tried after a rest, as it is then", async () => {
+    const { form, service } = typed();
+    await rest();
+    for (const frames of ["1", "1-", "1-4"]) form.type({ frames });
+    await rest();
+    expect(service.planned.slice(1).map(({ frames }) => frames)).toEqual(["1-4"]);
+  });
+
+  it("is not tried nor sent with a field that cannot be read", async () => {
+    const { form, service } = typed();
+    await rest();
+    form.type({ rays: "many" });
+    expect(form.faults.value).toEqual([{ field: "rays", message: "Type a whole number, such as 100." }]);
+    await rest();
+    expect(await form.send()).toBeNull();
+    expect([form.plan.value, service.planned.length, service.sent.length]).toEqual([null, 1, 0]);
+  });
+
+  it("is tried no more once it is closed", async () => {
+    const { form, service } = typed();
+    await rest();
+    form.type({ width: "64" });
+    form.close();
+    await rest();
+    expect(service.planned).toHaveLength(1);
+  });
+});
+
+describe("what the service finds", () => {
+  it.each([
+    [{ code: "settings", detail: "the step is 0", path: "frames" }, [{ field: "frames", message: "The step is 0." }]],
+    [
+      {
+        code: "invalid_request",
+        detail: "body.width: too wide; body.rays: too many",
+        path: "body.width",
+        errors: [
+          { path: "body.width", detail: "too wide" },
+          { path: "body.rays", detail: "too many" },
+        ],
+      },
+      [
+        { field: "width", message: "Too wide." },
+        { field: "rays", message: "Too many." },
+      ],
+    ],
+    [
+      { code: "too_costly", detail: "it takes too long", path: "body" },
+      [{ field: null, message: "It takes too long. Nothing was changed." }],
+    ],
+  ])("is where it belongs: %o", async (problem, faults) => {
+    const { form, service } = typed();
+    await rest();
+    service.failing = { plan: errorOf(422, problem) };
+    form.type({ name: "dailies" });
+    await rest();
+    expect([form.faults.value, form.plan.value]).toEqual([faults, null]);
+    form.type({ name: "dailies 2" });
+    expect(form.faults.value).toEqual([]);
+  });
+});
+
+describe("a render that is sent", () => {
+  it("is sent once by a double click, after the edits under way", async () => {
+    const { form, service, source } = typed();
+    let made: () => void = () => undefined;
+    source.edits = new Promise((resolve) => (made = resolve));
+    const clicks = [form.send(), form.send()];
+    await rest();
+    expect([service.sent.length, form.isSending.value]).toEqual([0, true]);
+    made();
+    const [first, second] = await Promise.all(clicks);
+    expect([first?.id, second]).toEqual([`r-${service.sent[0]?.key ?? ""}`, null]);
+    expect([service.sent.length, form.isSending.value]).toEqual([1, false]);
+  });
+
+  it("has the same key when it is sent again, and another one with other content or edits", async () => {
+    const { form, service, source } = typed();
+    service.failing = { send: new UnreachableError() };
+    expect(await form.send()).toBeNull();
+    expect(form.faults.value[0]?.message).toMatch(/does not answer/);
+    await form.send();
+    form.type({ frames: "1-2" });
+    await form.send();
+    source.revision = 1;
+    await form.send();
+    const [first, again, other, edited] = service.sent.map(({ key }) => key);
+    expect(again).toBe(first);
+    expect(new Set([first, other, edited]).size).toBe(3);
+    expect(first).toMatch(/^[0-9a-f]{32}$/);
+  });
+});

@@ -1,0 +1,132 @@
+/** A render that is typed: tried at the service while it is, and sent once. */
+
+import { computed, signal } from "@preact/signals";
+import { faultsIn, fieldOf, framesOf, requestOf, type DraftFault, type RenderDraft } from "../model/render_draft";
+import type { Render, RenderPlan, RenderRequest } from "../model/renders";
+import { restQuality } from "../model/quality";
+import { complaintOf, isAbort, sentence, ServiceError } from "../net/errors";
+import type { RenderService } from "../net/renders";
+import type { Session } from "./session";
+
+/** Rest before a draft is tried, ms. */
+const PAUSE_MS = 300;
+
+/** What is rendered. */
+export type RenderSource = Pick<Session, "shot" | "camera" | "aspect" | "idle"> & {
+  readonly document: { readonly revision: { peek(): number } };
+  readonly motion: { peek(): number };
+  readonly playhead: { readonly played: { peek(): Session["shot"]["range"] } };
+};
+
+export class RenderForm {
+  readonly draft;
+  /** What the draft would be; null where that is not known. */
+  readonly plan = signal<RenderPlan | null>(null);
+  readonly faults = computed(() => [...faultsIn(this.draft.value), ...this.#refused.value]);
+  readonly isSending = signal(false);
+
+  readonly #service: RenderService;
+  readonly #source: RenderSource;
+  /** What the service has found in the draft. */
+  readonly #refused = signal<readonly DraftFault[]>([]);
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #trying = new AbortController();
+  /** What was sent last, and its key: the same once more is the same render. */
+  #sent = { what: "", key: "" };
+
+  /** @param width of delivered pictures, px. */
+  constructor(service: RenderService, source: RenderSource, width: string) {
+    [this.#service, this.#source] = [service, source];
+    const frames = framesOf(source.playhead.played.peek());
+    this.draft = signal<RenderDraft>({ name: "", frames, width, rays: "100", format: "exr", priority: "50" });
+    void this.#try();
+  }
+
+  get shotName(): string {
+    return this.#source.shot.name;
+  }
+
+  type(change: Partial<RenderDraft>): void {
+    this.draft.value = { ...this.draft.peek(), ...change };
+    this.#refused.value = [];
+    this.#stop();
+    this.#timer = setTimeout(() => void this.#try(), PAUSE_MS);
+  }
+
+  /** Sends the render as the shot is once all edits are made; null where it was refused, or is being sent. */
+  async send(): Promise<Render | null> {
+    if (this.isSending.peek() || faultsIn(this.draft.peek()).length > 0) return null;
+    this.isSending.value = true;
+    this.#stop();
+    try {
+      await this.#source.idle();
+      const request = this.#request();
+      return await this.#service.send(request, this.#keyOf(request));
+    } catch (error) {
+      this.#refuse(error);
+      return null;
+    } finally {
+      this.isSending.value = false;
+    }
+  }
+
+  close(): void {
+    this.#stop();
+  }
+
+  /** Has the service check the draft. */
+  async #try(): Promise<void> {
+    if (faultsIn(this.draft.peek()).length > 0) {
+      this.plan.value = null;
+      return;
+    }
+    const trying = (this.#trying = new AbortController());
+    try {
+      const plan = await this.#service.plan(this.#request(), trying.signal);
+      if (!trying.signal.aborted) this.plan.value = plan;
+    } catch (error) {
+      if (!trying.signal.aborted) this.#refuse(error);
+    }
+  }
+
+  #stop(): void {
+    clearTimeout(this.#timer);
+    this.#trying.abort();
+  }
+
+  #refuse(error: unknown): void {
+    if (isAbort(error)) return;
+    this.plan.value = null;
+    this.#refused.value = faultsOf(error);
+  }
+
+  #request(): RenderRequest {
+    const { shot, camera, aspect, motion } = this.#source;
+    const draft = this.draft.peek();
+    const width = Number(draft.width);
+    return requestOf(draft, { ...restQuality(width, width / aspect, motion.peek()), shot: shot.id, camera });
+  }
+
+  /** A key for each render: another one for another request, and for other edits. */
+  #keyOf(request: RenderRequest): string {
+    const what = `${this.#source.document.revision.peek()} ${JSON.stringify(request)}`;
+    if (what !== this.#sent.what) this.#sent = { what, key: randomKey() };
+    return this.#sent.key;
+  }
+}
+
+/** Browsers have `randomUUID` on https alone. */
+function randomKey(): string {
+  return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+/** What the service has found, each at the field that it is about. */
+export function faultsOf(error: unknown): readonly DraftFault[] {
+  if (error instanceof ServiceError) {
+    const findings = error.findings.length > 0 ? error.findings : [{ path: error.path, detail: error.message }];
+    const faults = findings.map(({ path, detail }) => ({ field: fieldOf(path), message: sentence(detail) }));
+    if (faults.some(({ field }) => field !== null)) return faults;
+  }
+  const { message, advice } = complaintOf(error);
+  return [{ field: null, message: `${message} ${advice}`.trim() }];
+}

@@ -1,0 +1,88 @@
+/** A render as it is typed, before it is sent. */
+
+import type { RenderRequest } from "./renders";
+import type { FrameRange } from "./time";
+
+export type RenderFormat = NonNullable<RenderRequest["format"]>;
+
+export const FORMAT_NAMES: Readonly<Record<RenderFormat, string>> = {
+  exr: "Scene-linear (.exr)",
+  png: "Graded (.png)",
+  jpeg: "Graded (.jpeg)",
+};
+
+/** What is typed in each field. */
+export interface RenderDraft {
+  readonly name: string;
+  readonly frames: string;
+  readonly width: string;
+  readonly rays: string;
+  readonly format: RenderFormat;
+  readonly priority: string;
+}
+
+export type DraftField = keyof RenderDraft;
+
+/** What the page's picture is of, at rest. */
+export interface RenderedView {
+  readonly shot: string;
+  readonly camera: string | null;
+  readonly layers: number;
+  readonly supersample: number;
+  /** Moments of the shutter's opening; 1 stops motion. */
+  readonly motion: number;
+}
+
+/** What is wrong with a draft: at a field, or with all of it. */
+export interface DraftFault {
+  readonly field: DraftField | null;
+  readonly message: string;
+}
+
+/** Whole frames of a range in the service's words, such as "1-96". */
+export function framesOf({ start, end }: FrameRange): string {
+  const [first, last] = [Math.ceil(start), Math.floor(end)];
+  return first < last ? `${first}-${last}` : `${first}`;
+}
+
+const WHOLE_NUMBERS: readonly (readonly [DraftField, string])[] = [
+  ["width", "1920"],
+  ["rays", "100"],
+  ["priority", "50"],
+];
+
+/** Faults that the page sees by itself; ranges and limits are the service's. */
+export function faultsIn(draft: RenderDraft): readonly DraftFault[] {
+  return WHOLE_NUMBERS.flatMap(([field, example]) =>
+    /^\s*\d{1,9}\s*$/.test(draft[field]) ? [] : [{ field, message: `Type a whole number, such as ${example}.` }],
+  );
+}
+
+/** The request of a draft without faults: the picture that the page shows, in other frames, size and files. */
+export function requestOf(draft: RenderDraft, view: RenderedView): RenderRequest {
+  const { shot, camera, layers, supersample, motion } = view;
+  const frames = draft.frames.trim();
+  return {
+    shot,
+    ...(camera !== null && { camera }),
+    name: draft.name.trim(),
+    ...(frames !== "" && { frames }),
+    width: Number(draft.width),
+    rays: Number(draft.rays),
+    format: draft.format,
+    priority: Number(draft.priority),
+    engine: "lens",
+    layers,
+    supersample,
+    motion,
+    motionBy: "moments", // a file may take its time, as a download
+  };
+}
+
+/** Where the service's finding about a request belongs: `body.width` is about the field `width`. */
+export function fieldOf(path: string | null): DraftField | null {
+  const last = path?.split(".").at(-1);
+  return FIELDS.find((field) => field === last) ?? null;
+}
+
+const FIELDS: readonly DraftField[] = ["name", "frames", "width", "rays", "format", "priority"];

@@ -1,0 +1,167 @@
+/** Renders: jobs of many frames at the service; what is told of them, and what can be done with them. */
+
+import type { components } from "../net/schema";
+
+export type Render = components["schemas"]["Render"];
+export type RenderRequest = components["schemas"]["RenderRequest"];
+export type RenderPlan = components["schemas"]["RenderPlan"];
+export type RenderTask = components["schemas"]["RenderTask"];
+export type TaskState = RenderTask["state"];
+
+export const RENDER_ACTIONS = ["pause", "resume", "retry", "cancel", "remove"] as const;
+export type RenderAction = (typeof RENDER_ACTIONS)[number];
+
+/** A page of a list of renders, the newest first. */
+export interface RenderPage {
+  readonly renders: readonly Render[];
+  /** Id of the render that older ones are listed after; null at the end. */
+  readonly next: string | null;
+}
+
+/** Whether all frames of a render have ended. */
+export function hasEnded({ ready, running }: Pick<Render, "ready" | "running">): boolean {
+  return ready + running === 0;
+}
+
+/** Whether the service would take an action on a render. */
+export function isTaken(action: RenderAction, render: Render): boolean {
+  const { state, failed, canceled } = render;
+  switch (action) {
+    case "pause":
+      return state === "queued" || state === "running";
+    case "resume":
+      return state === "paused" || state === "pause-requested";
+    case "retry":
+      return failed + canceled > 0;
+    case "cancel":
+      return !hasEnded(render) && state !== "cancel-requested";
+    case "remove":
+      return hasEnded(render);
+  }
+}
+
+/** The state of a render for people. */
+export function stateInWords({ state, running }: Pick<Render, "state" | "running">): string {
+  switch (state) {
+    case "queued":
+      return "Waits for its turn";
+    case "running":
+      return running > 0 ? "Drawing" : "Waits to go on";
+    case "pause-requested":
+      return "Pauses after this frame";
+    case "paused":
+      return "Paused";
+    case "cancel-requested":
+      return "Is being cancelled";
+    case "canceled":
+      return "Cancelled";
+    case "failed":
+      return "Ended with failures";
+    case "done":
+      return "Done";
+  }
+}
+
+/** How far a render is: "25 of 96 frames, 2 failed". */
+export function progressInWords({ done, count, failed, canceled }: Render): string {
+  const others = [failed > 0 ? `${inWords(failed)} failed` : "", canceled > 0 ? `${inWords(canceled)} given up` : ""];
+  return [`${inWords(done)} of ${plural(count, "frame")}`, ...others.filter(Boolean)].join(", ");
+}
+
+/** A duration that nobody knows to the second. */
+export function durationInWords(seconds: number): string {
+  if (seconds < 90) return `${Math.max(1, Math.round(seconds))} s`;
+  const minutes = Math.round(seconds / 60);
+  if (minutes < 90) return `${minutes} min`;
+  const hours = Math.round(minutes / 60);
+  if (hours < 48) return hours < 10 ? `${Math.floor(minutes / 60)} h ${minutes % 60} min` : `${hours} h`;
+  return `${Math.round(hours / 24)} days`;
+}
+
+/** What a render would be: "96 frames, about 12 min of work". */
+export function planInWords({ count, secondsOfProcessor }: RenderPlan): string {
+  return `${plural(count, "frame")}, about ${durationInWords(secondsOfProcessor)} of work`;
+}
+
+export function plural(count: number, noun: string): string {
+  return `${inWords(count)} ${noun}${count === 1 ? "" : "s"}`;
+}
+
+function inWords(count: number): string {
+  return count.toLocaleString("en");
+}
+
+export const TASK_NAMES: Readonly<Record<TaskState, string>> = {
+  done: "drawn",
+  failed: "failed",
+  running: "being drawn",
+  ready: "waiting",
+  canceled: "given up",
+};
+
+/** In the order in which one of them stands for several frames: the first that any has. */
+const TELLING: readonly TaskState[] = ["failed", "running", "ready", "canceled", "done"];
+
+/** Frames, one after the other, that are shown as one. */
+export interface FrameGroup {
+  readonly tasks: readonly RenderTask[];
+  /** What is told first of it. */
+  readonly state: TaskState;
+  /** For people: "Frames 1 to 84: 80 drawn, 4 failed". */
+  readonly label: string;
+}
+
+/** Frames as so many groups at most, all of one size but the last. */
+export function groupsOf(tasks: readonly RenderTask[], most: number): readonly FrameGroup[] {
+  const size = Math.max(1, Math.ceil(tasks.length / most));
+  return Array.from({ length: Math.ceil(tasks.length / size) }, (_, at) =>
+    groupOf(tasks.slice(at * size, (at + 1) * size)),
+  );
+}
+
+function groupOf(tasks: readonly RenderTask[]): FrameGroup {
+  const counted = TELLING.map((state) => ({ state, count: tasks.filter((task) => task.state === state).length }));
+  const there = counted.filter(({ count }) => count > 0);
+  const [first, last] = [tasks[0]?.frame ?? 0, tasks.at(-1)?.frame ?? 0];
+  const named = there.map(({ state, count }) => `${inWords(count)} ${TASK_NAMES[state]}`).join(", ");
+  const state = there[0]?.state ?? "ready";
+  const label = tasks.length === 1 ? `Frame ${first}: ${TASK_NAMES[state]}` : `Frames ${first} to ${last}: ${named}`;
+  return { tasks, state, label };
+}
+
+/** Frames that failed for the same reason. */
+export interface Failure {
+  readonly error: string;
+  readonly frames: readonly number[];
+}
+
+/** What went wrong with frames that could not be drawn, the most frequent first. */
+export function failuresOf(tasks: readonly RenderTask[]): readonly Failure[] {
+  const byError = new Map<string, number[]>();
+  for (const { state, frame, attempts } of tasks) {
+    if (state !== "failed") continue;
+    const error = attempts.at(-1)?.error ?? "No reason is known.";
+    byError.set(error, [...(byError.get(error) ?? []), frame]);
+  }
+  const failures = [...byError].map(([error, frames]) => ({ error, frames }));
+  return failures.toSorted((one, other) => other.frames.length - one.frames.length);
+}
+
+/** Frames in rising order for people: "1–4, 8". */
+export function framesInWords(frames: readonly number[]): string {
+  const runs: [number, number][] = [];
+  for (const frame of frames) {
+    const last = runs.at(-1);
+    if (last?.[1] === frame - 1) last[1] = frame;
+    else runs.push([frame, frame]);
+  }
+  return runs.map(([first, last]) => (first === last ? `${first}` : `${first}–${last}`)).join(", ");
+}
+
+/** The frame whose picture was stored last; null where none is. */
+export function lastDrawn(tasks: readonly RenderTask[]): RenderTask | null {
+  const endOf = ({ attempts }: RenderTask): string => attempts.at(-1)?.endedAt ?? "";
+  return tasks
+    .filter(({ state }) => state === "done")
+    .reduce<RenderTask | null>((last, task) => (last === null || endOf(task) >= endOf(last) ? task : last), null);
+}

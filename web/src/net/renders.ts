@@ -1,0 +1,63 @@
+/** Renders at the service. */
+
+import type { Client } from "openapi-fetch";
+import type { Render, RenderAction, RenderPage, RenderPlan, RenderRequest, RenderTask } from "../model/renders";
+import { done, result } from "./answers";
+import { abortable } from "./queries";
+import type { paths } from "./schema";
+
+export interface RenderService {
+  /** Renders of the project, the newest first, or those older than one. */
+  list(most: number, before: string | null): Promise<RenderPage>;
+  /** What a render would be; sends nothing. */
+  plan(request: RenderRequest, signal?: AbortSignal): Promise<RenderPlan>;
+  /** Sends a render; the same key gives the same one. */
+  send(request: RenderRequest, key: string): Promise<Render>;
+  /** Changes a render; null where it is removed. */
+  act(render: string, action: RenderAction): Promise<Render | null>;
+  /** The frames of a render, in rising order. */
+  tasks(render: string): Promise<readonly RenderTask[]>;
+  /** Address of a frame that is drawn. */
+  frameAddress(render: string, frame: number): string;
+}
+
+export class HttpRenders implements RenderService {
+  readonly #client: Client<paths>;
+  readonly #base: string;
+
+  constructor(client: Client<paths>, base: string) {
+    [this.#client, this.#base] = [client, base];
+  }
+
+  list(most: number, before: string | null): Promise<RenderPage> {
+    const query = { most, ...(before !== null && { before }) };
+    return result(this.#client.GET("/v1/renders", { params: { query } }));
+  }
+
+  plan(request: RenderRequest, signal?: AbortSignal): Promise<RenderPlan> {
+    return result(this.#client.POST("/v1/render-plans", { body: request, ...abortable(signal) }));
+  }
+
+  send(request: RenderRequest, key: string): Promise<Render> {
+    const params = { header: { "idempotency-key": key } };
+    return result(this.#client.POST("/v1/renders", { params, body: request }));
+  }
+
+  async act(render: string, action: RenderAction): Promise<Render | null> {
+    const options = { params: { path: { render } } };
+    if (action === "remove") {
+      await done(this.#client.DELETE("/v1/renders/{render}", options));
+      return null;
+    }
+    return result(this.#client.POST(`/v1/renders/{render}/${action}`, options));
+  }
+
+  async tasks(render: string): Promise<readonly RenderTask[]> {
+    const { tasks } = await result(this.#client.GET("/v1/renders/{render}/tasks", { params: { path: { render } } }));
+    return tasks;
+  }
+
+  frameAddress(render: string, frame: number): string {
+    return `${this.#base}/v1/renders/${encodeURIComponent(render)}/frames/${frame}`;
+  }
+}

@@ -1,0 +1,166 @@
+/** A render that is typed, with what it would be. */
+
+import type { ComponentChildren, JSX } from "preact";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
+import type { Editor } from "../../editor/editor";
+import { RenderForm } from "../../editor/render_form";
+import type { Session } from "../../editor/session";
+import { FORMAT_NAMES, type DraftField, type RenderFormat } from "../../model/render_draft";
+import { planInWords, type Render } from "../../model/renders";
+
+interface NewRenderProps {
+  readonly editor: Editor;
+  readonly session: Session;
+  readonly onSent: (render: Render) => void;
+  readonly onCancel: () => void;
+}
+
+export function NewRender({ editor, session, onSent, onCancel }: NewRenderProps): JSX.Element {
+  const [form] = useState(() => new RenderForm(editor.service.renders, session, editor.remembered.delivery.peek()));
+  const fields = useRef<HTMLFormElement>(null);
+  useEffect(() => {
+    fields.current?.querySelector<HTMLElement>("[data-field=frames]")?.focus();
+    return () => {
+      form.close();
+    };
+  }, [form]);
+  const send = async (): Promise<void> => {
+    const render = await form.send();
+    if (render) onSent(render);
+    else fields.current?.querySelector<HTMLElement>("[aria-invalid=true]")?.focus();
+  };
+  return (
+    <form
+      ref={fields}
+      class="new-render"
+      aria-label={`Render ${form.shotName}`}
+      noValidate
+      onSubmit={(event) => {
+        event.preventDefault();
+        void send();
+      }}
+    >
+      <Text
+        form={form}
+        field="frames"
+        label="Frames"
+        hint="Such as 1-96, 1-96:2 or 1-10,15; empty for the whole shot"
+      />
+      <Text
+        form={form}
+        field="width"
+        label="Width, px"
+        hint="Width of the pictures; their height follows from the film gate"
+      />
+      <Text form={form} field="rays" label="Rays" hint="Lens rays for each pixel: more of them leave less noise" />
+      <Format form={form} />
+      <Text form={form} field="priority" label="Priority" hint="0 to 100: renders of a higher one come first" />
+      <Text form={form} field="name" label="Name" hint="For people and files" placeholder={form.shotName} />
+      <Foot form={form} onCancel={onCancel} />
+    </form>
+  );
+}
+
+interface RowProps {
+  readonly form: RenderForm;
+  readonly field: DraftField;
+  readonly label: string;
+  readonly children: (said: { "aria-invalid": boolean; "aria-describedby": string | undefined }) => ComponentChildren;
+}
+
+/** A field with what is wrong with it. */
+function Row({ form, field, label, children }: RowProps): JSX.Element {
+  const id = useId();
+  const faults = form.faults.value.filter((fault) => fault.field === field).map(({ message }) => message);
+  const isWrong = faults.length > 0;
+  return (
+    <label class={`render-field of-${field}`}>
+      <span>{label}</span>
+      {children({ "aria-invalid": isWrong, "aria-describedby": isWrong ? id : undefined })}
+      {isWrong && (
+        <span id={id} class="render-fault" role="alert">
+          {faults.join(" ")}
+        </span>
+      )}
+    </label>
+  );
+}
+
+interface TextProps extends Omit<RowProps, "children"> {
+  readonly field: Exclude<DraftField, "format">;
+  readonly hint: string;
+  readonly placeholder?: string;
+}
+
+function Text({ hint, placeholder, ...row }: TextProps): JSX.Element {
+  const { form, field } = row;
+  const isNumber = field !== "name" && field !== "frames";
+  return (
+    <Row {...row}>
+      {(said) => (
+        <input
+          {...said}
+          type="text"
+          class="text-field"
+          data-field={field}
+          title={hint}
+          inputMode={isNumber ? "numeric" : "text"}
+          autocomplete="off"
+          spellcheck={false}
+          maxLength={field === "name" ? 200 : 4000}
+          placeholder={placeholder}
+          value={form.draft.value[field]}
+          onInput={({ currentTarget }) => {
+            form.type({ [field]: currentTarget.value });
+          }}
+        />
+      )}
+    </Row>
+  );
+}
+
+function Format({ form }: { form: RenderForm }): JSX.Element {
+  return (
+    <Row form={form} field="format" label="Files">
+      {(said) => (
+        <select
+          {...said}
+          value={form.draft.value.format}
+          onChange={({ currentTarget }) => {
+            form.type({ format: currentTarget.value as RenderFormat });
+          }}
+        >
+          {Object.entries(FORMAT_NAMES).map(([format, name]) => (
+            <option key={format} value={format}>
+              {name}
+            </option>
+          ))}
+        </select>
+      )}
+    </Row>
+  );
+}
+
+function Foot({ form, onCancel }: { form: RenderForm; onCancel: () => void }): JSX.Element {
+  const plan = form.plan.value;
+  const isSending = form.isSending.value;
+  const refusals = form.faults.value.filter(({ field }) => field === null).map(({ message }) => message);
+  return (
+    <div class="render-foot">
+      <p role="status" class="render-plan">
+        {plan && planInWords(plan)}
+      </p>
+      {refusals.length > 0 && (
+        <p class="render-fault" role="alert">
+          {refusals.join(" ")}
+        </p>
+      )}
+      <button type="button" class="button" onClick={onCancel}>
+        Cancel
+      </button>
+      <button type="submit" class="button primary" aria-disabled={isSending}>
+        {isSending ? "Sending…" : "Send"}
+      </button>
+    </div>
+  );
+}

@@ -1,0 +1,142 @@
+/** The frames of a render: a cell for each, or for some where they are many; the picture and the attempts of one. */
+
+import type { JSX } from "preact";
+import { useState } from "preact/hooks";
+import { formatEnd } from "../../model/identity";
+import {
+  failuresOf,
+  framesInWords,
+  groupsOf,
+  lastDrawn,
+  TASK_NAMES,
+  type FrameGroup,
+  type Render,
+  type RenderTask,
+} from "../../model/renders";
+import { sentence } from "../../net/errors";
+import { formatBytes } from "../numbers";
+import { FrameCells } from "./FrameCells";
+
+/** Most cells in a grid. */
+const MOST_CELLS = 120;
+
+interface RenderFramesProps {
+  readonly render: Render;
+  /** Null until they are known. */
+  readonly tasks: readonly RenderTask[] | null;
+  readonly address: (frame: number) => string;
+}
+
+export function RenderFrames({ render, tasks, address }: RenderFramesProps): JSX.Element {
+  const [chosen, setChosen] = useState<number | null>(null);
+  if (tasks === null) return <p class="muted">Reading the frames…</p>;
+  const groups = groupsOf(tasks, MOST_CELLS);
+  const group = groups.find((each) => each.tasks.some(({ frame }) => frame === chosen)) ?? null;
+  const task = group?.tasks.find(({ frame }) => frame === chosen) ?? null;
+  const pictured = task?.state === "done" ? task : lastDrawn(tasks);
+  const choose = ({ tasks: [first] }: FrameGroup): void => {
+    setChosen(first?.frame ?? null);
+  };
+  return (
+    <>
+      {render.format !== "exr" && pictured && (
+        <Picture
+          key={pictured.sha256}
+          address={address(pictured.frame)}
+          label={`Frame ${pictured.frame} of ${render.name}`}
+        />
+      )}
+      <div class="render-cells">
+        <FrameCells label={`Frames of ${render.name}`} groups={groups} chosen={group} onChoose={choose} />
+        {group && group.tasks.length > 1 && (
+          <>
+            <p class="muted">{group.label}</p>
+            <FrameCells
+              label={group.label}
+              groups={groupsOf(group.tasks, group.tasks.length)}
+              chosen={task && (groupsOf([task], 1)[0] ?? null)}
+              onChoose={choose}
+            />
+          </>
+        )}
+        <Failures tasks={tasks} />
+        {task ? (
+          <Frame task={task} address={address(task.frame)} />
+        ) : (
+          <p class="muted">Choose a frame to see its attempts.</p>
+        )}
+      </div>
+    </>
+  );
+}
+
+function Picture({ address, label }: { address: string; label: string }): JSX.Element | null {
+  const [isLost, setLost] = useState(false);
+  if (isLost) return null;
+  return (
+    <figure class="render-picture">
+      <img
+        src={address}
+        alt={label}
+        loading="lazy"
+        onError={() => {
+          setLost(true);
+        }}
+      />
+      <figcaption class="muted">{label}</figcaption>
+    </figure>
+  );
+}
+
+function Failures({ tasks }: { tasks: readonly RenderTask[] }): JSX.Element | null {
+  const failures = failuresOf(tasks);
+  if (failures.length === 0) return null;
+  return (
+    <ul class="render-failures" aria-label="What went wrong">
+      {failures.slice(0, MOST_FAILURES).map(({ error, frames }) => (
+        <li key={error}>
+          <b>{`Frame${frames.length === 1 ? "" : "s"} ${framesInWords(frames)}:`}</b> {sentence(error)}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** Kinds of failures that are listed. */
+const MOST_FAILURES = 5;
+
+function Frame({ task, address }: { task: RenderTask; address: string }): JSX.Element {
+  const { frame, state, attempts, sizeBytes } = task;
+  return (
+    <div class="render-frame" role="group" aria-label={`Frame ${frame}`}>
+      <p>
+        <b>{`Frame ${frame}`}</b> {TASK_NAMES[state]}
+        {sizeBytes !== null && state === "done" && `, ${formatBytes(sizeBytes)}`}
+        {state === "done" && (
+          <a class="button small" href={address} download>
+            {`Download frame ${frame}`}
+          </a>
+        )}
+      </p>
+      <ol aria-label={`Attempts at frame ${frame}`}>
+        {attempts.map((attempt) => (
+          <li key={attempt.number}>
+            {`${OUTCOMES[attempt.outcome ?? "under way"]}, ${formatEnd(attempt.endedAt ?? attempt.startedAt, new Date())}`}
+            <span class="muted"> by {attempt.worker}</span>
+            {attempt.error !== null && <span class="render-fault">{sentence(attempt.error)}</span>}
+          </li>
+        ))}
+      </ol>
+    </div>
+  );
+}
+
+type Outcome = NonNullable<RenderTask["attempts"][number]["outcome"]> | "under way";
+
+const OUTCOMES: Readonly<Record<Outcome, string>> = {
+  done: "Drawn",
+  failed: "Failed",
+  lost: "Lost, since its worker is gone",
+  "given-back": "Given back, nothing was wrong",
+  "under way": "Under way",
+};

@@ -1,0 +1,201 @@
+/** A render in the list: how far it is, and what can be done with it. */
+
+import type { JSX } from "preact";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
+import type { Renders } from "../../editor/renders";
+import { formatEnd } from "../../model/identity";
+import {
+  durationInWords,
+  isTaken,
+  plural,
+  progressInWords,
+  RENDER_ACTIONS,
+  stateInWords,
+  type Render,
+  type RenderAction,
+} from "../../model/renders";
+import { RenderFrames } from "./RenderFrames";
+
+interface RenderRowProps {
+  readonly renders: Renders;
+  readonly render: Render;
+  /** Why the person may change no render; null where they may. */
+  readonly refusal: string | null;
+  readonly frameAddress: (frame: number) => string;
+}
+
+export function RenderRow({ renders, render, refusal, frameAddress }: RenderRowProps): JSX.Element {
+  const [asked, setAsked] = useState<RenderAction | null>(null);
+  const frames = useId();
+  const head = useRef<HTMLButtonElement>(null);
+  const isOpen = renders.opened.value === render.id;
+  useEffect(() => {
+    if (renders.takeAdded(render.id)) head.current?.focus();
+  }, [renders, render.id]);
+  const act = (action: RenderAction): void => {
+    setAsked(null);
+    const dialog = head.current?.closest("dialog");
+    head.current?.focus(); // the button may go
+    void renders.act(render, action).then(() => {
+      if (document.activeElement !== document.body) return;
+      dialog?.querySelector<HTMLElement>(".render-open, .renders-head .primary")?.focus(); // the row went
+    });
+  };
+  const { name } = render;
+  return (
+    <li class={`render is-${render.state}`} data-render={render.id}>
+      <div class="render-row">
+        <button
+          ref={head}
+          type="button"
+          class="render-open"
+          aria-expanded={isOpen}
+          aria-controls={isOpen ? frames : undefined}
+          onClick={() => {
+            renders.open(isOpen ? null : render.id);
+          }}
+        >
+          <span class="name">{name}</span>
+          <span class="muted">{factsOf(render)}</span>
+        </button>
+        <Actions
+          renders={renders}
+          render={render}
+          refusal={refusal}
+          choose={(action) => {
+            if (action === "cancel" || action === "remove") setAsked(action);
+            else act(action);
+          }}
+        />
+      </div>
+      <Progress render={render} />
+      {asked && isTaken(asked, render) && (
+        <Question
+          action={asked}
+          name={name}
+          act={act}
+          keep={() => {
+            setAsked(null);
+            head.current?.focus();
+          }}
+        />
+      )}
+      {isOpen && (
+        <div id={frames} class="render-frames">
+          <RenderFrames render={render} tasks={renders.tasks.value} address={frameAddress} />
+        </div>
+      )}
+    </li>
+  );
+}
+
+function factsOf({ frames, width, format, rays, owner, createdAt }: Render): string {
+  const files = `${width} px .${format}, ${plural(rays, "ray")}`;
+  return `Frames ${frames} · ${files} · by ${owner}, ${formatEnd(createdAt, new Date())}`;
+}
+
+function Progress({ render }: { render: Render }): JSX.Element {
+  const { count, done, failed, canceled, name, secondsLeft, state } = render;
+  const share = (frames: number): { width: string } => ({ width: `${(100 * frames) / count}%` });
+  const progress = progressInWords(render);
+  return (
+    <div class="render-progress">
+      <div
+        class="render-bar"
+        role="progressbar"
+        aria-label={`Progress of ${name}`}
+        aria-valuemin={0}
+        aria-valuemax={count}
+        aria-valuenow={done + failed + canceled}
+        aria-valuetext={progress}
+      >
+        <i class="done" style={share(done)} />
+        <i class="failed" style={share(failed)} />
+      </div>
+      <p class="numbers">
+        <b>{stateInWords(render)}</b>
+        {` · ${progress}`}
+        {secondsLeft !== null && state === "running" && ` · about ${durationInWords(secondsLeft)} left`}
+      </p>
+    </div>
+  );
+}
+
+const ACTION_NAMES: Readonly<Record<RenderAction, string>> = {
+  pause: "Pause",
+  resume: "Resume",
+  retry: "Retry",
+  cancel: "Cancel",
+  remove: "Remove",
+};
+
+const ACTION_TITLES: Readonly<Record<RenderAction, string>> = {
+  pause: "Begin no more frames; those under way are finished",
+  resume: "Go on with the frames that wait",
+  retry: "Draw the frames again that have failed or were given up",
+  cancel: "Give up the frames that are not drawn yet",
+  remove: "Remove the render and its files",
+};
+
+/** Actions that have a place in each row: where they can do nothing, they stay and are disabled. */
+const ALWAYS: readonly RenderAction[] = ["retry"];
+
+interface ActionsProps extends Pick<RenderRowProps, "renders" | "render" | "refusal"> {
+  readonly choose: (action: RenderAction) => void;
+}
+
+function Actions({ renders, render, refusal, choose }: ActionsProps): JSX.Element {
+  const isActing = renders.acting.value.has(render.id);
+  const shown = RENDER_ACTIONS.filter((action) => isTaken(action, render) || ALWAYS.includes(action));
+  return (
+    <div class="render-actions" role="group" aria-label={`Actions on ${render.name}`}>
+      {shown.map((action) => (
+        <button
+          key={action}
+          type="button"
+          class="button small"
+          disabled={refusal !== null || isActing || !isTaken(action, render)}
+          title={refusal ?? ACTION_TITLES[action]}
+          onClick={({ detail }) => {
+            if (detail < 2) choose(action); // the second click of a double click was meant for what was here before
+          }}
+        >
+          {ACTION_NAMES[action]}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+interface QuestionProps {
+  readonly action: RenderAction;
+  readonly name: string;
+  readonly act: (action: RenderAction) => void;
+  readonly keep: () => void;
+}
+
+function Question({ action, name, act, keep }: QuestionProps): JSX.Element {
+  const yes = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    yes.current?.focus();
+  }, []);
+  const isRemoval = action === "remove";
+  return (
+    <div class="ask" role="group" aria-label={`${ACTION_NAMES[action]} ${name}?`}>
+      <span>{isRemoval ? "Remove it and its files?" : "Give up the frames that are not drawn yet?"}</span>
+      <button
+        ref={yes}
+        type="button"
+        class="button"
+        onClick={() => {
+          act(action);
+        }}
+      >
+        {isRemoval ? "Remove" : "Give up"}
+      </button>
+      <button type="button" class="button" onClick={keep}>
+        {isRemoval ? "Keep" : "Go on"}
+      </button>
+    </div>
+  );
+}

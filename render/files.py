@@ -9,6 +9,7 @@ import os
 import stat
 import tempfile
 import uuid
+from collections.abc import Iterator
 from pathlib import Path
 
 from render.errors import OutputError
@@ -28,18 +29,66 @@ def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
         OutputError: the file cannot be written; an existing file is unchanged.
     """
     target = Path(path)
+    with replace_whole(target) as beside, explain_write_errors(target):
+        _write_through(beside, content)
+
+
+@contextlib.contextmanager
+def replace_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary name beside a file: what is written there takes the file's place at the end, or is removed after an error.
+
+    Args:
+        path: the file. Its folder must exist; an existing file is replaced.
+
+    Yields:
+        The temporary name, under which the caller writes a file.
+
+    Raises:
+        OutputError: the file cannot be replaced; an existing file is unchanged.
+    """
+    target = Path(path)
     check_replaceable(target)
     beside = target.with_name(f".{target.name[:100]}.{uuid.uuid4().hex}.part")
     try:
-        try:
-            _write_through(beside, content)
+        yield beside
+        with explain_write_errors(target):
             os.replace(beside, target)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                beside.unlink(missing_ok=True)
-            raise
+    except BaseException:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+        raise
+
+
+@contextlib.contextmanager
+def explain_write_errors(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Raise the operating system's errors of writing a file as `OutputError`.
+
+    Args:
+        path: the file that is written.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    try:
+        yield
     except OSError as error:
-        raise _explained(error, target) from error
+        raise _explained(error, Path(path)) from error
+
+
+def sync_file(path: str | os.PathLike[str]) -> None:
+    """Wait until the disk has a file's content.
+
+    Args:
+        path: the file.
+
+    Raises:
+        OSError: the disk fails, or is full.
+    """
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def sync_folder(folder: str | os.PathLike[str]) -> None:

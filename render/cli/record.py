@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -17,6 +16,7 @@ from render.cli.options import (
     flare,
     grade,
     long_exposure,
+    movie,
     picture,
     progressive,
     scene,
@@ -24,13 +24,13 @@ from render.cli.options import (
     stereo,
     usdrecord,
 )
+from render.cli.recording.files import check_files, make_folders
 from render.cli.recording.frames import record_frames
 from render.cli.recording.job import RecordJob
-from render.errors import OutputError, SettingsError
-from render.files import check_replaceable, check_writable
+from render.errors import SettingsError
 from render.film import GradeChoice
 from render.film.stock import library_stock
-from render.model.frame_spec import frame_file_names, parse_frames
+from render.model.frame_spec import every_frame, frame_file_names, parse_frames
 from render.output import format_of
 from render.pictures.contact_axes import Axis
 from render.pictures.picture_height import picture_height
@@ -46,7 +46,7 @@ class RecordOptions:
     """Options of `pullfocus record`, read and checked before the shot is opened.
 
     Attributes:
-        frames: USD time codes, or `DEFAULT_TIME` alone; None takes the first frame.
+        frames: USD time codes, or `DEFAULT_TIME` alone; None takes the first frame, for a movie all.
         given: settings of each picture that the command line gives, which win over those of the stage's settings prim.
         width: of each picture; None for that of the settings prim where ``takes_resolution``, else the default.
         takes_resolution: the chosen settings prim gives width and height.
@@ -58,6 +58,7 @@ class RecordOptions:
         axes: of a contact sheet.
         long_exposure: one picture over many frames.
         is_progressive: true to write pictures while they are refined.
+        is_movie: true to write all frames to one movie.
     """
 
     frames: list[float] | None
@@ -72,6 +73,7 @@ class RecordOptions:
     axes: tuple[Axis, ...] | None
     long_exposure: long_exposure.LongExposureOptions | None
     is_progressive: bool
+    is_movie: bool
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -81,8 +83,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "out",
         metavar="OUT",
-        help="file to write: .exr (scene-linear), .png or .jpg (graded); a run of # in it is the frame number;"
-        " with --products a folder",
+        help="file to write: .exr (scene-linear), .png or .jpg (graded), where a run of # is the frame number;"
+        " .mp4, .mov or .webm, a movie of all frames (graded); with --products a folder",
     )
     add_options(parser)
 
@@ -98,7 +100,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="expose this stock of the library (pullfocus films); without it the shot's own",
     )
     times = parser.add_mutually_exclusive_group()
-    shared.add_frames(times, "the shot's first frame")
+    shared.add_frames(times, "the shot's first frame; for a movie all")
     times.add_argument(
         "--defaultTime",
         "-d",
@@ -138,14 +140,14 @@ def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
     if arguments.stereo:
         _run_stereo(arguments, options, shot)
         return
-    first = shot.frame_range.start if options.long_exposure is None else options.long_exposure.begin
-    frames = options.frames or [first]
-    files = [Path(name) for name in frame_file_names(arguments.out, frames)]
-    _check_files(shot, [*files, *([arguments.traceToFile] if arguments.traceToFile else [])])
+    frames = options.frames or _frames_without_option(shot, options)
+    names = [arguments.out] if options.is_movie else frame_file_names(arguments.out, frames)
+    files = [Path(name) for name in names]
+    check_files(shot, [*files, *([arguments.traceToFile] if arguments.traceToFile else [])])
     grade.warn_of_unapplied(arguments)
     with shared.printed_findings(shot, arguments.stage):
         job = make_job(shot, shared.choose_camera(shot, arguments.camera), options, frames[0])
-        written = _record(job, options, list(zip(frames, files, strict=True)))
+        written = _record(job, options, frames, files)
     if arguments.json:
         print_json(
             {
@@ -158,6 +160,12 @@ def _run(arguments: argparse.Namespace, options: RecordOptions) -> None:
         )
 
 
+def _frames_without_option(shot: Shot, options: RecordOptions) -> list[float]:
+    if options.is_movie:
+        return every_frame(shot.frame_range.start, shot.frame_range.end)
+    return [shot.frame_range.start if options.long_exposure is None else options.long_exposure.begin]
+
+
 def _run_stereo(arguments: argparse.Namespace, options: RecordOptions, shot: Shot) -> None:
     """Record both eyes of a stereo pair."""
     from render.cli.recording.stereo import record_stereo_frames
@@ -165,8 +173,8 @@ def _run_stereo(arguments: argparse.Namespace, options: RecordOptions, shot: Sho
     frames = options.frames or [shot.frame_range.start]
     files = stereo.view_files(arguments.out, frames)
     traced = [arguments.traceToFile] if arguments.traceToFile else []
-    _make_folders([file for each in files for file in {*each.values()}])
-    _check_files(shot, [*(file for each in files for file in each.values()), *traced])
+    make_folders([file for each in files for file in {*each.values()}])
+    check_files(shot, [*(file for each in files for file in each.values()), *traced])
     grade.warn_of_unapplied(arguments)
     with shared.printed_findings(shot, arguments.stage):
         pair = stereo.choose_pair(shot, arguments.camera)
@@ -218,8 +226,8 @@ def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: S
             job = RecordJob(shot, cameras[0], settings, options.stock, options.grade, options.camera.draw_guides)
             runs.append(ProductRun(product, job, files, pair))
         all_files = [file for run in runs for each in run.files for file in each]
-        _make_folders(all_files)
-        _check_files(shot, all_files)
+        make_folders(all_files)
+        check_files(shot, all_files)
         written = record_products(runs, frames)
     if arguments.json:
         findings = [asdict(finding) for finding in shot.findings()]
@@ -233,23 +241,6 @@ def _note_dropped(shot: Shot, product: Product, aovs: Sequence[str]) -> None:
         shot.note_asked([Finding("dropped_vars", product.path, message)])
 
 
-def _make_folders(files: Sequence[Path]) -> None:
-    """Make the folders of files.
-
-    Raises:
-        SettingsError: two of the files are the same.
-        OutputError: a folder cannot be made.
-    """
-    twice = [str(file) for file, count in Counter(files).items() if count > 1]
-    if twice:
-        raise SettingsError(f"several pictures are written to {twice[0]}: give each its own name")
-    for folder in dict.fromkeys(file.parent for file in files):
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"the folder {folder} cannot be made: {error.strerror}", path=str(folder)) from error
-
-
 def read_options(arguments: argparse.Namespace) -> RecordOptions:
     """Read and check what can be checked before the shot is opened.
 
@@ -260,13 +251,19 @@ def read_options(arguments: argparse.Namespace) -> RecordOptions:
         SettingsError: the arguments are out of range or contradict each other.
         InputError: a file that they name cannot be used.
     """
+    is_movie = movie.is_movie(arguments)
     progressive.check_progressive(arguments)
     usdrecord.check_arguments(arguments)
     stereo.check_arguments(arguments)
     axes = contact_sheet.read_axes(arguments)
     if arguments.products:
         _check_products(arguments)
-    elif axes is None and format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
+    elif (
+        not is_movie
+        and axes is None
+        and format_of(arguments.out) != "exr"
+        and shared.split_words(arguments.aov) != ("color",)
+    ):
         raise SettingsError(f"--aov {arguments.aov} needs an EXR file to hold it, got {arguments.out}")
     frames = _read_frames(arguments)
     if arguments.film is not None:
@@ -285,6 +282,7 @@ def read_options(arguments: argparse.Namespace) -> RecordOptions:
         long_exposure=long_exposure.read_long_exposure(arguments),
         lens=shared.read_lens(arguments.lens),
         is_progressive=arguments.progressive,
+        is_movie=is_movie,
     )
 
 
@@ -366,9 +364,15 @@ def _picture_size(shot: Shot, camera_path: str | None, options: RecordOptions, t
     return width, picture_height(shot, camera_path, time, width)
 
 
-def _record(job: RecordJob, options: RecordOptions, plan: Sequence[tuple[float, Path]]) -> list[dict[str, Any]]:
+def _record(
+    job: RecordJob, options: RecordOptions, frames: Sequence[float], files: Sequence[Path]
+) -> list[dict[str, Any]]:
     """Record in the way that the options ask for. The rarer ways are imported here, since each takes a while."""
-    time, file = plan[0]
+    time, file = frames[0], files[0]
+    if options.is_movie:
+        from render.cli.recording.movie import record_movie
+
+        return record_movie(job, frames, file)
     if options.axes is not None:
         from render.cli.recording.contact_sheet import record_contact_sheet
 
@@ -377,18 +381,9 @@ def _record(job: RecordJob, options: RecordOptions, plan: Sequence[tuple[float, 
         from render.cli.recording.long_exposure import record_long_exposure
 
         return record_long_exposure(job, options.long_exposure, file)
+    plan = list(zip(frames, files, strict=True))
     if options.is_progressive:
         from render.cli.recording.progressive import record_progressively
 
         return record_progressively(job, plan)
     return record_frames(job, plan)
-
-
-def _check_files(shot: Shot, files: Sequence[Path]) -> None:
-    """Check that all files can be written, before an hour of rendering is lost."""
-    for file in {file.parent: file for file in files}.values():
-        check_writable(file)
-    for file in files:
-        check_replaceable(file)
-    for file in files:
-        shot.check_not_own(file)

@@ -10,6 +10,7 @@ import OpenImageIO
 from numpy.typing import NDArray
 
 from render.errors import SettingsError
+from render.film import Grade
 from render.model.arrays import FloatArray
 from render.model.deep import DeepSamples
 from render.output.deep_exr import encode_deep_exr
@@ -77,7 +78,7 @@ def encode_png(graded: FloatArray, metadata: FrameMetadata) -> bytes:
         metadata: metadata of the file.
     """
     spec, pixels = _picture(graded, metadata)
-    if code_points := OpenImageIO.ColorConfig("ocio://default").get_cicp(metadata.grade.picture_space_id or "unknown"):
+    if code_points := cicp_of(metadata.grade):
         primaries, transfer, _, full_range = code_points
         # PNG holds RGB, whose matrix code is 0 (PNG 3rd edition, 11.3.2.6).
         spec.attribute("CICP", "int[4]", (primaries, transfer, 0, full_range))
@@ -95,6 +96,19 @@ def encode_jpeg(graded: FloatArray, metadata: FrameMetadata | None = None) -> by
     spec.attribute("compression", f"jpeg:{JPEG_QUALITY}")
     spec.attribute("jpeg:subsampling", "4:4:4")
     return file_bytes(".jpg", [(spec, pixels)])
+
+
+def cicp_of(grade: Grade) -> tuple[int, int, int, int] | None:
+    """Code points of a grade's picture: primaries, transfer, matrix and full range (ITU-T H.273); None where it has none.
+
+    Args:
+        grade: it names the display.
+    """
+    codes = OpenImageIO.ColorConfig("ocio://default").get_cicp(grade.picture_space_id or "unknown")
+    if not codes:
+        return None
+    primaries, transfer, matrix, full_range = codes
+    return primaries, transfer, matrix, full_range
 
 
 def to_8_bit(graded: FloatArray) -> NDArray[np.uint8]:

@@ -9,9 +9,33 @@ from typing import Literal
 from render.errors import SettingsError
 
 Format = Literal["exr", "png", "jpeg"]
+MovieFormat = Literal["mp4", "mov", "webm"]
 
 FORMATS_BY_ENDING: dict[str, Format] = {".exr": "exr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
-_MOVIE_ENDINGS = frozenset({".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".gif"})
+MOVIES_BY_ENDING: dict[str, MovieFormat] = {".mp4": "mp4", ".mov": "mov", ".webm": "webm"}
+_OTHER_MOVIE_ENDINGS = frozenset({".m4v", ".mkv", ".avi", ".gif", ".mpg", ".mpeg", ".mxf", ".ogv"})
+
+
+def movie_format_of(path: str | os.PathLike[str]) -> MovieFormat | None:
+    """Movie format of a file name, by its suffix; case is ignored.
+
+    Args:
+        path: the file to be written.
+
+    Returns:
+        The format; None where the name is not that of a movie.
+
+    Raises:
+        SettingsError: it is that of a movie that cannot be written.
+    """
+    ending = PurePath(path).suffix.lower()
+    if ending in _OTHER_MOVIE_ENDINGS:
+        known = ", ".join(MOVIES_BY_ENDING)
+        raise SettingsError(
+            f"unknown movie format of '{os.fspath(path)}': expected one of {known}, got '{ending}'",
+            code="unknown_format",
+        )
+    return MOVIES_BY_ENDING.get(ending)
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:
@@ -24,11 +48,10 @@ def format_of(path: str | os.PathLike[str]) -> Format:
         SettingsError: no frame can be written under that name.
     """
     ending = PurePath(path).suffix.lower()
-    if ending in _MOVIE_ENDINGS:
+    if movie_format_of(path) is not None:
         raise SettingsError(
-            f"movies come later: '{os.fspath(path)}' cannot be written yet, record a numbered PNG sequence "
-            "such as frame.####.png",
-            code="movies_later",
+            f"'{os.fspath(path)}' is a movie: expected a picture, one of {', '.join(FORMATS_BY_ENDING)}",
+            code="is_movie",
         )
     if ending not in FORMATS_BY_ENDING:
         known = ", ".join(FORMATS_BY_ENDING)

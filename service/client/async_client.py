@@ -163,10 +163,18 @@ class AsyncClient:
             now = await self._run(watch.next_change())
             if on_progress is not None:
                 on_progress(now)
-            tasks = await self._run(download.new_frames(now)) if now.done else []
-            await self._run_all([download.fetch(now, task) for task in tasks], note, at_once)
+            files = await self._run(download.new_files(now)) if now.done else []
+            await self._run_all([download.fetch(now, file) for file in files], note, at_once)
             if not follow or now.state in ENDED:
                 return paths
+
+    async def movie(self, render: AnyRender, path: AnyPath) -> Path:
+        """Fetch the movie of a render that has ended, as `Client.movie` does."""
+        return await self._run(operations.fetch_movie(render, Path(path), self._retries))
+
+    async def contact_sheet(self, render: AnyRender, path: AnyPath) -> Path:
+        """Fetch the contact sheet of a render that has ended, as `Client.contact_sheet` does."""
+        return await self._run(operations.fetch_contact_sheet(render, Path(path), self._retries))
 
     async def _run_all(self, all_steps: Sequence[Steps[T]], note: Callable[[T], None], at_once: int) -> None:
         """Carry out operations, some at once. Where one fails, the others are given up."""

@@ -1,4 +1,4 @@
-"""Files of frames that are fetched: each is there whole and compared with its hash, or not there."""
+"""Files of renders that are fetched: each is there whole and compared with its hash, or not there."""
 
 from __future__ import annotations
 
@@ -9,14 +9,35 @@ import stat
 import uuid
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 from .errors import AnswerError, FileError
-from .models import Render, RenderTask
+from .models import Render, RenderedFile, RenderTask
 
 SUFFIXES = {"image/x-exr": "exr", "image/png": "png", "image/jpeg": "jpeg"}
 """Suffix of a frame's file, by the type of the answer: nothing that the service sends is a part of a path as it is."""
 _MOST_NAME_BYTES = 200
+
+
+class StoredFile(NamedTuple):
+    """A file of a frame that the service has stored.
+
+    Attributes:
+        frame: the frame.
+        file: the file.
+    """
+
+    frame: int
+    file: RenderedFile
+
+
+def files_of(task: RenderTask) -> list[StoredFile]:
+    """Return the files of a frame that is done. Raises `AnswerError`: the service names none, or an unknown format."""
+    unknown = [file.format for file in task.files if file.format not in SUFFIXES.values()]
+    if unknown or not task.files:
+        told = f"in the unknown format {unknown[0][:80]!r}" if unknown else "but names no file of it"
+        raise AnswerError(f"the service says that frame {task.frame} is done, {told}")
+    return [StoredFile(task.frame, file) for file in task.files]
 
 
 def file_stem(render: Render) -> str:
@@ -31,54 +52,50 @@ def file_name(render: Render, frame: int, suffix: str) -> str:
     return f"{file_stem(render)}.{frame:04d}.{suffix}"
 
 
-def find_fetched(folder: Path, render: Render, task: RenderTask) -> Path | None:
-    """Find the file of a frame that was fetched before; None where there is none of the same content.
+def find_fetched(folder: Path, render: Render, stored: StoredFile) -> Path | None:
+    """Find a file of a frame that was fetched before; None where there is none of the same content.
 
     Args:
         folder: that the frames go to.
         render: of the frame.
-        task: the frame.
+        stored: the file.
 
     Raises:
         FileError: a file cannot be read.
     """
-    for suffix in SUFFIXES.values():
-        path = folder / file_name(render, task.frame, suffix)
-        try:
-            status = path.stat()
-            if stat.S_ISREG(status.st_mode) and status.st_size == task.size_bytes:
-                with path.open("rb") as file:
-                    if hashlib.file_digest(file, "sha256").hexdigest() == task.sha256:
-                        return path
-        except FileNotFoundError:
-            continue
-        except OSError as error:
-            raise _failed(path, error) from error
+    path = folder / file_name(render, stored.frame, stored.file.format)
+    try:
+        status = path.stat()
+        if stat.S_ISREG(status.st_mode) and status.st_size == stored.file.size_bytes:
+            with path.open("rb") as file:
+                if hashlib.file_digest(file, "sha256").hexdigest() == stored.file.sha256:
+                    return path
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise _failed(path, error) from error
     return None
 
 
-class FrameFile:
-    """A frame's file while it is fetched, under another name in its folder. It is a `Sink`.
+class FetchedFile:
+    """A file while it is fetched, under another name in its folder. It is a `Sink`.
 
     Args:
         folder: the folder, which is made where it is missing.
-        task: the frame, which is stored.
-
-    Raises:
-        AnswerError: the service tells no size or hash.
+        what: names it in errors.
+        expected: its size and hash; None where the service tells neither.
     """
 
-    def __init__(self, folder: Path, task: RenderTask) -> None:
-        if task.size_bytes is None or task.sha256 is None:
-            raise AnswerError(f"the service says that frame {task.frame} is done, but not how large its file is")
+    def __init__(self, folder: Path, what: str, expected: RenderedFile | None) -> None:
         self._folder = folder
-        self._frame, self._size, self._sha256 = task.frame, task.size_bytes, task.sha256
+        self._what = what
+        self._expected = expected
         self._part = folder / f".{uuid.uuid4().hex}.part"
         self._file: BinaryIO | None = None
         self._hash = hashlib.sha256()
         self._written = 0
 
-    def __enter__(self) -> FrameFile:
+    def __enter__(self) -> FetchedFile:
         return self
 
     def __exit__(
@@ -101,11 +118,12 @@ class FrameFile:
             raise _failed(self._folder, error) from error
 
     def write(self, chunk: bytes) -> None:
-        """Write a part. Raises `AnswerError`: it is more than the frame has; `FileError`: the disk takes no more."""
+        """Write a part. Raises `AnswerError`: it is more than the file has; `FileError`: the disk takes no more."""
         assert self._file is not None, "restart comes first"
         self._written += len(chunk)
-        if self._written > self._size:
-            raise AnswerError(f"the file of frame {self._frame} is longer than the {self._size:,} bytes that it has")
+        if self._expected is not None and self._written > self._expected.size_bytes:
+            size = self._expected.size_bytes
+            raise AnswerError(f"the file of {self._what} is longer than the {size:,} bytes that it has")
         self._hash.update(chunk)
         try:
             self._file.write(chunk)
@@ -123,8 +141,8 @@ class FrameFile:
             FileError: it cannot be written.
         """
         assert self._file is not None, "restart comes first"
-        if self._written != self._size or self._hash.hexdigest() != self._sha256:
-            raise AnswerError(f"the file of frame {self._frame} is damaged: its hash is another; fetch it again")
+        if self._expected is not None and not self._is(self._expected):
+            raise AnswerError(f"the file of {self._what} is damaged: its hash is another; fetch it again")
         path = self._folder / name
         try:
             self._file.flush()
@@ -135,6 +153,9 @@ class FrameFile:
             raise _failed(path, error) from error
         self._file = None
         return path
+
+    def _is(self, expected: RenderedFile) -> bool:
+        return self._written == expected.size_bytes and self._hash.hexdigest() == expected.sha256
 
 
 def _failed(path: Path, error: OSError) -> FileError:

@@ -58,7 +58,7 @@ class Render:
         count: Number of frames.
         done: Frames that are stored.
         failed: Frames that could not be drawn.
-        format: Kind of the files. One of `exr`, `png`, `jpeg`.
+        formats: Files of each frame.
         frames: All frames, as a range.
         id: Its name in URLs.
         owner: Who sent it.
@@ -82,7 +82,7 @@ class Render:
     done: int
     failed: int
     finished_at: datetime | None
-    format: str
+    formats: list[str]
     frames: str
     id: str
     name: str
@@ -133,15 +133,13 @@ class RenderTask:
 
     Attributes:
         attempts: The first one first.
-        sha256: Hash of its file, in hexadecimal digits.
-        size_bytes: Size of its file; null before it is stored.
+        files: Its files; none before it is stored.
         state: One of `ready`, `running`, `done`, `failed`, `canceled`.
     """
 
     attempts: list[Attempt]
+    files: list[RenderedFile]
     frame: int
-    sha256: str | None
-    size_bytes: int | None
     state: str
 
 
@@ -150,6 +148,21 @@ class RenderTaskList:
     """The frames of a render in rising order."""
 
     tasks: list[RenderTask]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RenderedFile:
+    """A stored file of a frame.
+
+    Attributes:
+        format: One of `exr`, `png`, `jpeg`.
+        sha256: Hash of its content, in hexadecimal digits.
+        size_bytes: Size, bytes.
+    """
+
+    format: str
+    sha256: str
+    size_bytes: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -227,7 +240,8 @@ class RenderSettings(TypedDict, total=False):
             renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp. One of `lens`,
             `flag`, `scatter`, `gather`, `linear`, `importance`, `accumulation`, `pinhole`. Default: "lens".
         film: Stock of the film library; the shot's own when left out.
-        format: `exr` is scene-linear light, the others the graded picture. One of `exr`, `png`, `jpeg`. Default: "exr".
+        formats: Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture.
+            Default: ["exr"].
         frames: In the grammar of Open Job Description, such as `1-10:2,15`; the whole shot when left out.
         height: px; from the camera's film gate when left out.
         layers: Layers peeled at most. Default: 4.
@@ -256,7 +270,7 @@ class RenderSettings(TypedDict, total=False):
     display: str | None
     engine: Literal["lens", "flag", "scatter", "gather", "linear", "importance", "accumulation", "pinhole"]
     film: str | None
-    format: Literal["exr", "png", "jpeg"]
+    formats: list[Literal["exr", "png", "jpeg"]]
     frames: str | None
     height: int | None
     layers: int

@@ -13,13 +13,15 @@ from urllib.parse import quote
 
 from .decoding import camel_case
 from .errors import AnswerError, SettingError, WaitTimeoutError
-from .frame_files import SUFFIXES, FrameFile, file_name, find_fetched
+from .frame_files import SUFFIXES, FetchedFile, StoredFile, file_name, files_of, find_fetched
 from .models import Render, RenderList, RenderPlan, RenderTask, RenderTaskList, Shot, ShotList, ShotSummary
 from .packing import open_package
 from .steps import PATIENT, Call, Pause, Retries, Steps, Upload, Work, perform, read
 
 ENDED = ("done", "failed", "canceled")
 """States of a render that has ended."""
+MOVIES = ("mp4", "mov", "webm")
+"""Kinds of movies."""
 MOST_LISTED = 200
 """Renders of one answer."""
 _FIRST_LOOK_S, _LONGEST_LOOK_S = 0.25, 3.0
@@ -171,31 +173,56 @@ class Download:
     def __init__(self, folder: Path, retries: Retries) -> None:
         self._folder = folder
         self._retries = retries
-        self._fetched: dict[int, str | None] = {}
+        self._fetched: dict[tuple[int, str], str] = {}
 
-    def new_frames(self, render: Render) -> Steps[list[RenderTask]]:
-        """List the frames that are stored and not fetched."""
+    def new_files(self, render: Render) -> Steps[list[StoredFile]]:
+        """List the files that are stored and not fetched."""
         found = yield from tasks(render, self._retries)
-        return [task for task in found if task.state == "done" and self._fetched.get(task.frame, "") != task.sha256]
+        stored = [one for task in found if task.state == "done" for one in files_of(task)]
+        return [one for one in stored if self._fetched.get((one.frame, one.file.format)) != one.file.sha256]
 
-    def fetch(self, render: Render, task: RenderTask) -> Steps[Path]:
-        """Fetch a frame, unless its file is there already; return the file."""
-        path: Path | None = yield Work(lambda: find_fetched(self._folder, render, task))
+    def fetch(self, render: Render, stored: StoredFile) -> Steps[Path]:
+        """Fetch a file of a frame, unless it is there already; return its path."""
+        path: Path | None = yield Work(lambda: find_fetched(self._folder, render, stored))
         if path is None:
-            path = yield from self._receive(render, task)
-        self._fetched[task.frame] = task.sha256
+            path = yield from self._receive(render, stored)
+        self._fetched[stored.frame, stored.file.format] = stored.file.sha256
         return path
 
-    def _receive(self, render: Render, task: RenderTask) -> Steps[Path]:
-        with FrameFile(self._folder, task) as file:
-            call = Call("GET", f"{_address('renders', render)}/frames/{task.frame}")
+    def _receive(self, render: Render, stored: StoredFile) -> Steps[Path]:
+        frame, wanted = stored.frame, stored.file.format
+        with FetchedFile(self._folder, f"frame {frame}", stored.file) as file:
+            call = Call("GET", f"{_address('renders', render)}/frames/{frame}", {"format": wanted})
             answer = yield from perform(call, self._retries, file)
             kind = answer.headers.get("Content-Type", "").partition(";")[0].strip().lower()
-            if kind not in SUFFIXES:
-                raise AnswerError(f"frame {task.frame} comes as {kind[:80]!r}, expected one of {', '.join(SUFFIXES)}")
-            name = file_name(render, task.frame, SUFFIXES[kind])
-            kept: Path = yield Work(lambda: file.keep(name))
+            if SUFFIXES.get(kind) != wanted:
+                raise AnswerError(f"frame {frame} comes as {kind[:80]!r}, expected {wanted}")
+            kept: Path = yield Work(lambda: file.keep(file_name(render, frame, wanted)))
             return kept
+
+
+def fetch_movie(render: AnyRender, path: Path, retries: Retries) -> Steps[Path]:
+    """Fetch the movie of a render, whose kind is the ending of the path. Raises `SettingError`: it is no movie's."""
+    ending = path.suffix.lower().removeprefix(".")
+    if ending not in MOVIES:
+        raise SettingError(f"a movie is a .{', .'.join(MOVIES)} file, got {path.name!r}")
+    return _fetch_product(render, "movie", {"format": ending}, path, retries)
+
+
+def fetch_contact_sheet(render: AnyRender, path: Path, retries: Retries) -> Steps[Path]:
+    """Fetch the contact sheet of a render, a PNG. Raises `SettingError`: the path has another ending."""
+    if path.suffix.lower() != ".png":
+        raise SettingError(f"a contact sheet is a .png file, got {path.name!r}")
+    return _fetch_product(render, "contact-sheet", {}, path, retries)
+
+
+def _fetch_product(
+    render: AnyRender, product: str, query: Mapping[str, str | int], path: Path, retries: Retries
+) -> Steps[Path]:
+    with FetchedFile(path.parent, product, None) as file:
+        yield from perform(Call("GET", f"{_address('renders', render)}/{product}", query), retries, file)
+        kept: Path = yield Work(lambda: file.keep(path.name))
+        return kept
 
 
 def _address(kind: str, wanted: Shot | ShotSummary | Render | str) -> str:

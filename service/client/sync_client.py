@@ -204,10 +204,18 @@ class Client:
             now = self._run(watch.next_change())
             if on_progress is not None:
                 on_progress(now)
-            tasks = self._run(download.new_frames(now)) if now.done else []
-            self._run_all([download.fetch(now, task) for task in tasks], note, at_once)
+            files = self._run(download.new_files(now)) if now.done else []
+            self._run_all([download.fetch(now, file) for file in files], note, at_once)
             if not follow or now.state in ENDED:
                 return paths
+
+    def movie(self, render: AnyRender, path: AnyPath) -> Path:
+        """Fetch the movie of a render that has ended; the ending of the path is its kind: .mp4, .mov or .webm."""
+        return self._run(operations.fetch_movie(render, Path(path), self._retries))
+
+    def contact_sheet(self, render: AnyRender, path: AnyPath) -> Path:
+        """Fetch the contact sheet of a render that has ended, a PNG."""
+        return self._run(operations.fetch_contact_sheet(render, Path(path), self._retries))
 
     def _run_all(self, all_steps: Sequence[Steps[T]], note: Callable[[T], None], at_once: int) -> None:
         """Carry out operations by some threads. Where one fails, or Ctrl-C comes, the others are given up."""

@@ -41,6 +41,7 @@ from service.http.routes import (
     metering,
     photography,
     quarantine,
+    render_products,
     renders,
     shots,
     solving,
@@ -131,6 +132,7 @@ def create_app(settings: Settings) -> FastAPI:
         curves,
         renders,
         events,
+        render_products,
         keys,
     ):
         app.include_router(routes.router, prefix="/v1", responses=refusals())

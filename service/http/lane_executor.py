@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from service.http.service import Service
 from service.jobs.frame_work import FrameWork
 from service.picture.calls import frames
+from service.picture.requests import DrawnFrame
 from service.workers.calls import call
 
 
@@ -28,10 +29,10 @@ class LaneExecutor:
         """Return this process, and how many frames it draws at a time."""
         return {self._name: self._service.lanes.long.slots}
 
-    async def draw(self, worker: str, work: FrameWork) -> bytes:
+    async def draw(self, worker: str, work: FrameWork) -> DrawnFrame:
         """Draw a frame; see `service.jobs.frame_work.Executor`."""
         return await self._service.lanes.long.result(
-            call(frames.render_frame, work.request, work.format, False),
+            call(frames.render_files, work.request, work.formats),
             self._service.place_of(work.request.record),
             work.client,
             estimate_s=work.estimate_s,

@@ -20,6 +20,7 @@ from service.jobs.dask_executor import DaskAddress, DaskExecutor
 from service.jobs.frame_work import Executor, FrameError, FrameWork, may_pass
 from service.jobs.queue import RenderQueue
 from service.models.frames import FrameQuery
+from service.picture.requests import DrawnFrame
 from service.storage.store import ShotRecord
 from service.workers.errors import QueueFullError, StoppingError, WorkerError
 from service.workers.jobs import Client
@@ -198,14 +199,16 @@ async def _draw(service: Service, executor: Executor, claim: Claim) -> None:
     """Have a frame drawn and store it."""
     record = _shot_of(service, claim)
     service.quarantine.check(record)
-    query = FrameQuery.model_validate(claim.request | {"time": claim.frame})
+    formats = claim.request["formats"]
+    picture = {name: value for name, value in claim.request.items() if name != "formats"}
+    query = FrameQuery.model_validate(picture | {"time": claim.frame})
     cost, limits = service.admission.check(record.id, query)
     client = Client(claim.owner, claim.render)
     service.quotas.check_work(client)
     request = frame_request(record, claim.edits, query, limits)
     key = f"{claim.render}/{claim.frame}/{claim.attempt}"
-    content = await executor.draw(claim.worker, FrameWork(key, request, query.format, client, cost.ordinary_s))
-    storing = asyncio.ensure_future(run_in_threadpool(_store, service, claim, query.format, record.project, content))
+    drawn = await executor.draw(claim.worker, FrameWork(key, request, tuple(formats), client, cost.ordinary_s))
+    storing = asyncio.ensure_future(run_in_threadpool(_store, service, claim, record.project, drawn))
     try:
         await asyncio.shield(storing)
     except asyncio.CancelledError:
@@ -213,13 +216,23 @@ async def _draw(service: Service, executor: Executor, claim: Claim) -> None:
         raise
 
 
-def _store(service: Service, claim: Claim, suffix: str, project: str, content: bytes) -> None:
-    """Store a frame. What comes too late, as another worker has the frame by now, is thrown away."""
-    service.quotas.check_room(project, len(content))
-    path = service.render_files.path(claim.render, claim.frame, claim.attempt, suffix)
-    stored = service.render_files.write(path, content)
-    if not service.renders.finish(claim, stored.size_bytes, stored.sha256):
-        path.unlink(missing_ok=True)
+def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame) -> None:
+    """Store the files of a frame. What comes too late, as another worker has the frame by now, is thrown away."""
+    contents = {
+        suffix: drawn.files[suffix] for suffix in claim.request["formats"]
+    }  # a worker is not trusted with names
+    service.quotas.check_room(project, sum(map(len, contents.values())))
+    files, place = service.render_files, (claim.render, claim.frame)
+    is_stored = False
+    try:
+        entries = {
+            suffix: files.write(files.path(*place, claim.attempt, suffix), content)
+            for suffix, content in contents.items()
+        }
+        is_stored = service.renders.finish(claim, entries, drawn.time_codes_per_second)
+    finally:
+        for attempt in range(1, claim.attempt) if is_stored else (claim.attempt,):
+            files.remove_attempt(*place, attempt)
 
 
 def _shot_of(service: Service, claim: Claim) -> ShotRecord:

@@ -28,6 +28,7 @@ from service.http.metrics import Metrics
 from service.http.presence import Presence
 from service.http.quarantine import Quarantine
 from service.http.quotas import Quotas
+from service.http.render_products import RenderProducts
 from service.http.settings import MEBIBYTE, Settings
 from service.http.stopping import Stopping
 from service.jobs.files import RenderFiles
@@ -176,6 +177,11 @@ class Service:
     def long_exposures(self) -> LongExposures:
         """The long exposures of all shots."""
         return LongExposures(self.lanes.exposure, self.place_of)
+
+    @cached_property
+    def render_products(self) -> RenderProducts:
+        """The movies and contact sheets of all renders."""
+        return RenderProducts(self.lanes.final, self.renders, self.render_files, self.quotas)
 
     def close(self) -> None:
         """End the workers and release the data folder."""

@@ -22,7 +22,7 @@ class NewRender:
         shot_created_at: when that shot was accepted; another one may get its id later.
         edits: text of its edit layer.
         revision: of these edits.
-        request: the picture's settings, as JSON.
+        request: the picture's settings and ``formats``, as JSON.
         frames: in rising order.
         priority: higher ones come first.
     """
@@ -55,7 +55,7 @@ class Claim:
         shot: id of the shot.
         shot_created_at: when that shot was accepted.
         edits: text of its edit layer.
-        request: the picture's settings.
+        request: the picture's settings and ``formats``.
     """
 
     render: str

@@ -20,9 +20,10 @@ from typing import Any
 
 from render.errors import SettingsError
 from service.jobs import dask_worker
-from service.jobs.drawer import DrawnFrame, FailedFrame, MissingShot
+from service.jobs.drawer import DoneFrame, FailedFrame, MissingShot
 from service.jobs.frame_work import FrameError, FrameWork
 from service.jobs.shot_files import PART_BYTES, FileList, list_files, read_part
+from service.picture.requests import DrawnFrame
 from service.storage.store import ShotRecord
 from service.workers.errors import BLAMED, End
 from service.workers.jobs import Client
@@ -99,7 +100,7 @@ class DaskExecutor:
         """Return the workers of this version of the program, and how many frames may be with each."""
         return dict.fromkeys(self._workers, PLACES)
 
-    async def draw(self, worker: str, work: FrameWork) -> bytes:
+    async def draw(self, worker: str, work: FrameWork) -> DrawnFrame:
         """Have a worker draw a frame. Raises `FrameError`, `OSError`: its shot cannot be read."""
         files = await self._files_of(work.request.record)
         for _ in range(SENDS):
@@ -112,7 +113,7 @@ class DaskExecutor:
                 if answer.end in BLAMED:
                     self._on_blame(work.request.record.id, answer.end)
                 raise FrameError(answer.message, answer.may_pass)
-            return answer.content
+            return answer.frame
         raise FrameError(f"worker {worker} does not keep the shot, which may be larger than its budget", may_pass=False)
 
     async def close(self) -> None:
@@ -183,7 +184,7 @@ class DaskExecutor:
         if not self._greeted[address]:
             log.warning("worker %s has version %s, and this service %s", address, theirs, version("pullfocus"))
 
-    async def _ask(self, worker: str, work: FrameWork, files: FileList) -> DrawnFrame | FailedFrame | MissingShot:
+    async def _ask(self, worker: str, work: FrameWork, files: FileList) -> DoneFrame | FailedFrame | MissingShot:
         """Ask a worker for a frame."""
         address, client = self._workers.get(worker), self._client
         if address is None or client is None:
@@ -194,7 +195,7 @@ class DaskExecutor:
             while not (await asyncio.wait((waiting,), timeout=LOOK_PAUSE_S))[0]:
                 if self._workers.get(worker) != address:
                     raise FrameError(f"worker {worker} is gone", may_pass=True)
-            answer: DrawnFrame | FailedFrame | MissingShot = waiting.result()
+            answer: DoneFrame | FailedFrame | MissingShot = waiting.result()
             return answer
         except FrameError:
             raise

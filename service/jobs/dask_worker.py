@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from service.jobs.drawer import Drawer, DrawerSettings, DrawnFrame, FailedFrame, MissingShot
+from service.jobs.drawer import DoneFrame, Drawer, DrawerSettings, FailedFrame, MissingShot
 from service.jobs.frame_work import FrameWork
 from service.jobs.shot_files import FileList
 
@@ -46,7 +46,7 @@ async def greet(dask_worker: Worker) -> str:
     return version("pullfocus")
 
 
-async def draw(work: FrameWork, files: FileList) -> DrawnFrame | FailedFrame | MissingShot:
+async def draw(work: FrameWork, files: FileList) -> DoneFrame | FailedFrame | MissingShot:
     """Draw a frame; see `service.jobs.drawer.Drawer.draw`."""
     return await _own_drawer().draw(work, files)
 

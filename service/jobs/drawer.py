@@ -14,6 +14,7 @@ from service.jobs.frame_work import FrameWork, end_of, may_pass
 from service.jobs.shot_files import FileList, ShotFiles
 from service.picture.cache_filling import fill_cache
 from service.picture.calls import PRELOAD, frames, state
+from service.picture.requests import DrawnFrame
 from service.workers.caches import Caches
 from service.workers.calls import call
 from service.workers.errors import End, WorkerError
@@ -56,15 +57,15 @@ class DrawerSettings:
 
 
 @dataclass(frozen=True)
-class DrawnFrame:
+class DoneFrame:
     """A frame that was drawn.
 
     Attributes:
-        content: its file.
+        frame: its files.
         cpu_s: processor time that it took, s.
     """
 
-    content: bytes
+    frame: DrawnFrame
     cpu_s: float
 
 
@@ -123,7 +124,7 @@ class Drawer:
             max_waiting=64,
             timeout_s=settings.timeout_s,
         )
-        self._drawing: dict[str, asyncio.Task[bytes]] = {}
+        self._drawing: dict[str, asyncio.Task[DrawnFrame]] = {}
         self._filling = threading.Lock()
 
     def warm_up(self) -> None:
@@ -136,7 +137,7 @@ class Drawer:
                     "shaders cannot be compiled in advance, so that the first frame of a shot is late: %s", error
                 )
 
-    async def draw(self, work: FrameWork, files: FileList) -> DrawnFrame | FailedFrame | MissingShot:
+    async def draw(self, work: FrameWork, files: FileList) -> DoneFrame | FailedFrame | MissingShot:
         """Draw a frame.
 
         Args:
@@ -148,7 +149,7 @@ class Drawer:
             if folder is None:
                 return MissingShot()
             record = replace(work.request.record, folder=folder)
-            wanted = call(frames.render_frame, replace(work.request, record=record), work.format, False)
+            wanted = call(frames.render_files, replace(work.request, record=record), work.formats)
             token = observer.set(finished.append)
             drawing = asyncio.ensure_future(
                 self._lane.result(wanted, Place(files.hash, (record.files,)), work.client, estimate_s=work.estimate_s)
@@ -156,7 +157,7 @@ class Drawer:
             observer.reset(token)
             self._drawing[work.key] = drawing
             try:
-                return DrawnFrame(await drawing, _cpu_s(finished))
+                return DoneFrame(await drawing, _cpu_s(finished))
             except asyncio.CancelledError:
                 if not drawing.cancelled():
                     raise

@@ -6,25 +6,13 @@ import hashlib
 import secrets
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
 
 from render.files import sync_folder, write_atomic
 from render.removal import remove_tree
+from service.storage.database.tables import FileEntry, TaskRow
 
 FOLDER = "renders"
 _ASIDE = "removed-"
-
-
-class StoredFrame(NamedTuple):
-    """A frame that was stored.
-
-    Attributes:
-        size_bytes: of the file.
-        sha256: of its content, in hexadecimal digits.
-    """
-
-    size_bytes: int
-    sha256: str
 
 
 class RenderFiles:
@@ -41,8 +29,12 @@ class RenderFiles:
         """Return the path of what an attempt at a frame has drawn."""
         return self._folder / render_id / f"{frame}.{attempt}.{suffix}"
 
-    def write(self, path: Path, content: bytes) -> StoredFrame:
-        """Write a frame beside its place and move it there: writing it twice does no harm.
+    def products(self, render_id: str) -> Path:
+        """Return the folder of what is made of the frames of a render, such as movies; it is removed with them."""
+        return self._folder / render_id / "products"
+
+    def write(self, path: Path, content: bytes) -> FileEntry:
+        """Write a file of a frame beside its place and move it there: writing it twice does no harm.
 
         Raises:
             OutputError: it cannot be written.
@@ -53,7 +45,7 @@ class RenderFiles:
             sync_folder(self._folder)
         write_atomic(path, content)
         sync_folder(path.parent)  # the database says soon that it is there
-        return StoredFrame(len(content), hashlib.sha256(content).hexdigest())
+        return {"size_bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
 
     def set_aside(self, render_id: str) -> None:
         """Set the frames of a render aside, for `remove_set_aside`; it is no error if there are none."""
@@ -68,6 +60,16 @@ class RenderFiles:
             else:
                 folder.unlink(missing_ok=True)
 
-    def has(self, path: Path, size_bytes: int | None) -> bool:
-        """Return whether a frame is there, of the size that it was stored with."""
-        return path.is_file() and path.stat().st_size == size_bytes
+    def remove_attempt(self, render_id: str, frame: int, attempt: int) -> None:
+        """Remove what an attempt at a frame has stored; it is no error if there is nothing."""
+        for path in (self._folder / render_id).glob(f"{frame}.{attempt}.*"):
+            path.unlink(missing_ok=True)
+
+    def has(self, path: Path, entry: FileEntry | None) -> bool:
+        """Return whether a file of a frame is there, of the size that it was stored with."""
+        return entry is not None and path.is_file() and path.stat().st_size == entry["size_bytes"]
+
+    def has_all(self, task: TaskRow) -> bool:
+        """Return whether all files of a frame are there."""
+        paths = {suffix: self.path(task.render, task.frame, task.attempts, suffix) for suffix in task.files}
+        return bool(paths) and all(self.has(path, task.files[suffix]) for suffix, path in paths.items())

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from render.errors import GraphicsError, OutputError, PullfocusError
-from service.picture.requests import FrameRequest
+from service.picture.requests import DrawnFrame, FrameRequest
 from service.workers.errors import End, UnfitError, WorkerDiedError
 from service.workers.jobs import Client
 
@@ -19,14 +19,14 @@ class FrameWork:
     Attributes:
         key: unique name of this attempt.
         request: the frame and its shot.
-        format: of its file.
+        formats: of its files.
         client: who it is drawn for.
         estimate_s: processor time that it is expected to take, s.
     """
 
     key: str
     request: FrameRequest
-    format: str
+    formats: tuple[str, ...]
     client: Client
     estimate_s: float
 
@@ -55,8 +55,8 @@ class Executor(Protocol):
         """Return the workers that there are, and how many frames may be with each at a time."""
         ...
 
-    async def draw(self, worker: str, work: FrameWork) -> bytes:
-        """Draw a frame and return its file. Cancelling this ends the work.
+    async def draw(self, worker: str, work: FrameWork) -> DrawnFrame:
+        """Draw a frame and return its files. Cancelling this ends the work.
 
         Args:
             worker: who draws it, of `places`.

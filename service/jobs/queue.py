@@ -8,7 +8,7 @@ gone: the task is ready again after a pause. An error that may pass (a worker th
 from __future__ import annotations
 
 import secrets
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 
 from sqlalchemy import BigInteger, Engine, cast, delete, func, select, update
@@ -22,7 +22,7 @@ from service.jobs.frame_ranges import format_frames
 from service.jobs.states import find_render, find_unended, move
 from service.models.renders import TaskState
 from service.storage.database.connection import is_shared, time_of, transaction
-from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
+from service.storage.database.tables import AttemptRow, FileEntry, RenderRow, TaskRow
 from service.storage.events import EventLog
 
 MOST_FAILURES = 3
@@ -194,15 +194,25 @@ class RenderQueue:
             held[1].lease_until = self._clock(session) + lease_s
             return held[0].wanted != "cancel"
 
-    def finish(self, claim: Claim, size_bytes: int, sha256: str) -> bool:
-        """Note that a frame is drawn and stored; return whether the task was still the worker's."""
+    def finish(self, claim: Claim, files: Mapping[str, FileEntry], time_codes_per_second: float) -> bool:
+        """Note that a frame is drawn and stored.
+
+        Args:
+            claim: the task.
+            files: its files by format.
+            time_codes_per_second: of the shot, for movies.
+
+        Returns:
+            Whether the task was still the worker's.
+        """
         with self._writing() as session:
             held = self._held(session, claim)
             if held is None:
                 return False
             render, task = held
-            task.size_bytes, task.sha256 = size_bytes, sha256
-            render.stored_bytes += size_bytes
+            task.files = dict(files)
+            render.time_codes_per_second = time_codes_per_second
+            render.stored_bytes += _size_of(task)
             self._end(session, render, task, "done", "done", None)
             return True
 
@@ -295,7 +305,7 @@ class RenderQueue:
                 raise ConflictError(f"render {render_id!r} has no frames that have failed, were canceled or are lost")
             with noted(self._events, session, render):
                 for task in tasks:
-                    render.stored_bytes -= (task.size_bytes or 0) if task.state == "done" else 0
+                    render.stored_bytes -= _size_of(task) if task.state == "done" else 0
                     move(render, task, "ready")
                     task.failures, task.not_before = 0, 0.0
                 render.wanted = "pause" if render.wanted == "pause" else "run"
@@ -334,10 +344,16 @@ class RenderQueue:
                 self._end(session, render, task, "ready", "lost", "the service ended")
 
     def stored_bytes(self, project: str) -> int:
-        """Return the size of what the renders of a project have stored, bytes."""
-        total = cast(func.coalesce(func.sum(RenderRow.stored_bytes), 0), BigInteger)
+        """Return the size of what the renders of a project have stored, with their products, bytes."""
+        stored = func.sum(RenderRow.stored_bytes + RenderRow.product_bytes)
+        total = cast(func.coalesce(stored, 0), BigInteger)
         with self._reading() as session:
             return session.scalar(select(total).where(RenderRow.project == project)) or 0
+
+    def note_products(self, render_id: str, size_bytes: int) -> None:
+        """Note the size of all products of a render. Raises `NotFoundError`: it was removed meanwhile."""
+        with self._writing() as session:
+            find_render(session, render_id).product_bytes = size_bytes
 
     def numbers(self) -> dict[TaskState, int]:
         """Return the number of tasks in each state."""
@@ -433,6 +449,11 @@ def _left_to_others(session: Session, render_id: str, worker: str, present: Coll
     if len(own) >= MOST_FAILED_EACH and able:
         return None
     return {frame for frame in own if any(frame not in failed.get(name, ()) for name in able)}
+
+
+def _size_of(task: TaskRow) -> int:
+    """Return the size of a frame's files, bytes."""
+    return sum(entry["size_bytes"] for entry in task.files.values())
 
 
 def _sent_before(session: Session, owner: str, idempotency_key: str, digest: str) -> RenderRow | None:

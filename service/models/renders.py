@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 from pydantic.config import JsonDict
 
 from service.models.base import Model, PrimPath, shown_as
@@ -14,8 +14,9 @@ from service.models.frames import FrameQuery, PictureOptions
 RenderState = Literal[
     "queued", "running", "pause-requested", "paused", "cancel-requested", "canceled", "failed", "done"
 ]
+FrameFormat = Literal["exr", "png", "jpeg"]
+MovieFormat = Literal["mp4", "mov", "webm"]
 TaskState = Literal["ready", "running", "done", "failed", "canceled"]
-RenderFormat = Literal["exr", "png", "jpeg"]
 
 RENDER_EXAMPLE: JsonDict = {
     "id": "r-5f0c1d2e3a4b",
@@ -29,7 +30,7 @@ RENDER_EXAMPLE: JsonDict = {
     "frames": "1-96",
     "width": 480,
     "rays": 16,
-    "format": "exr",
+    "formats": ["exr", "png"],
     "count": 96,
     "ready": 70,
     "running": 1,
@@ -47,13 +48,18 @@ REQUEST_EXAMPLE: JsonDict = {
     "frames": "1-96:2",
     "width": 480,
     "rays": 16,
-    "format": "exr",
+    "formats": ["exr", "png"],
 }
 TASK_EXAMPLE: JsonDict = {
     "frame": 25,
     "state": "done",
-    "sizeBytes": 1_482_112,
-    "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+    "files": [
+        {
+            "format": "exr",
+            "sizeBytes": 1_482_112,
+            "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+        }
+    ],
     "attempts": [
         {
             "number": 1,
@@ -84,14 +90,26 @@ class RenderRequest(PictureOptions):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out."
     )
-    format: RenderFormat = Field(
-        default="exr", description="`exr` is scene-linear light, the others the graded picture."
+    formats: list[FrameFormat] = Field(
+        default=["exr"],
+        min_length=1,
+        max_length=3,
+        description="Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture.",
+        json_schema_extra={"uniqueItems": True},
     )
     priority: int = Field(default=50, ge=0, le=100, description="Renders of a higher one come first.")
 
+    @field_validator("formats")
+    @classmethod
+    def check_formats(cls, formats: list[FrameFormat]) -> list[FrameFormat]:
+        """Refuse a format that comes twice."""
+        if len(set(formats)) < len(formats):
+            raise ValueError("each format may come once")
+        return formats
+
     def picture(self, frame: float) -> FrameQuery:
         """Return the request of one of its frames."""
-        own = {"shot", "name", "frames", "priority"}
+        own = {"shot", "name", "frames", "formats", "priority"}
         return FrameQuery.model_validate(self.model_dump(exclude=own) | {"time": frame})
 
 
@@ -123,7 +141,7 @@ class Render(Model):
     frames: str = Field(description="All frames, as a range.")
     width: int = Field(description="Width of the pictures, px.")
     rays: int = Field(description="Lens rays for each pixel.")
-    format: RenderFormat = Field(description="Kind of the files.")
+    formats: list[FrameFormat] = Field(description="Files of each frame.")
     count: int = Field(description="Number of frames.")
     ready: int = Field(description="Frames that wait.")
     running: int = Field(description="Frames that are drawn.")
@@ -160,6 +178,14 @@ class Attempt(Model):
     error: str | None = Field(description="What went wrong.")
 
 
+class RenderedFile(Model):
+    """A stored file of a frame."""
+
+    format: FrameFormat
+    size_bytes: int = Field(description="Size, bytes.")
+    sha256: str = Field(description="Hash of its content, in hexadecimal digits.")
+
+
 class RenderTask(Model):
     """A frame of a render."""
 
@@ -167,8 +193,7 @@ class RenderTask(Model):
 
     frame: int
     state: TaskState
-    size_bytes: int | None = Field(description="Size of its file; null before it is stored.")
-    sha256: str | None = Field(description="Hash of its file, in hexadecimal digits.")
+    files: list[RenderedFile] = Field(description="Its files; none before it is stored.")
     attempts: list[Attempt] = Field(description="The first one first.")
 
 

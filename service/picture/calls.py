@@ -7,17 +7,28 @@ from typing import TYPE_CHECKING
 from service.workers.calls import RemoteModule
 
 if TYPE_CHECKING:
-    from service.picture import focus_maps, frames, live, long_exposure, metering, state, warming
+    from service.picture import focus_maps, frames, live, long_exposure, metering, render_products, state, warming
 else:
     focus_maps = RemoteModule("service.picture.focus_maps")
     frames = RemoteModule("service.picture.frames")
     live = RemoteModule("service.picture.live")
     long_exposure = RemoteModule("service.picture.long_exposure")
     metering = RemoteModule("service.picture.metering")
+    render_products = RemoteModule("service.picture.render_products")
     state = RemoteModule("service.picture.state")
     warming = RemoteModule("service.picture.warming")
 
 PRELOAD = "service.picture.preload"
 """Module that the template of the workers imports."""
 
-__all__ = ["PRELOAD", "focus_maps", "frames", "live", "long_exposure", "metering", "state", "warming"]
+__all__ = [
+    "PRELOAD",
+    "focus_maps",
+    "frames",
+    "live",
+    "long_exposure",
+    "metering",
+    "render_products",
+    "state",
+    "warming",
+]

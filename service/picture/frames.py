@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from render.film import GradeChoice
 from render.frame import FrameSettings
 from render.frame import Pick as SurfacePick
 from render.output import encode
-from render.pictures.picture import make_picture
+from render.pictures.live_finisher import LiveFinisher
+from render.pictures.picture import Picture, make_picture
 from render.pictures.picture_height import picture_height
 from render.shot import Shot
 from render.steps import step
 from service.models.focus import Anchor, Pick
 from service.models.shots import PickRequest
-from service.picture.requests import FrameRequest
+from service.picture.requests import DrawnFrame, FrameRequest
 from service.picture.state import PictureWorkerState, picture_function
 from service.storage.store import ShotRecord
 
@@ -41,8 +43,33 @@ def render_frame(state: PictureWorkerState, request: FrameRequest, file_format: 
     Raises:
         PullfocusError: as `render.pictures.picture.make_picture`.
     """
+    picture = _make_picture(state, request, state.live_finisher if live else None)
+    with step("encode"):
+        return encode(file_format, picture.frame, picture.graded, picture.metadata)
+
+
+@picture_function
+def render_files(state: PictureWorkerState, request: FrameRequest, formats: Sequence[str]) -> DrawnFrame:
+    """Render one frame, and encode it in several formats; each file is the one that `pullfocus record` writes.
+
+    Args:
+        state: the worker's state.
+        request: the frame.
+        formats: of png, jpeg and exr.
+
+    Raises:
+        PullfocusError: as `render.pictures.picture.make_picture`.
+    """
+    picture = _make_picture(state, request, None)
+    with step("encode"):
+        files = {name: encode(name, picture.frame, picture.graded, picture.metadata) for name in formats}
     with state.opened.use(request.record, request.edits) as shot:
-        picture = make_picture(
+        return DrawnFrame(files, shot.stage.GetTimeCodesPerSecond())
+
+
+def _make_picture(state: PictureWorkerState, request: FrameRequest, live: LiveFinisher | None) -> Picture:
+    with state.opened.use(request.record, request.edits) as shot:
+        return make_picture(
             state.renderer,
             shot,
             request.camera,
@@ -50,10 +77,8 @@ def render_frame(state: PictureWorkerState, request: FrameRequest, file_format: 
             frame_settings(request, shot),
             stock=request.finish["film"],
             choice=grade_choice(request),
-            live=state.live_finisher if live else None,
+            live=live,
         )
-        with step("encode"):
-            return encode(file_format, picture.frame, picture.graded, picture.metadata)
 
 
 def frame_settings(request: FrameRequest, shot: Shot) -> FrameSettings:

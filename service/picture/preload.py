@@ -10,7 +10,7 @@ from pxr import Work
 
 Work.SetConcurrencyLimit(1)
 
-from service.picture import frames, live, long_exposure, metering, warming  # noqa: E402, F401
+from service.picture import frames, live, long_exposure, metering, render_products, warming  # noqa: E402, F401
 from service.stage import (  # noqa: E402, F401
     cameras,
     curves,

@@ -100,3 +100,16 @@ class ExposureProgress:
     open_seconds: float = 0.0
     intervals: int = 0
     nd_stops: float = 0.0
+
+
+@dataclass(frozen=True)
+class DrawnFrame:
+    """A frame of a render.
+
+    Attributes:
+        files: content of its files by format.
+        time_codes_per_second: of the shot.
+    """
+
+    files: dict[str, bytes]
+    time_codes_per_second: float

@@ -116,16 +116,30 @@ def _run(client: Client, typed: argparse.Namespace) -> int:
         case "watch":
             return watch(client, typed.id, typed.out, typed)
         case "fetch":
-            paths = client.download(typed.id, typed.out, on_file=lambda path: print_message(str(path)))
-            render = client.get(typed.id)
-            print_message(f"{len(paths)} of {render.count} frames of render {render.id} are in {typed.out}")
-            return 0 if len(paths) == render.count else 1
+            return _fetch(client, typed)
         case "remove":
             client.remove(typed.id)
             print_message(f"render {typed.id} is removed")
         case change:
             print_end(client, getattr(client, change)(typed.id), typed)
     return 0
+
+
+def _fetch(client: Client, typed: argparse.Namespace) -> int:
+    if typed.out is None and typed.movie is None and typed.contact_sheet is None:
+        raise SettingsError("fetch needs --out, --movie or --contact-sheet, which say what goes where")
+    is_complete = True
+    if typed.out is not None:
+        paths = client.download(typed.id, typed.out, on_file=lambda path: print_message(str(path)))
+        render = client.get(typed.id)
+        frames = len(paths) // len(render.formats)
+        print_message(f"{frames} of {render.count} frames of render {render.id} are in {typed.out}")
+        is_complete = frames == render.count
+    if typed.movie is not None:
+        print_message(str(client.movie(typed.id, typed.movie)))
+    if typed.contact_sheet is not None:
+        print_message(str(client.contact_sheet(typed.id, typed.contact_sheet)))
+    return 0 if is_complete else 1
 
 
 def _render_parser() -> argparse.ArgumentParser:
@@ -157,10 +171,14 @@ def _jobs_parser() -> argparse.ArgumentParser:
     show = actions.add_parser("show", help="show one with its frames, and what went wrong with them")
     watching = actions.add_parser("watch", help="show the progress of one until its end")
     fetch = actions.add_parser(
-        "fetch", help="fetch the frames that are done; those that are there are not fetched again"
+        "fetch", help="fetch the frames that are done, those that are there left out, or a movie of them"
     )
     watching.add_argument("--out", metavar="DIR", type=Path, help="fetch each frame into this folder when it is done")
-    fetch.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder for the frames")
+    fetch.add_argument("--out", metavar="DIR", type=Path, help="folder for the frames")
+    fetch.add_argument(
+        "--movie", metavar="FILE", type=Path, help="write the movie of a render that has ended: .mp4, .mov, .webm"
+    )
+    fetch.add_argument("--contact-sheet", metavar="FILE.png", type=Path, help="write a sheet of its frames")
     changes = [actions.add_parser(action, help=purpose) for action, purpose in _CHANGES.items()]
     for action in (show, watching, fetch, *changes):
         action.add_argument("id", metavar="ID", help="id of the render")

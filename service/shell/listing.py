@@ -52,7 +52,7 @@ def print_render(render: Render, tasks: Sequence[RenderTask], *, as_json: bool) 
     print_result(about)
     table = _table("frame", "state", "attempts", "bytes", "error")
     for task in tasks:
-        size = "" if task.size_bytes is None else f"{task.size_bytes:,}"
+        size = f"{sum(file.size_bytes for file in task.files):,}" if task.files else ""
         _add(table, str(task.frame), task.state, str(len(task.attempts)), size, error_of(task))
     print_result(table)
 

@@ -13,9 +13,10 @@ from service.client import RenderSettings
 from service.jobs.frame_ranges import parse_frames
 from service.models.renders import RenderRequest
 
-_FIRST = ("frames", "name", "priority", "camera", "width", "height", "format")
+_FIRST = ("frames", "name", "priority", "camera", "width", "height", "formats")
 _SETTINGS = [name for name in RenderRequest.model_fields if name != "shot"]
 _METAVARS = {"frames": "RANGE", "camera": "PATH", "width": "PX", "height": "PX"}
+_OPTIONS = {"formats": "format"}
 _KINDS: dict[Any, Any] = {int: int, float: float, str: str}
 
 
@@ -31,11 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         }
         if kind is bool:
             arguments["action"] = argparse.BooleanOptionalAction
+        elif get_origin(kind) is list:
+            arguments |= {"choices": get_args(_plain(get_args(kind)[0])), "nargs": "+", "dest": name}
         elif get_origin(kind) is Literal:
             arguments["choices"] = get_args(kind)
         else:
             arguments |= {"type": _KINDS[kind], "metavar": _METAVARS.get(name, "TEXT" if kind is str else "N")}
-        group.add_argument(f"--{name.replace('_', '-')}", **arguments)
+        group.add_argument(f"--{_option(name)}", **arguments)
 
 
 def read_settings(typed: argparse.Namespace) -> RenderSettings:
@@ -52,12 +55,17 @@ def read_settings(typed: argparse.Namespace) -> RenderSettings:
         RenderRequest.model_validate({"shot": "shot"} | given)
     except ValidationError as error:
         first = error.errors()[0]
-        option = str(first["loc"][0] if first["loc"] else "").replace("_", "-")
-        raise SettingsError(f"--{option}: {first['msg']}, got {first['input']!r}") from error
+        name = str(first["loc"][0]) if first["loc"] else ""
+        raise SettingsError(f"--{_option(name)}: {first['msg']}, got {first['input']!r}") from error
     if given.get("frames") is not None:
         parse_frames(given["frames"])
     settings: RenderSettings = given
     return settings
+
+
+def _option(name: str) -> str:
+    """Return the name of the option of a setting."""
+    return _OPTIONS.get(name, name).replace("_", "-")
 
 
 def _plain(annotation: Any) -> Any:
@@ -71,8 +79,13 @@ def _plain(annotation: Any) -> Any:
 
 def _help(described: str, default: Any) -> str:
     text = described.rstrip(".").replace("%", "%%")
-    return (
-        text
-        if default in (None, "")
-        else f"{text} (default: {str(default).lower() if isinstance(default, bool) else default})"
+    if default in (None, ""):
+        return text
+    shown = (
+        " ".join(default)
+        if isinstance(default, list)
+        else str(default).lower()
+        if isinstance(default, bool)
+        else default
     )
+    return f"{text} (default: {shown})"

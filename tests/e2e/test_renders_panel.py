@@ -84,7 +84,7 @@ def check_request(sent: list[Request], service: str) -> None:
     requests = [request for request in sent if request.url == f"{service}/v1/renders"]
     assert [len(request.header_value("idempotency-key") or "") for request in requests] == [32]
     (render,) = httpx.get(f"{service}/v1/renders").json()["renders"]
-    wanted = {"shot": "demo", "frames": "1-2", "width": 64, "rays": 4, "format": "png", "priority": 50}
+    wanted = {"shot": "demo", "frames": "1-2", "width": 64, "rays": 4, "formats": ["png"], "priority": 50}
     assert wanted.items() <= render.items()
 
 

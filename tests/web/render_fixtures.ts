@@ -15,7 +15,7 @@ const RENDER: Render = {
   frames: "1-4",
   width: 480,
   rays: 16,
-  format: "png",
+  formats: ["png"],
   count: 4,
   ready: 4,
   running: 0,
@@ -40,7 +40,8 @@ export function task(frame: number, state: RenderTask["state"], afterS = 0, erro
   const endedAt = new Date(Date.parse(startedAt) + 1000 * afterS).toISOString();
   const attempt = { number: 1, worker: "pc", startedAt, endedAt, outcome, error } as const;
   const attempts = isStored || state === "failed" ? [attempt] : [];
-  return { frame, state, sizeBytes: isStored ? 1000 : null, sha256: isStored ? `hash ${frame}` : null, attempts };
+  const files = isStored ? [{ format: "png", sizeBytes: 1000, sha256: `hash ${frame}` } as const] : [];
+  return { frame, state, files, attempts };
 }
 
 export class FakeRenders implements RenderService {
@@ -93,8 +94,16 @@ export class FakeRenders implements RenderService {
     return Promise.resolve(this.ofRender);
   }
 
-  frameAddress(id: string, frame: number): string {
-    return `${id}/${frame}`;
+  frameAddress(id: string, frame: number, format: string): string {
+    return `${id}/${frame}.${format}`;
+  }
+
+  changes(): EventSource {
+    throw new Error("tests give their own changes");
+  }
+
+  productAddress(id: string, product: string): string {
+    return `${id}/${product}`;
   }
 
   #failAt(kind: keyof FakeRenders["failing"]): void {

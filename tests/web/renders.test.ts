@@ -96,7 +96,7 @@ describe("the frames of a render", () => {
 });
 
 describe("a draft", () => {
-  const draft: RenderDraft = { name: " ", frames: "1-9:2", width: "640", rays: "16", format: "png", priority: "50" };
+  const draft: RenderDraft = { name: " ", frames: "1-9:2", width: "640", rays: "16", formats: "png", priority: "50" };
   const view = { shot: "demo", camera: "/World/cam", layers: 4, supersample: 0, motion: 16 };
 
   it("has the whole frames of what is played", () => {
@@ -113,7 +113,7 @@ describe("a draft", () => {
       frames: "1-9:2",
       width: 640,
       rays: 16,
-      format: "png",
+      formats: ["png"],
       priority: 50,
       engine: "lens",
       layers: 4,

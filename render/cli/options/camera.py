@@ -17,6 +17,7 @@ from render.near_names import hint
 from render.optics.framing import Gate, framing_guide, shape
 from render.optics.photometry.exposure import ExposureSettings, shutter_time_s
 from render.output import format_of
+from render.output.formats import movie_format_of
 from render.shot import Shot
 from render.stage import read_camera
 from usd_schemas import LibraryBody, SchemaError, library_body
@@ -217,8 +218,9 @@ def _read_metering(typed: str) -> dict[str, Any]:
 def _read_guides(arguments: argparse.Namespace) -> tuple[Guide, ...]:
     if arguments.guides is None:
         return ()
-    if not arguments.contact_sheet and format_of(arguments.out) == "exr":
-        raise SettingsError(f"--guides are drawn on graded pictures (.png, .jpg), got {arguments.out}")
+    is_movie = movie_format_of(arguments.out) is not None
+    if not is_movie and not arguments.contact_sheet and format_of(arguments.out) == "exr":
+        raise SettingsError(f"--guides are drawn on graded pictures (.png, .jpg) and movies, got {arguments.out}")
     from render.drawing.guides import parse_guides  # imports matplotlib, which takes a second
 
     names = shared.split_words(arguments.guides)

@@ -18,7 +18,7 @@ _WITHOUT_SATURATION, _WITH_SATURATION = 9, 10
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options, for `read_grade_choice`."""
-    group = parser.add_argument_group("grade (PNG and JPEG), in place of the shot's")
+    group = parser.add_argument_group("grade (PNG, JPEG and movies), in place of the shot's")
     group.add_argument("--display", metavar="NAME", help="display of the OpenColorIO configuration")
     group.add_argument("--view", metavar="NAME", help="view of the display")
     group.add_argument(

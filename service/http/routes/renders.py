@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Path, Query, Response
 from fastapi.responses import FileResponse
@@ -19,6 +19,7 @@ from service.http.bodies import BodyRoute
 from service.http.clients import present_client
 from service.http.errors import ServiceError
 from service.http.hidden_folders import without_folders
+from service.http.render_products import frame_file_gone
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import problems
 from service.http.service import Service, ServiceDep
@@ -29,6 +30,7 @@ from service.jobs.states import not_found, state_of
 from service.models.base import plain_file_name
 from service.models.renders import (
     Attempt,
+    FrameFormat,
     Render,
     RenderList,
     RenderPlan,
@@ -150,20 +152,26 @@ def get_rendered_frame(
     service: ServiceDep,
     render: RenderInPath,
     frame: Annotated[int, Path(ge=-(10**9), le=10**9, description="One of its frames.", examples=[24])],
+    format: Annotated[
+        FrameFormat | None,
+        Query(description="One of the render's formats; the first of them when left out.", examples=["png"]),
+    ] = None,
 ) -> FileResponse:
     """Take a frame that a render has drawn."""
+    formats = render.request["formats"]
+    suffix = format or formats[0]
     task = service.renders.task(render.id, frame)
+    if suffix not in formats:
+        detail = f"Render {render.id!r} has no {suffix} files, it has {', '.join(formats)}."
+        raise ServiceError(404, "format_not_rendered", detail, path="format")
     if task.state != "done":
         detail = f"Frame {frame} of render {render.id!r} is not drawn yet: it is {task.state}."
         raise ServiceError(409, "frame_not_done", detail, path="frame")
-    suffix = render.request["format"]
     path = service.render_files.path(render.id, frame, task.attempts, suffix)
-    if not service.render_files.has(path, task.size_bytes):
-        detail = (
-            f"The file of frame {frame} of render {render.id!r} is gone or damaged; retry the render to draw it again."
-        )
-        raise ServiceError(404, "frame_file_gone", detail, path="frame")
-    headers = {"ETag": f'"{task.sha256}"', "Cache-Control": "private, no-cache"}
+    entry = task.files.get(suffix)
+    if entry is None or not service.render_files.has(path, entry):
+        raise frame_file_gone(render.id, frame)
+    headers = {"ETag": f'"{entry["sha256"]}"', "Cache-Control": "private, no-cache"}
     name = f"{plain_file_name(render.name) or 'render'}.{frame:04d}.{suffix}"
     return FileResponse(path, media_type=MEDIA_TYPES[suffix], filename=name, headers=headers)
 
@@ -189,13 +197,8 @@ def cancel_render(service: ServiceDep, render: RenderInPath) -> Render:
 @router.post("/{render}/retry", operation_id="retryRender", dependencies=RENDERS, responses=problems(404, 409))
 def retry_render(service: ServiceDep, render: RenderInPath) -> Render:
     """Draw those frames of a render again that have failed, were given up, or whose files are gone."""
-    suffix, files = render.request["format"], service.render_files
-    lost = [
-        task.frame
-        for task, _ in service.renders.tasks(render.id)
-        if task.state == "done"
-        and not files.has(files.path(render.id, task.frame, task.attempts, suffix), task.size_bytes)
-    ]
+    tasks = [task for task, _ in service.renders.tasks(render.id)]
+    lost = [task.frame for task in tasks if task.state == "done" and not service.render_files.has_all(task)]
     return _shown(service.renders.retry(render.id, lost))
 
 
@@ -249,7 +252,8 @@ def _new(
         shot_created_at=record.created_at.isoformat(),
         edits=edits,
         revision=revision_of(edits),
-        request=request.picture(frames[0]).model_dump(mode="json", exclude={"time", "client", "live"}),
+        request=request.picture(frames[0]).model_dump(mode="json", exclude={"time", "client", "live", "format"})
+        | {"formats": request.formats},
         frames=frames,
         priority=request.priority,
     )
@@ -264,14 +268,15 @@ def _shown(row: RenderRow) -> Render:
     if row.done > 0 and row.ready + row.running > 0:
         seconds_left = round(row.busy_s / row.done * (row.ready + row.running), 1)
     told = {name: getattr(row, name) for name in Render.model_fields if hasattr(row, name)}
-    told |= {name: row.request[name] for name in ("width", "rays", "format")}
+    told |= {name: row.request[name] for name in ("width", "rays", "formats")}
     told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left}
     told |= {"created_at": _time(row.created_at), "started_at": _time(row.started_at)}
     return Render.model_validate(told | {"finished_at": _time(row.finished_at)})
 
 
 def _shown_task(task: TaskRow, attempts: Sequence[AttemptRow]) -> RenderTask:
-    told = {name: getattr(task, name) for name in ("frame", "state", "size_bytes", "sha256")}
+    told: dict[str, Any] = {"frame": task.frame, "state": task.state}
+    told["files"] = [{"format": suffix, **entry} for suffix, entry in task.files.items() if task.state == "done"]
     return RenderTask.model_validate(told | {"attempts": [_shown_attempt(attempt) for attempt in attempts]})
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypedDict
 
 from sqlalchemy import (
     JSON,
@@ -31,6 +31,18 @@ class PlainText(TypeDecorator[str]):
     def process_bind_param(self, value: str | None, dialect: Dialect) -> str | None:
         """Return a text as it is stored and compared."""
         return None if value is None else _NOT_STORED.sub("\ufffd", value)
+
+
+class FileEntry(TypedDict):
+    """A stored file of a frame.
+
+    Attributes:
+        size_bytes: of the file.
+        sha256: of its content, in hexadecimal digits.
+    """
+
+    size_bytes: int
+    sha256: str
 
 
 class Table(DeclarativeBase):
@@ -69,6 +81,8 @@ class RenderRow(Table):
     finished_at: Mapped[float | None]
     not_before: Mapped[float] = mapped_column(default=0.0)
     stored_bytes: Mapped[int] = mapped_column(BigInteger, default=0)
+    product_bytes: Mapped[int] = mapped_column(BigInteger, default=0)
+    time_codes_per_second: Mapped[float | None]
     busy_s: Mapped[float] = mapped_column(default=0.0)
     ready: Mapped[int]
     running: Mapped[int] = mapped_column(default=0)
@@ -78,7 +92,7 @@ class RenderRow(Table):
 
 
 class TaskRow(Table):
-    """A frame of a render."""
+    """A frame of a render. Its files, by format, are those of the attempt that drew it last."""
 
     __tablename__ = "render_tasks"
     __table_args__ = (
@@ -94,8 +108,7 @@ class TaskRow(Table):
     not_before: Mapped[float] = mapped_column(default=0.0)
     worker: Mapped[str | None]
     lease_until: Mapped[float | None]
-    size_bytes: Mapped[int | None] = mapped_column(BigInteger)
-    sha256: Mapped[str | None]
+    files: Mapped[dict[str, FileEntry]] = mapped_column(JSON, default=dict)
 
 
 class AttemptRow(Table):

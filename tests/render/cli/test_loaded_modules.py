@@ -13,6 +13,7 @@ from tests.render.kits.cli_shots import CAMERA, SQUARE, write_shot
 pytestmark = pytest.mark.gl
 
 NOT_NEEDED = (
+    "av",
     "email",
     "fastapi",
     "freetype.raw",
@@ -37,6 +38,7 @@ NOT_NEEDED = (
     "render.focus.files",
     "render.lab",
     "render.optics.flare",
+    "render.output.movie",
     "render.optics.lens_files.zemax",
     "render.pictures.long_exposure",
     "render.postblur",

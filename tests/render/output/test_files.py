@@ -129,8 +129,8 @@ def test_the_ending_of_a_name_chooses_the_format(name: str, expected: str) -> No
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("shot.mp4", "movies come later: 'shot.mp4' cannot be written yet, record a numbered PNG sequence"),
-        ("shot.MOV", "movies come later"),
+        ("shot.mp4", "'shot.mp4' is a movie: expected a picture, one of .exr, .png, .jpg, .jpeg"),
+        ("shot.AVI", "unknown movie format of 'shot.AVI': expected one of .mp4, .mov, .webm, got '.avi'"),
         ("shot.tif", r"unknown picture format of 'shot.tif': expected one of .exr, .png, .jpg, .jpeg, got '.tif'"),
         ("shot", "expected one of .exr, .png, .jpg, .jpeg, got no ending"),
     ],

@@ -28,6 +28,9 @@ RENDER: dict[str, Any] = {
     "running": 0,
     "done": 2,
     "failed": 0,
+    "width": 480,
+    "rays": 16,
+    "formats": ["exr"],
     "canceled": 0,
     "createdAt": "2026-11-27T08:00:00Z",
     "startedAt": None,
@@ -82,10 +85,11 @@ def in_turn(*replies: httpx.Response | Exception) -> Fake:
     return Fake(reply)
 
 
-def task(frame: int, content: bytes, **changes: Any) -> dict[str, Any]:
-    """A frame that is stored."""
-    stored = {"frame": frame, "state": "done", "sizeBytes": len(content)}
-    return stored | {"sha256": hashlib.sha256(content).hexdigest(), "attempts": []} | changes
+def task(frame: int, content: bytes, *, file: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
+    """A frame that is stored as an EXR; `file` changes what is told of its file."""
+    digest = hashlib.sha256(content).hexdigest()
+    stored = {"format": "exr", "sizeBytes": len(content), "sha256": digest} | (file or {})
+    return {"frame": frame, "state": "done", "attempts": [], "files": [stored]} | changes
 
 
 def render_service(**frames: Any) -> Fake:

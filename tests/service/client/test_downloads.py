@@ -110,10 +110,10 @@ def test_a_long_name_fits_a_file_system():
 
 def test_no_file_leaves_the_folder(tmp_path):
     out = tmp_path / "out"
-    with render_service(render={"name": "../../escaped"}, type="image/png; x=../..").client() as client:
+    with render_service(render={"name": "../../escaped"}, type="image/x-exr; x=../..").client() as client:
         client.download("r-1", out)
     assert names(tmp_path) == ["out"]
-    assert names(out) == ["escaped.0001.png", "escaped.0002.png"]
+    assert names(out) == ["escaped.0001.exr", "escaped.0002.exr"]
 
 
 def test_what_is_no_picture_is_refused(tmp_path):
@@ -122,14 +122,23 @@ def test_what_is_no_picture_is_refused(tmp_path):
     assert names(tmp_path) == []
 
 
-def test_a_stored_frame_without_a_hash_is_refused(tmp_path):
-    service = render_service(tasks=[task(1, PICTURES[1], sha256=None)])
-    with service.client() as client, pytest.raises(AnswerError, match="how large"):
+@pytest.mark.parametrize(
+    ("told", "expected"),
+    [
+        ({"files": []}, "no file"),
+        ({"file": {"format": "../../evil"}}, "unknown format"),
+        ({"file": {"format": "png"}}, "png"),
+    ],
+)
+def test_a_stored_frame_is_told_with_its_files(tmp_path, told, expected):
+    service = render_service(tasks=[task(1, PICTURES[1], **told)])
+    with service.client() as client, pytest.raises(AnswerError, match=expected):
         client.download("r-1", tmp_path)
+    assert names(tmp_path) == []
 
 
 def test_frames_that_are_not_stored_are_left_out(tmp_path):
-    tasks = [task(1, PICTURES[1]), task(2, b"", state="failed", sizeBytes=None, sha256=None)]
+    tasks = [task(1, PICTURES[1]), task(2, b"", state="failed", files=[])]
     with render_service(render={"state": "failed", "done": 1, "failed": 1}, tasks=tasks).client() as client:
         assert client.download("r-1", tmp_path) == [tmp_path / "night.0001.exr"]
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 
+import av
 import pytest
 
-from service.client import AsyncClient, Client, RefusedError
+from service.client import AsyncClient, Client, RefusedError, SettingError
 from service.http.settings import Settings
 from tests.service.conftest import running
 
@@ -24,7 +25,7 @@ def test_a_shot_goes_all_the_way(service, room_file, tmp_path):
         assert client.shot(shot.id).frame_range == shot.frame_range
         plan = client.plan(shot, frames="1-2", **SMALL)
         assert (plan.frames, plan.count) == ("1-2", 2)
-        render = client.render(shot, frames="1-2", name="dailies", format="png", **SMALL)
+        render = client.render(shot, frames="1-2", name="dailies", formats=["png"], **SMALL)
         paths = client.download(render, tmp_path, follow=True, on_progress=progress.append)
         assert sorted(path.name for path in paths) == ["dailies.0001.png", "dailies.0002.png"]
         assert (progress[-1].state, progress[-1].done) == ("done", 2)
@@ -32,6 +33,11 @@ def test_a_shot_goes_all_the_way(service, room_file, tmp_path):
         assert (tmp_path / "dailies.0002.png").read_bytes() == fetched
         assert render.id in [each.id for each in client.renders()]
         assert client.wait(render.id).state == "done"
+        with av.open(str(client.movie(render, tmp_path / "dailies.mp4"))) as movie:
+            assert sum(1 for _ in movie.decode(video=0)) == 2
+        assert client.contact_sheet(render, tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")
+        with pytest.raises(SettingError, match=r"\.mp4"):
+            client.movie(render, tmp_path / "dailies.gif")
         with pytest.raises(RefusedError) as refused:
             client.pause(render)
         assert refused.value.status == 409

@@ -128,13 +128,17 @@ def prepare_render(demo: httpx.Client, name: str) -> None:
     """Cancel the renders of before, send another one, and bring it into the state that a call needs."""
     for render in demo.get("/v1/renders").json()["renders"]:
         demo.post(f"/v1/renders/{render['id']}/cancel")
-    sent = demo.post("/v1/renders", json={"shot": "demo", "frames": "24-96", "width": 16, "engine": "pinhole"})
+    wanted = {"shot": "demo", "frames": "24-96", "width": 16, "engine": "pinhole", "formats": ["exr", "png"]}
+    sent = demo.post("/v1/renders", json=wanted)
     address = sent.headers["location"]
     if name in ("retryRender", "removeRender"):
         demo.post(f"{address}/cancel")
         until(lambda: demo.get(address).json()["running"] == 0)
-    if name == "getRenderedFrame":
+    if name in ("getRenderedFrame", "getRenderMovie", "getRenderContactSheet"):
         until(lambda: demo.get(address).json()["done"] > 0)
+    if name in ("getRenderMovie", "getRenderContactSheet"):
+        demo.post(f"{address}/cancel")
+        until(lambda: demo.get(address).json()["state"] == "canceled")
 
 
 def prepare(demo: httpx.Client, name: str) -> None:

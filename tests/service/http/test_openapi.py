@@ -47,8 +47,8 @@ GET /v1/session, POST /v1/session, DELETE /v1/session, GET /v1/keys, POST /v1/ke
 GET /livez, GET /readyz, GET /metrics, GET /version,
 GET /v1/renders, POST /v1/renders, POST /v1/render-plans, GET /v1/renders/{render}, DELETE /v1/renders/{render},
 GET /v1/renders/{render}/tasks, GET /v1/renders/{render}/frames/{frame}, POST /v1/renders/{render}/pause,
-GET /v1/events,
-POST /v1/renders/{render}/resume, POST /v1/renders/{render}/cancel, POST /v1/renders/{render}/retry
+POST /v1/renders/{render}/resume, POST /v1/renders/{render}/cancel, POST /v1/renders/{render}/retry,
+GET /v1/renders/{render}/movie, GET /v1/renders/{render}/contact-sheet, GET /v1/events
 """
 
 

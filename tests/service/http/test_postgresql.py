@@ -9,7 +9,7 @@ from service.http.settings import Settings
 from service.upkeep.command import backup, restore
 from tests.service.conftest import running, send, until
 
-SMALL = {"width": 64, "rays": 4, "engine": "pinhole", "format": "png"}
+SMALL = {"width": 64, "rays": 4, "engine": "pinhole", "formats": ["png"]}
 
 
 @pytest.mark.gl
@@ -30,7 +30,7 @@ def test_a_service_draws_renders_over_postgresql(tmp_path, postgresql, postgresq
             answer = client.get(address)
             assert (answer.status_code, answer.json()["code"]) == (507, "queue_unusable")
             assert "pullfocus-postgresql" not in answer.text  # clients are not told where it is
-            assert client.get(f"/v1/shots/{room}/frame", params=SMALL | {"time": 1}).status_code == 200
+            assert client.get(f"/v1/shots/{room}/frame", params={"width": 64, "rays": 4, "time": 1}).status_code == 200
         finally:
             postgresql.start()
         again = client.post("/v1/renders", json=SMALL | {"shot": room, "frames": "2"}).json()

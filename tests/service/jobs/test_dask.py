@@ -99,7 +99,7 @@ def is_done(render: dict) -> bool:
 
 
 def test_workers_draw_frames_as_the_service_does(farm, service, room):
-    render = sent(service, room, frames="1-3", format="png")
+    render = sent(service, room, frames="1-3", formats=["png"])
     worker = farm.join("one")  # it waited for one
     wait_for(service, render, is_done)
     assert attempts_of(service, render) == [[("one", "done")]] * 3

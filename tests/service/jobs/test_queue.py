@@ -15,10 +15,12 @@ from service.jobs.states import state_of
 from service.storage.backup import back_up
 from service.storage.database.connection import open_database
 from service.storage.database.file import DATABASE
+from service.storage.database.tables import FileEntry
 from service.storage.restore import restore
 from tests.service.kits.queues import Clock, opened
 
 LEASE_S = 60.0
+FILES: dict[str, FileEntry] = {"exr": {"size_bytes": 7, "sha256": "hash"}, "png": {"size_bytes": 3, "sha256": "other"}}
 
 
 @pytest.fixture
@@ -44,7 +46,7 @@ def drawn(queue: RenderQueue, worker="one") -> tuple[str, int] | None:
     claim = queue.claim(worker, LEASE_S)
     if claim is None:
         return None
-    assert queue.finish(claim, 10, "hash")
+    assert queue.finish(claim, FILES, 24)
     return claim.render, claim.frame
 
 
@@ -99,10 +101,11 @@ def test_a_lost_lease_makes_the_frame_ready_after_a_pause(queue, clock):
     again = queue.claim("two", LEASE_S)
     assert (again.frame, again.attempt) == (1, 2)
     assert not queue.extend(lost, LEASE_S)
-    assert not queue.finish(lost, 1, "late")  # the first worker was slow, not gone: its answer is not counted
-    assert queue.finish(again, 10, "hash")
+    # The first worker was slow, not gone: its answer is not counted.
+    assert not queue.finish(lost, {"exr": {"size_bytes": 1, "sha256": "late"}}, 24)
+    assert queue.finish(again, FILES, 24)
     ((task, attempts),) = queue.tasks(sent.id)
-    assert (task.sha256, [attempt.outcome for attempt in attempts]) == ("hash", ["lost", "done"])
+    assert (task.files["exr"]["sha256"], [attempt.outcome for attempt in attempts]) == ("hash", ["lost", "done"])
 
 
 def test_an_error_that_may_pass_is_tried_three_times(queue, clock):
@@ -213,7 +216,7 @@ def test_a_paused_render_begins_no_frame(queue):
     assert state_of(queue.pause(sent.id)) == "pause-requested"
     assert queue.claim("two", LEASE_S) is None
     assert queue.extend(claim, LEASE_S)
-    queue.finish(claim, 10, "hash")
+    queue.finish(claim, FILES, 24)
     assert state_of(queue.get(sent.id)) == "paused"
     assert state_of(queue.resume(sent.id)) == "running"
     assert drawn(queue)[1] == 2
@@ -261,7 +264,7 @@ def test_workers_that_claim_at_once_never_share_a_frame(queue):
     def work(name: str) -> None:
         while (claim := queue.claim(name, LEASE_S)) is not None:
             claimed.append(claim.frame)
-            queue.finish(claim, 1, "hash")
+            queue.finish(claim, FILES, 24)
 
     threads = [threading.Thread(target=work, args=(f"worker {number}",)) for number in range(4)]
     for thread in threads:

@@ -38,7 +38,7 @@ export class RenderForm {
   constructor(service: RenderService, source: RenderSource, width: string) {
     [this.#service, this.#source] = [service, source];
     const frames = framesOf(source.playhead.played.peek());
-    this.draft = signal<RenderDraft>({ name: "", frames, width, rays: "100", format: "exr", priority: "50" });
+    this.draft = signal<RenderDraft>({ name: "", frames, width, rays: "100", formats: "exr", priority: "50" });
     void this.#try();
   }
 

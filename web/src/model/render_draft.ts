@@ -3,13 +3,22 @@
 import type { RenderRequest } from "./renders";
 import type { FrameRange } from "./time";
 
-export type RenderFormat = NonNullable<RenderRequest["format"]>;
+type FrameFormat = NonNullable<RenderRequest["formats"]>[number];
 
-export const FORMAT_NAMES: Readonly<Record<RenderFormat, string>> = {
-  exr: "Scene-linear (.exr)",
-  png: "Graded (.png)",
-  jpeg: "Graded (.jpeg)",
-};
+/** Files that can be chosen for each frame. */
+export const FILE_CHOICES = {
+  exr: { name: "Scene-linear (.exr)", formats: ["exr"] },
+  png: { name: "Graded (.png)", formats: ["png"] },
+  jpeg: { name: "Graded (.jpeg)", formats: ["jpeg"] },
+  both: { name: "Scene-linear and graded (.exr, .png)", formats: ["exr", "png"] },
+} as const satisfies Record<string, { name: string; formats: readonly FrameFormat[] }>;
+
+export type FileChoice = keyof typeof FILE_CHOICES;
+
+/** The format of a render that a browser shows; null where it has none. */
+export function shownFormat(formats: readonly FrameFormat[]): FrameFormat | null {
+  return formats.find((format) => format !== "exr") ?? null;
+}
 
 /** What is typed in each field. */
 export interface RenderDraft {
@@ -17,7 +26,7 @@ export interface RenderDraft {
   readonly frames: string;
   readonly width: string;
   readonly rays: string;
-  readonly format: RenderFormat;
+  readonly formats: FileChoice;
   readonly priority: string;
 }
 
@@ -69,7 +78,7 @@ export function requestOf(draft: RenderDraft, view: RenderedView): RenderRequest
     ...(frames !== "" && { frames }),
     width: Number(draft.width),
     rays: Number(draft.rays),
-    format: draft.format,
+    formats: [...FILE_CHOICES[draft.formats].formats],
     priority: Number(draft.priority),
     engine: "lens",
     layers,
@@ -85,4 +94,4 @@ export function fieldOf(path: string | null): DraftField | null {
   return FIELDS.find((field) => field === last) ?? null;
 }
 
-const FIELDS: readonly DraftField[] = ["name", "frames", "width", "rays", "format", "priority"];
+const FIELDS: readonly DraftField[] = ["name", "frames", "width", "rays", "formats", "priority"];

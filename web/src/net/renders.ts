@@ -17,8 +17,12 @@ export interface RenderService {
   act(render: string, action: RenderAction): Promise<Render | null>;
   /** The frames of a render, in rising order. */
   tasks(render: string): Promise<readonly RenderTask[]>;
-  /** Address of a frame that is drawn. */
-  frameAddress(render: string, frame: number): string;
+  /** Address of a frame that is drawn, in a format of its render. */
+  frameAddress(render: string, frame: number, format: string): string;
+  /** Follows what the service tells of renders and their frames. */
+  changes(): EventSource;
+  /** Address of the movie or the contact sheet of a render that has ended. */
+  productAddress(render: string, product: "movie" | "contact-sheet"): string;
 }
 
 export class HttpRenders implements RenderService {
@@ -57,7 +61,15 @@ export class HttpRenders implements RenderService {
     return tasks;
   }
 
-  frameAddress(render: string, frame: number): string {
-    return `${this.#base}/v1/renders/${encodeURIComponent(render)}/frames/${frame}`;
+  frameAddress(render: string, frame: number, format: string): string {
+    return `${this.#base}/v1/renders/${encodeURIComponent(render)}/frames/${frame}?format=${format}`;
+  }
+
+  changes(): EventSource {
+    return new EventSource(`${this.#base}/v1/events?topic=renders&topic=tasks`);
+  }
+
+  productAddress(render: string, product: "movie" | "contact-sheet"): string {
+    return `${this.#base}/v1/renders/${encodeURIComponent(render)}/${product}`;
   }
 }

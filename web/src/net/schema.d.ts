@@ -407,6 +407,26 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/renders/{render}/contact-sheet": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Contact Sheet
+         * @description Draw the frames of a render that has ended on one PNG, with their numbers; of more than 96 some at even distances.
+         */
+        readonly get: operations["getRenderContactSheet"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/renders/{render}/frames/{frame}": {
         readonly parameters: {
             readonly query?: never;
@@ -419,6 +439,26 @@ export interface paths {
          * @description Take a frame that a render has drawn.
          */
         readonly get: operations["getRenderedFrame"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/movie": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Movie
+         * @description Make a movie of the frames of a render that has ended, or take the one that was made before.
+         */
+        readonly get: operations["getRenderMovie"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -7607,7 +7647,10 @@ export interface components {
          *       "createdAt": "2026-11-27T08:00:00Z",
          *       "done": 25,
          *       "failed": 0,
-         *       "format": "exr",
+         *       "formats": [
+         *         "exr",
+         *         "png"
+         *       ],
          *       "frames": "1-96",
          *       "id": "r-5f0c1d2e3a4b",
          *       "name": "night tram, dailies",
@@ -7654,11 +7697,10 @@ export interface components {
             /** Finishedat */
             readonly finishedAt: string | null;
             /**
-             * Format
-             * @description Kind of the files.
-             * @enum {string}
+             * Formats
+             * @description Files of each frame.
              */
-            readonly format: "exr" | "png" | "jpeg";
+            readonly formats: readonly ("exr" | "png" | "jpeg")[];
             /**
              * Frames
              * @description All frames, as a range.
@@ -7731,6 +7773,27 @@ export interface components {
             readonly width: number;
         };
         /**
+         * RenderedFile
+         * @description A stored file of a frame.
+         */
+        readonly RenderedFile: {
+            /**
+             * Format
+             * @enum {string}
+             */
+            readonly format: "exr" | "png" | "jpeg";
+            /**
+             * Sha256
+             * @description Hash of its content, in hexadecimal digits.
+             */
+            readonly sha256: string;
+            /**
+             * Sizebytes
+             * @description Size, bytes.
+             */
+            readonly sizeBytes: number;
+        };
+        /**
          * RenderList
          * @description Renders, the newest first.
          * @example {
@@ -7741,7 +7804,10 @@ export interface components {
          *           "createdAt": "2026-11-27T08:00:00Z",
          *           "done": 25,
          *           "failed": 0,
-         *           "format": "exr",
+         *           "formats": [
+         *             "exr",
+         *             "png"
+         *           ],
          *           "frames": "1-96",
          *           "id": "r-5f0c1d2e3a4b",
          *           "name": "night tram, dailies",
@@ -7800,7 +7866,10 @@ export interface components {
          * RenderRequest
          * @description A render: which frames of a shot, how, and into what files. It keeps the edits that the shot has when it is sent.
          * @example {
-         *       "format": "exr",
+         *       "formats": [
+         *         "exr",
+         *         "png"
+         *       ],
          *       "frames": "1-96:2",
          *       "name": "night tram, dailies",
          *       "rays": 16,
@@ -7849,12 +7918,13 @@ export interface components {
              */
             readonly film?: string | null;
             /**
-             * Format
-             * @description `exr` is scene-linear light, the others the graded picture.
-             * @default exr
-             * @enum {string}
+             * Formats
+             * @description Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture.
+             * @default [
+             *       "exr"
+             *     ]
              */
-            readonly format?: "exr" | "png" | "jpeg";
+            readonly formats?: readonly ("exr" | "png" | "jpeg")[];
             /**
              * Frames
              * @description In the grammar of Open Job Description, such as `1-10:2,15`; the whole shot when left out.
@@ -7979,9 +8049,14 @@ export interface components {
          *           "worker": "camera-pc"
          *         }
          *       ],
+         *       "files": [
+         *         {
+         *           "format": "exr",
+         *           "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+         *           "sizeBytes": 1482112
+         *         }
+         *       ],
          *       "frame": 25,
-         *       "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
-         *       "sizeBytes": 1482112,
          *       "state": "done"
          *     }
          */
@@ -7991,18 +8066,13 @@ export interface components {
              * @description The first one first.
              */
             readonly attempts: readonly components["schemas"]["Attempt"][];
+            /**
+             * Files
+             * @description Its files; none before it is stored.
+             */
+            readonly files: readonly components["schemas"]["RenderedFile"][];
             /** Frame */
             readonly frame: number;
-            /**
-             * Sha256
-             * @description Hash of its file, in hexadecimal digits.
-             */
-            readonly sha256: string | null;
-            /**
-             * Sizebytes
-             * @description Size of its file; null before it is stored.
-             */
-            readonly sizeBytes: number | null;
             /**
              * State
              * @enum {string}
@@ -8024,9 +8094,14 @@ export interface components {
          *               "worker": "camera-pc"
          *             }
          *           ],
+         *           "files": [
+         *             {
+         *               "format": "exr",
+         *               "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+         *               "sizeBytes": 1482112
+         *             }
+         *           ],
          *           "frame": 25,
-         *           "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
-         *           "sizeBytes": 1482112,
          *           "state": "done"
          *         }
          *       ]
@@ -10292,9 +10367,98 @@ export interface operations {
             };
         };
     };
-    readonly getRenderedFrame: {
+    readonly getRenderContactSheet: {
         readonly parameters: {
             readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The sheet. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "image/png": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getRenderedFrame: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description One of the render's formats; the first of them when left out. */
+                readonly format?: ("exr" | "png" | "jpeg") | null;
+            };
             readonly header?: never;
             readonly path: {
                 /** @description One of its frames. */
@@ -10364,6 +10528,97 @@ export interface operations {
             };
             /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
             readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getRenderMovie: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description `mp4` is H.264, `mov` ProRes 422 HQ, `webm` VP9. */
+                readonly format?: "mp4" | "mov" | "webm";
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The movie. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "video/mp4": string;
+                    readonly "video/quicktime": string;
+                    readonly "video/webm": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

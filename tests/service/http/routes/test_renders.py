@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 
 import httpx
@@ -13,27 +14,9 @@ from render.errors import OutputError
 from service.http.errors import ServiceError
 from service.http.settings import Settings
 from tests.service.conftest import Running, running, send, until
+from tests.service.kits.renders import SMALL, ended, render_of, watched
 
 pytestmark = pytest.mark.gl
-
-SMALL = {"width": 32, "rays": 4, "engine": "pinhole"}
-ENDED = ("done", "failed", "canceled")
-
-
-def render_of(client: httpx.Client, shot: str, **request) -> dict:
-    answer = client.post("/v1/renders", json=SMALL | {"shot": shot} | request)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
-
-
-def ended(client: httpx.Client, render: dict) -> dict:
-    """The render, once it has ended."""
-    return watched(client, render, lambda now: now["state"] in ENDED)
-
-
-def watched(client: httpx.Client, render: dict, is_there) -> dict:
-    until(lambda: is_there(client.get(f"/v1/renders/{render['id']}").json()))
-    return client.get(f"/v1/renders/{render['id']}").json()
 
 
 def wait_for_turns(service: Running) -> None:
@@ -63,7 +46,7 @@ def test_frames_are_drawn_and_fetched(client, room, tmp_path):
     answer = client.get(f"/v1/renders/{render['id']}/frames/2")
     assert answer.headers["content-type"] == "image/x-exr"
     assert 'filename="x.0002.exr"' in answer.headers["content-disposition"]
-    assert answer.headers["etag"] == f'"{tasks[1]["sha256"]}"'
+    assert answer.headers["etag"] == f'"{tasks[1]["files"][0]["sha256"]}"'
     direct = client.get(f"/v1/shots/{room}/frame", params=SMALL | {"time": 2, "format": "exr"})
     pixels = []
     for name, content in (("render.exr", answer.content), ("frame.exr", direct.content)):
@@ -72,14 +55,67 @@ def test_frames_are_drawn_and_fetched(client, room, tmp_path):
     np.testing.assert_array_equal(*pixels)
 
 
+def test_all_formats_of_a_frame_are_of_one_drawing(service, client, room):
+    render = render_of(client, room, frames="1-2", formats=["exr", "png", "jpeg"])
+    assert render["formats"] == ["exr", "png", "jpeg"]
+    assert ended(client, render)["state"] == "done"
+    address = f"/v1/renders/{render['id']}"
+    tasks = client.get(f"{address}/tasks").json()["tasks"]
+    stored = service.settings.data / "renders" / render["id"]
+    for task in tasks:
+        assert [len(task["attempts"]), [file["format"] for file in task["files"]]] == [1, ["exr", "png", "jpeg"]]
+        for file in task["files"]:
+            query = {"format": file["format"]}
+            answer = client.get(f"{address}/frames/{task['frame']}", params=query)
+            direct = client.get(f"/v1/shots/{room}/frame", params=SMALL | query | {"time": task["frame"]})
+            assert answer.headers["content-type"] == direct.headers["content-type"]
+            assert hashlib.sha256(answer.content).hexdigest() == file["sha256"]
+            if file["format"] != "exr":  # an EXR's header has the frame as a whole number
+                assert answer.content == direct.content
+            assert len(answer.content) == file["sizeBytes"]
+            assert (stored / f"{task['frame']}.1.{file['format']}").read_bytes() == answer.content
+    first = client.get(f"{address}/frames/1")
+    assert (first.headers["content-type"], len(list(stored.iterdir()))) == ("image/x-exr", 6)
+
+
+def test_a_format_that_was_not_rendered_is_told(client, room):
+    render = render_of(client, room, frames="1", formats=["png"])
+    ended(client, render)
+    answer = client.get(f"/v1/renders/{render['id']}/frames/1", params={"format": "exr"})
+    assert (answer.status_code, answer.json()["code"]) == (404, "format_not_rendered")
+    assert "it has png" in answer.json()["detail"]
+
+
+def test_a_lost_file_of_any_format_is_drawn_again(service, client, room):
+    render = render_of(client, room, frames="1-2", formats=["exr", "png"])
+    ended(client, render)
+    address, folder = f"/v1/renders/{render['id']}", service.settings.data / "renders" / render["id"]
+    before = service.internal.renders.get(render["id"]).stored_bytes
+    (folder / "2.1.png").unlink()
+    assert client.get(f"{address}/frames/2").status_code == 200
+    answer = client.get(f"{address}/frames/2", params={"format": "png"})
+    assert (answer.status_code, answer.json()["code"]) == (404, "frame_file_gone")
+    assert client.post(f"{address}/retry").json()["ready"] == 1
+    assert ended(client, render)["done"] == 2
+    assert client.get(f"{address}/frames/2", params={"format": "png"}).status_code == 200
+    # The files of the first attempt are gone: nothing is stored that is not counted.
+    assert sorted(path.name for path in folder.iterdir()) == ["1.1.exr", "1.1.png", "2.2.exr", "2.2.png"]
+    stored = sum(path.stat().st_size for path in folder.iterdir())
+    now = service.internal.renders.get(render["id"]).stored_bytes
+    assert now == before
+    assert stored == sum(
+        file["sizeBytes"] for task in client.get(f"{address}/tasks").json()["tasks"] for file in task["files"]
+    )
+
+
 def test_a_render_keeps_the_edits_that_it_was_sent_with(client, room):
     plain = client.get(f"/v1/shots/{room}/frame", params=SMALL | {"time": 24}).content
-    before = render_of(client, room, format="png")
+    before = render_of(client, room, formats=["png"])
     client.post(f"/v1/renders/{before['id']}/pause")
     watched(client, before, lambda now: now["state"] == "paused")
     assert client.patch(f"/v1/shots/{room}/camera/exposure", json={"compensationStops": 3}).status_code == 200
     client.post(f"/v1/renders/{before['id']}/resume")
-    later = render_of(client, room, frames="24", format="png")
+    later = render_of(client, room, frames="24", formats=["png"])
     assert later["revision"] != before["revision"]
     assert [ended(client, render)["state"] for render in (before, later)] == ["done", "done"]
     bright = client.get(f"/v1/renders/{later['id']}/frames/24").content
@@ -104,7 +140,10 @@ def test_the_whole_shot_is_the_default_and_can_be_tried(client, room):
         ({"shot": "no-such-shot"}, 404, "shot_not_found"),
         ({"width": 8192, "height": 8192}, 422, "too_many_pixels"),
         ({"rays": 10**9}, 422, "too_costly"),
-        ({"format": "tiff"}, 422, "invalid_request"),
+        ({"formats": ["tiff"]}, 422, "invalid_request"),
+        ({"formats": []}, 422, "invalid_request"),
+        ({"formats": ["png", "png"]}, 422, "invalid_request"),
+        ({"format": "png"}, 422, "invalid_request"),
         ({"time": 1}, 422, "invalid_request"),
     ],
 )

@@ -5,7 +5,7 @@ import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import { RenderForm } from "../../editor/render_form";
 import type { Session } from "../../editor/session";
-import { FORMAT_NAMES, type DraftField, type RenderFormat } from "../../model/render_draft";
+import { FILE_CHOICES, type DraftField, type FileChoice } from "../../model/render_draft";
 import { planInWords, type Render } from "../../model/renders";
 
 interface NewRenderProps {
@@ -121,17 +121,17 @@ function Text({ hint, placeholder, ...row }: TextProps): JSX.Element {
 
 function Format({ form }: { form: RenderForm }): JSX.Element {
   return (
-    <Row form={form} field="format" label="Files">
+    <Row form={form} field="formats" label="Files">
       {(said) => (
         <select
           {...said}
-          value={form.draft.value.format}
+          value={form.draft.value.formats}
           onChange={({ currentTarget }) => {
-            form.type({ format: currentTarget.value as RenderFormat });
+            form.type({ formats: currentTarget.value as FileChoice });
           }}
         >
-          {Object.entries(FORMAT_NAMES).map(([format, name]) => (
-            <option key={format} value={format}>
+          {Object.entries(FILE_CHOICES).map(([choice, { name }]) => (
+            <option key={choice} value={choice}>
               {name}
             </option>
           ))}

@@ -13,6 +13,7 @@ import {
   type Render,
   type RenderTask,
 } from "../../model/renders";
+import { shownFormat } from "../../model/render_draft";
 import { sentence } from "../../net/errors";
 import { formatBytes } from "../numbers";
 import { FrameCells } from "./FrameCells";
@@ -24,7 +25,7 @@ interface RenderFramesProps {
   readonly render: Render;
   /** Null until they are known. */
   readonly tasks: readonly RenderTask[] | null;
-  readonly address: (frame: number) => string;
+  readonly address: (frame: number, format: string) => string;
 }
 
 export function RenderFrames({ render, tasks, address }: RenderFramesProps): JSX.Element {
@@ -34,15 +35,16 @@ export function RenderFrames({ render, tasks, address }: RenderFramesProps): JSX
   const group = groups.find((each) => each.tasks.some(({ frame }) => frame === chosen)) ?? null;
   const task = group?.tasks.find(({ frame }) => frame === chosen) ?? null;
   const pictured = task?.state === "done" ? task : lastDrawn(tasks);
+  const format = shownFormat(render.formats);
   const choose = ({ tasks: [first] }: FrameGroup): void => {
     setChosen(first?.frame ?? null);
   };
   return (
     <>
-      {render.format !== "exr" && pictured && (
+      {format && pictured && (
         <Picture
-          key={pictured.sha256}
-          address={address(pictured.frame)}
+          key={pictured.files[0]?.sha256}
+          address={address(pictured.frame, format)}
           label={`Frame ${pictured.frame} of ${render.name}`}
         />
       )}
@@ -60,11 +62,7 @@ export function RenderFrames({ render, tasks, address }: RenderFramesProps): JSX
           </>
         )}
         <Failures tasks={tasks} />
-        {task ? (
-          <Frame task={task} address={address(task.frame)} />
-        ) : (
-          <p class="muted">Choose a frame to see its attempts.</p>
-        )}
+        {task ? <Frame task={task} address={address} /> : <p class="muted">Choose a frame to see its attempts.</p>}
       </div>
     </>
   );
@@ -105,18 +103,18 @@ function Failures({ tasks }: { tasks: readonly RenderTask[] }): JSX.Element | nu
 /** Kinds of failures that are listed. */
 const MOST_FAILURES = 5;
 
-function Frame({ task, address }: { task: RenderTask; address: string }): JSX.Element {
-  const { frame, state, attempts, sizeBytes } = task;
+function Frame({ task, address }: Pick<RenderFramesProps, "address"> & { task: RenderTask }): JSX.Element {
+  const { frame, state, attempts, files } = task;
   return (
     <div class="render-frame" role="group" aria-label={`Frame ${frame}`}>
       <p>
         <b>{`Frame ${frame}`}</b> {TASK_NAMES[state]}
-        {sizeBytes !== null && state === "done" && `, ${formatBytes(sizeBytes)}`}
-        {state === "done" && (
-          <a class="button small" href={address} download>
-            {`Download frame ${frame}`}
-          </a>
-        )}
+        {state === "done" &&
+          files.map(({ format, sizeBytes }) => (
+            <a key={format} class="button small" href={address(frame, format)} download>
+              {`Download frame ${frame} (.${format}, ${formatBytes(sizeBytes)})`}
+            </a>
+          ))}
       </p>
       <ol aria-label={`Attempts at frame ${frame}`}>
         {attempts.map((attempt) => (

@@ -14,6 +14,7 @@ import {
   type Render,
   type RenderAction,
 } from "../../model/renders";
+import { shownFormat } from "../../model/render_draft";
 import { RenderFrames } from "./RenderFrames";
 
 interface RenderRowProps {
@@ -21,10 +22,11 @@ interface RenderRowProps {
   readonly render: Render;
   /** Why the person may change no render; null where they may. */
   readonly refusal: string | null;
-  readonly frameAddress: (frame: number) => string;
+  readonly frameAddress: (frame: number, format: string) => string;
+  readonly productAddress: (product: "movie" | "contact-sheet") => string;
 }
 
-export function RenderRow({ renders, render, refusal, frameAddress }: RenderRowProps): JSX.Element {
+export function RenderRow({ renders, render, refusal, frameAddress, productAddress }: RenderRowProps): JSX.Element {
   const [asked, setAsked] = useState<RenderAction | null>(null);
   const frames = useId();
   const head = useRef<HTMLButtonElement>(null);
@@ -82,6 +84,7 @@ export function RenderRow({ renders, render, refusal, frameAddress }: RenderRowP
       )}
       {isOpen && (
         <div id={frames} class="render-frames">
+          <Products render={render} address={productAddress} />
           <RenderFrames render={render} tasks={renders.tasks.value} address={frameAddress} />
         </div>
       )}
@@ -89,8 +92,30 @@ export function RenderRow({ renders, render, refusal, frameAddress }: RenderRowP
   );
 }
 
-function factsOf({ frames, width, format, rays, owner, createdAt }: Render): string {
-  const files = `${width} px .${format}, ${plural(rays, "ray")}`;
+/** What is made of all frames of a render that has ended. */
+function Products({
+  render,
+  address,
+}: {
+  render: Render;
+  address: RenderRowProps["productAddress"];
+}): JSX.Element | null {
+  const { name, done, ready, running, formats } = render;
+  if (done === 0 || ready + running > 0 || shownFormat(formats) === null) return null;
+  return (
+    <p class="render-products" role="group" aria-label={`Files of all frames of ${name}`}>
+      <a class="button small" href={address("movie")} download>
+        Download movie
+      </a>
+      <a class="button small" href={address("contact-sheet")} download>
+        Download contact sheet
+      </a>
+    </p>
+  );
+}
+
+function factsOf({ frames, width, formats, rays, owner, createdAt }: Render): string {
+  const files = `${width} px .${formats.join(" .")}, ${plural(rays, "ray")}`;
   return `Frames ${frames} · ${files} · by ${owner}, ${formatEnd(createdAt, new Date())}`;
 }
 

@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Renders } from "../../editor/renders";
 import type { Render } from "../../model/renders";
-import { PolledChanges } from "../../net/render_changes";
+import { PolledChanges, ToldChanges } from "../../net/render_changes";
 import type { RendersPanelProps } from "../dialogs/RendersDialog";
 import { Icon } from "../icons";
 import { NewRender } from "./NewRender";
@@ -12,7 +12,10 @@ import { RenderRow } from "./RenderRow";
 import "../style/renders.css";
 
 export function RendersPanel({ editor, close }: RendersPanelProps): JSX.Element {
-  const [renders] = useState(() => new Renders(editor.service.renders, new PolledChanges(document)));
+  const [renders] = useState(() => {
+    const service = editor.service.renders;
+    return new Renders(service, new ToldChanges(() => service.changes(), new PolledChanges(document)));
+  });
   const [isOfShot, setOfShot] = useState(false);
   useEffect(() => renders.follow(), [renders]);
   const session = editor.session.value;
@@ -108,7 +111,8 @@ function List({ renders, editor, shot }: ListProps): JSX.Element {
             renders={renders}
             render={render}
             refusal={refusal}
-            frameAddress={(frame) => editor.service.renders.frameAddress(render.id, frame)}
+            frameAddress={(frame, format) => editor.service.renders.frameAddress(render.id, frame, format)}
+            productAddress={(product) => editor.service.renders.productAddress(render.id, product)}
           />
         ))}
       </ul>

@@ -1,0 +1,159 @@
+"""Products of a render: movies and contact sheets, which are made of its stored frames when they are asked for first.
+
+A worker process makes them, beside the frames. The name of a product's file has a hash of its frames, so that it is made anew
+only once these have changed; the file of before is then removed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from weakref import WeakValueDictionary
+
+from starlette.concurrency import run_in_threadpool
+
+from service.http.clients import present_client
+from service.http.errors import ServiceError
+from service.http.quotas import Quotas
+from service.jobs.files import RenderFiles
+from service.jobs.queue import RenderQueue
+from service.jobs.states import state_of
+from service.picture.calls import state as picture_state
+from service.storage.database.tables import RenderRow
+from service.workers.calls import Call
+from service.workers.lane import Lane
+from service.workers.places import Place
+
+GRADED = ("png", "jpeg")
+"""Formats that products are made of, the best one first."""
+VERSION = 1
+"""Changes where the same frames give another product than before."""
+
+Frames = list[tuple[int, Path]]
+"""Frames in rising order, and their graded pictures."""
+MakeCall = Callable[[Frames, Path], Call[picture_state.PictureWorkerState, None]]
+"""Makes the call that writes a product of frames to a file."""
+
+
+@dataclass(frozen=True)
+class Product:
+    """A product that is stored.
+
+    Attributes:
+        path: its file.
+        etag: changes with the frames.
+    """
+
+    path: Path
+    etag: str
+
+
+@dataclass(frozen=True)
+class RenderProducts:
+    """The products of all renders.
+
+    Attributes:
+        lane: of the workers that make them.
+        queue: the renders.
+        files: their frames.
+        quotas: judge what senders and projects may use.
+    """
+
+    lane: Lane[picture_state.PictureWorkerState]
+    queue: RenderQueue
+    files: RenderFiles
+    quotas: Quotas
+    _making: WeakValueDictionary[Path, asyncio.Lock] = field(default_factory=WeakValueDictionary)
+
+    async def find(self, render: RenderRow, name: str, suffix: str, make_call: MakeCall) -> Product:
+        """Return a product, which is made where it is missing.
+
+        Args:
+            render: it has ended.
+            name: of the product.
+            suffix: of its file.
+            make_call: makes the call that writes it.
+
+        Raises:
+            ServiceError: 409, the render is under way, or has no graded frames; 404, a frame is gone; 403, the project has
+                no room.
+            PullfocusError: the product cannot be made.
+            WorkerError: the worker ended, or took too long.
+        """
+        frames, digest = await run_in_threadpool(self._frames_of, render)
+        folder = self.files.products(render.id).resolve()
+        path = folder / f"{name}.{digest}.{suffix}"
+        lock = self._making.setdefault(path, asyncio.Lock())
+        async with lock:
+            if not await run_in_threadpool(path.is_file):
+                await self._make(render, frames, path, make_call)
+        return Product(path, f'"{digest}"')
+
+    async def _make(self, render: RenderRow, frames: Frames, path: Path, make_call: MakeCall) -> None:
+        self.quotas.check_work()
+        await run_in_threadpool(path.parent.mkdir, exist_ok=True)
+        _remove_unfinished(path)
+        place = Place(read=(path.parent.parent,), write=(path.parent,))
+        try:
+            await self.lane.result(make_call(frames, path), place, present_client())
+        finally:
+            _remove_unfinished(path)
+        await run_in_threadpool(self._keep, render, path)
+
+    def _keep(self, render: RenderRow, path: Path) -> None:
+        """Remove the product of before, and count the new one. Raises `ServiceError` 403: the project has no room for it."""
+        name, _, suffix = path.name.split(".")
+        for old in path.parent.glob(f"{name}.*.{suffix}"):
+            if old != path:
+                old.unlink(missing_ok=True)
+        try:
+            self.quotas.check_room(render.project, path.stat().st_size)
+        except ServiceError:
+            path.unlink(missing_ok=True)
+            raise
+        total = sum(each.stat().st_size for each in path.parent.iterdir())
+        self.queue.note_products(render.id, total)
+
+    def _frames_of(self, render: RenderRow) -> tuple[Frames, str]:
+        """Return the graded frames of a render that has ended, and a hash of them and of what else products depend on."""
+        if render.ready + render.running > 0:
+            detail = f"Render {render.id!r} has not ended: it is {state_of(render)}."
+            raise ServiceError(409, "render_not_ended", detail, path="render")
+        suffix = next((name for name in GRADED if name in render.request["formats"]), None)
+        if suffix is None:
+            detail = (
+                f"Render {render.id!r} has no graded frames, of which movies and contact sheets are made: send it with "
+                '"formats": ["exr", "png"].'
+            )
+            raise ServiceError(409, "no_graded_frames", detail, path="render")
+        files, frames = self.files, []
+        digest = hashlib.sha256(repr((VERSION, render.name, render.time_codes_per_second)).encode())
+        for task, _ in self.queue.tasks(render.id):
+            if task.state != "done":
+                continue
+            path = files.path(render.id, task.frame, task.attempts, suffix)
+            entry = task.files.get(suffix)
+            if entry is None or not files.has(path, entry):
+                raise frame_file_gone(render.id, task.frame)
+            frames.append((task.frame, path.resolve()))
+            digest.update(f"{task.frame} {entry['sha256']}\n".encode())
+        if not frames:
+            raise ServiceError(
+                409, "no_graded_frames", f"Render {render.id!r} has ended without a frame.", path="render"
+            )
+        return frames, digest.hexdigest()[:32]
+
+
+def _remove_unfinished(path: Path) -> None:
+    """Remove what a worker that was ended has left of a product."""
+    for part in path.parent.glob(f".{path.name}.*.part"):
+        part.unlink(missing_ok=True)
+
+
+def frame_file_gone(render_id: str, frame: int) -> ServiceError:
+    """Return the error that the file of a frame is gone or damaged."""
+    detail = f"The file of frame {frame} of render {render_id!r} is gone or damaged; retry the render to draw it again."
+    return ServiceError(404, "frame_file_gone", detail, path="frame")

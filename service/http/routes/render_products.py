@@ -1,0 +1,69 @@
+"""Routes of what is made of the frames of a render: movies and contact sheets."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from fastapi.responses import FileResponse
+
+from service.http.access import RENDERS
+from service.http.render_products import Product
+from service.http.routes.frames import BINARY
+from service.http.routes.parameters import SHEET, problems
+from service.http.routes.renders import RenderInPath
+from service.http.service import ServiceDep
+from service.models.base import plain_file_name
+from service.models.renders import MovieFormat
+from service.picture.calls import render_products as calls
+from service.storage.database.tables import RenderRow
+from service.workers.calls import call
+
+router = APIRouter(tags=["renders"], prefix="/renders", dependencies=RENDERS)
+
+MOVIE_TYPES: dict[MovieFormat, str] = {"mp4": "video/mp4", "mov": "video/quicktime", "webm": "video/webm"}
+DEFAULT_RATE = 24.0
+"""Time codes per second of USD, for renders whose frames were drawn before the service noted them."""
+
+
+@router.get(
+    "/{render}/movie",
+    operation_id="getRenderMovie",
+    response_class=FileResponse,
+    responses=problems(404, 409, 503)
+    | {200: {"content": dict.fromkeys(MOVIE_TYPES.values(), BINARY), "description": "The movie."}},
+)
+async def get_movie(
+    service: ServiceDep,
+    render: RenderInPath,
+    format: Annotated[
+        MovieFormat,
+        Query(description="`mp4` is H.264, `mov` ProRes 422 HQ, `webm` VP9.", examples=["mp4"]),
+    ] = "mp4",
+) -> FileResponse:
+    """Make a movie of the frames of a render that has ended, or take the one that was made before."""
+    rate = render.time_codes_per_second or DEFAULT_RATE
+    product = await service.render_products.find(
+        render, "movie", format, lambda frames, path: call(calls.write_movie, render.name, frames, rate, path)
+    )
+    return _answer(render, product, MOVIE_TYPES[format])
+
+
+@router.get(
+    "/{render}/contact-sheet",
+    operation_id="getRenderContactSheet",
+    response_class=FileResponse,
+    responses=problems(404, 409, 503) | SHEET,
+)
+async def get_contact_sheet(service: ServiceDep, render: RenderInPath) -> FileResponse:
+    """Draw the frames of a render that has ended on one PNG, with their numbers; of more than 96 some at even distances."""
+    product = await service.render_products.find(
+        render, "sheet", "png", lambda frames, path: call(calls.write_contact_sheet, render.name, frames, path)
+    )
+    return _answer(render, product, "image/png")
+
+
+def _answer(render: RenderRow, product: Product, media_type: str) -> FileResponse:
+    headers = {"ETag": product.etag, "Cache-Control": "private, no-cache"}
+    name = f"{plain_file_name(render.name) or 'render'}{product.path.suffix}"
+    return FileResponse(product.path, media_type=media_type, filename=name, headers=headers)

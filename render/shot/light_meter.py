@@ -127,10 +127,8 @@ class LightMeter:
         rate = self._shot.stage.GetTimeCodesPerSecond()
         seconds = np.nan_to_num([*times, time]) / rate
         light = float(smoothed_keys(seconds[:-1], stops, metering.smoothing_s, at_s=seconds[-1:])[0])
-        needed_stops = exposure.settings.compensation_stops - exposure.reading(2**light).stops
-        return float(
-            np.clip(needed_stops + metering.compensation_stops, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS)
-        )
+        needed_stops = exposure.reading(2**light).compensation_stops + metering.compensation_stops
+        return float(np.clip(needed_stops, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS))
 
     def _times(self, time: float, smoothing_s: float) -> list[float]:
         """Times of the readings that count at a time, an odd number of time codes apart so that alternating flicker averages."""

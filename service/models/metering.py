@@ -139,10 +139,11 @@ class MeterReading(Model):
     incident_lux: float = Field(description="Illuminance at which a matt 18 % grey has that luminance.")
     film_lux: float = Field(description="Illuminance of the film by that luminance.")
     stops: Distance = Field(
-        description="Stops over middle grey as the exposure is set; negative is under, null is black."
+        description="Stops over middle grey as the exposure is set; negative is under, null is black: where no light is, or "
+        "comes through the lens."
     )
     compensation_stops: Distance = Field(
         description="Exposure compensation that renders the metered area as middle grey plus the meter's own compensation, "
-        "smoothed over time where the meter decides; null for black."
+        "smoothed over time where the meter decides; null where `stops` is."
     )
     decides: bool = Field(description="True where the camera is exposed by its meter, which makes up for `stops`.")

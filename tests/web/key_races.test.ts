@@ -20,7 +20,6 @@ it("a third drag goes on from the second, when the first is made meanwhile", asy
     new Promise((resolve) => {
       answers.push(resolve);
     });
-  nowAt(fake, 1, 14, 20);
   const first = session.keys.drag(stackAt(session, 10)).commit({ by: 4, reach: null });
   const second = session.keys.drag(stackAt(session, 10)).commit({ by: -3, reach: null });
   await turn();

@@ -117,3 +117,46 @@ describe("colours and groups of points", () => {
     expect(session.foldedGroups.value.size).toBe(0);
   });
 });
+
+describe("what is done to a point while an edit of it is under way", () => {
+  const DOINGS: readonly [string, (session: Session) => void][] = [
+    [
+      "a value",
+      (session) => {
+        session.dragPoint("weight", point("far"), "weight").commit(0.5);
+      },
+    ],
+    [
+      "a pull",
+      (session) => {
+        session.pullTo(point("far"));
+      },
+    ],
+  ];
+
+  it.each(DOINGS)("is not sent where that removes it, and that is said: %s", async (_, act) => {
+    const { fake, session, failed } = await opened();
+    fake.onMade = () => {
+      fake.points = [point("near")];
+    };
+    const removed = session.pointEdits.remove(point("far"));
+    act(session);
+    await removed;
+    await session.idle();
+    expect(fake.made).toEqual([[{ type: "removePoint", name: "far" }]]);
+    expect(failed).toMatchObject([{ message: "There is no far any more." }]);
+    expect(session.document.unsaved.value).toEqual([]);
+  });
+
+  it.each(DOINGS)("follows it to another name: %s", async (_, act) => {
+    const { fake, session, failed } = await opened();
+    const renamed = renameTo({ fake, session }, "mara");
+    act(session);
+    await renamed;
+    await session.idle();
+    const names = fake.made[1]?.flatMap((change) => ("name" in change ? [change.name] : [])) ?? [];
+    expect(names).toContain("mara");
+    expect(names).not.toContain("far");
+    expect(failed).toEqual([]);
+  });
+});

@@ -104,7 +104,7 @@ def print_readings(readings: Sequence[Metered]) -> None:
             f"{reading.luminance_nits:.4g}",
             "black" if is_dark else f"{reading.ev100:.2f}",
             f"{metered.lux_on_film:.3g}",
-            "" if is_dark else f"{reading.stops:+.2f}",
+            f"{reading.stops:+.2f}" if math.isfinite(reading.stops) else "",
             "" if math.isnan(metered.compensation_stops) else f"{metered.compensation_stops:+.2f}",
         )
     print_result(table)

@@ -38,10 +38,12 @@ class Reading:
     Attributes:
         luminance_nits: mean luminance of the metered pixels; 0 where they are black.
         settings: exposure settings.
+        transmittance: share of the light that reaches the film; 0 where none does.
     """
 
     luminance_nits: float
     settings: ExposureSettings
+    transmittance: float = 1.0
 
     @property
     def ev100(self) -> float:
@@ -55,13 +57,13 @@ class Reading:
 
     @property
     def stops(self) -> float:
-        """Stops above middle grey; negative below it, minus infinity for black."""
-        return _log2(self.luminance_nits * self.settings.scale / MIDDLE_GREY)
+        """Stops above middle grey; negative below it, minus infinity where the picture is black."""
+        return _log2(self.luminance_nits * self.settings.scale * self.transmittance / MIDDLE_GREY)
 
     @property
     def compensation_stops(self) -> float:
-        """Compensation that would make the metered luminance middle grey; NaN for black."""
-        return self.settings.compensation_stops - self.stops if self.luminance_nits > 0 else math.nan
+        """Compensation that would make the metered luminance middle grey; NaN where the picture is black."""
+        return self.settings.compensation_stops - self.stops if math.isfinite(self.stops) else math.nan
 
 
 def meter(

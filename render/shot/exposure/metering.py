@@ -30,7 +30,7 @@ class Metered:
         reading: of that time alone, with the exposure as it is set.
         exposure: as it is set.
         compensation_stops: replaces the present compensation: exposes the metered light to middle grey, plus the metering
-            compensation, smoothed over time. NaN where all is black.
+            compensation, smoothed over time. NaN where all is black, and where no light comes through the lens.
     """
 
     time: float
@@ -47,7 +47,7 @@ class Metered:
 
     @property
     def exposed(self) -> ExposureReadout:
-        """The exposure with the meter's compensation; as it is set where all is black."""
+        """The exposure with the meter's compensation; as it is set where that is NaN."""
         if math.isnan(self.compensation_stops):
             return self.exposure
         settings = replace(self.exposure.settings, compensation_stops=self.compensation_stops)

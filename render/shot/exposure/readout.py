@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Literal
 
 from numpy.typing import ArrayLike
@@ -125,11 +124,8 @@ class ExposureReadout:
 
         Args:
             luminance_nits: as seen from outside of the lens.
-
-        Raises:
-            SettingsError: no light passes.
         """
-        return Reading(luminance_nits, self._metered_settings)
+        return Reading(luminance_nits, self.settings, self.transmittance)
 
     def equivalents(self, stops: Sequence[int] = range(-3, 4)) -> tuple[ExposureSettings, ...]:
         """Exposures of the same brightness at other f-numbers, whole stops away.
@@ -139,15 +135,6 @@ class ExposureReadout:
         """
         exposed = self.settings
         return tuple(equivalent(exposed, "time", f_stop=exposed.f_stop * math.sqrt(2.0) ** n) for n in stops)
-
-    @cached_property
-    def _metered_settings(self) -> ExposureSettings:
-        if not self.transmittance > 0:
-            raise SettingsError(
-                f"no light comes through the lens of {self.camera or 'the camera'}: nothing can be metered",
-                code="no_light",
-            )
-        return replace(self.settings, responsivity=self.settings.responsivity * self.transmittance)
 
     @property
     def _exposing_path(self) -> LightPath:

@@ -178,6 +178,20 @@ def test_wrong_arguments_are_reported_in_one_line(
 
 
 @pytest.mark.gl
+def test_a_lens_without_light_is_metered_but_exposes_nothing(command: Command, tmp_path: Path) -> None:
+    closed = AUTO.replace("MODE", "average").replace("lens:neutralDensity = 0.3", "lens:transmittance = 0")
+    shot = write_shot(tmp_path / "closed.usda", closed, SQUARE)
+    ended = command("meter", shot, "--json")
+    assert ended.status == 0
+    (frame,) = json.loads(ended.out)["frames"]
+    assert frame["luminanceNits"] > 0
+    assert (frame["stops"], frame["compensationStops"], frame["luxOnFilm"]) == (None, None, 0)
+    assert "inf" not in command("meter", shot).out.splitlines()[-1]
+    keyed = command("meter", shot, "--key", tmp_path / "keys.usda")
+    assert (keyed.status, "nothing to meter" in keyed.err) == (1, True)
+
+
+@pytest.mark.gl
 def test_a_black_shot_and_an_unknown_point_are_reported(command: Command, tmp_path: Path) -> None:
     black = write_shot(tmp_path / "black.usda", AUTO.replace("MODE", "spot").replace("1: 1, 6: 1, 7: 8", "1: 0"))
     ended = command("meter", black, "--mode", "average", "--key", tmp_path / "keys.usda")

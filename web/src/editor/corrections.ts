@@ -53,9 +53,18 @@ export class Corrections {
    * Starts a drag of a value. On a dense curve it bends the curve around its time.
    *
    * @param plain changes that set the value elsewhere.
+   * @param made those of the edit, where something has to be read for them.
    */
-  drag(label: string, at: CurvePlace, plain: (value: number) => Changes): Drag<number> {
-    if (!isDense(at.keys, at.time)) return this.#document.drag(label, plain);
+  drag(
+    label: string,
+    at: CurvePlace,
+    plain: (value: number) => Changes,
+    made?: (value: number) => () => Promise<Changes>,
+  ): Drag<number> {
+    if (!isDense(at.keys, at.time)) {
+      const drag = this.#document.drag(label, plain);
+      return made ? { ...drag, commit: (value) => void this.#edit(label, plain(value), made(value)) } : drag;
+    }
     const to = (value: number): Correction => ({ ...at, value });
     const drag = this.#document.drag(label, (value: number) => correct(to(value), this.width.peek()));
     return { ...drag, commit: (value) => void this.#make(label, to(value)) };
@@ -71,6 +80,19 @@ export class Corrections {
       this.#made.value = { ...last, width, revision: this.#document.revision.peek() };
   }
 
+  /** Ends a drag with an edit. */
+  #edit(
+    label: string,
+    unsaved: Changes,
+    changes: Changes | (() => Promise<Changes>),
+    gesture?: string,
+  ): Promise<boolean> {
+    this.#document.unsaved.value = unsaved;
+    const edited = this.#document.edit(label, changes, unsaved, gesture);
+    this.#document.dragging.value = false;
+    return edited;
+  }
+
   async #make(label: string, shown: Correction): Promise<void> {
     const document = this.#document;
     const width = this.width.peek();
@@ -79,9 +101,9 @@ export class Corrections {
     let correction = shown;
     const unsaved = correct(shown, width);
     const owner = followOwner(shown.owner, this.#names);
-    // Where other edits are under way, they may be of the same curve.
+    // Where other edits are under way, or have just been made, they may be of the same curve.
     const changes =
-      document.pending.peek() === 0
+      document.pending.peek() === 0 && document.hasFreshPoints
         ? unsaved
         : async () => {
             const keys = await this.#read(owner());
@@ -89,9 +111,7 @@ export class Corrections {
             correction = { ...shown, owner: owner(), keys };
             return correct(correction, width);
           };
-    document.unsaved.value = unsaved;
-    const edited = document.edit(label, changes, unsaved, gesture);
-    document.dragging.value = false;
-    if (await edited) this.#made.value = { ...correction, label, gesture, width, revision: document.revision.peek() };
+    if (await this.#edit(label, unsaved, changes, gesture))
+      this.#made.value = { ...correction, label, gesture, width, revision: document.revision.peek() };
   }
 }

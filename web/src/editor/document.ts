@@ -149,6 +149,11 @@ export class ShotDocument {
       this.#settings.value?.revision === this.revision.value,
   );
 
+  /** Whether `points` are of the present time and revision. */
+  get hasFreshPoints(): boolean {
+    return this.pointsByTime.known(this.#time.peek()) === this.points.peek();
+  }
+
   /** Reads focus points, readout and focus settings at a time; while the time or a drag is moving, the focus points alone. */
   follow(time: number, moving: boolean, revision: number): void {
     if (!this.hasLens) return;

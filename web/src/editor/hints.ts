@@ -1,6 +1,8 @@
 /** Reasons why a gesture does nothing, with what to do about it. */
 
+import type { Changes } from "../model/changes";
 import { MOST_CHANGES, type KeyOwner } from "../model/key_lanes";
+import { beyondLimits, MOST_TIME, MOST_VALUE, MOST_WIDTH, type Beyond } from "../model/key_limits";
 import type { Shot } from "../model/shot";
 import { HintError } from "../net/errors";
 
@@ -9,16 +11,39 @@ export function noEditsHint(reason: string | null): HintError | null {
   return reason === null ? null : new HintError(reason, "Whoever gave you the key can give you one that may.");
 }
 
-/** Where an edit would set or remove more keys than the service takes in one. */
-export function tooManyKeysHint(): HintError {
-  const most = Math.floor((MOST_CHANGES - 1) / 2).toString();
-  return new HintError("These are too many keys at once.", `An edit takes some ${most} keys: select fewer of them.`);
+const BEYOND: Readonly<Record<Beyond, readonly [string, string]>> = {
+  time: ["The keys would be too far away.", `Frames go from ${inDigits(-MOST_TIME)} to ${inDigits(MOST_TIME)}.`],
+  value: ["The values would be too large.", `Values go from ${inDigits(-MOST_VALUE)} to ${inDigits(MOST_VALUE)}.`],
+  handle: ["The handles of the keys would be too long or too steep.", handleAdvice()],
+};
+
+/** Where an edit would set or remove keys that the service does not take; null where it takes them. */
+export function refusedKeysHint(changes: Changes): HintError | null {
+  if (changes.length > MOST_CHANGES) {
+    const most = Math.floor((MOST_CHANGES - 1) / 2).toString();
+    return new HintError("These are too many keys at once.", `An edit takes some ${most} keys: select fewer of them.`);
+  }
+  const beyond = beyondLimits(changes);
+  return beyond && new HintError(...BEYOND[beyond]);
+}
+
+function handleAdvice(): string {
+  return `A handle may reach ${inDigits(MOST_WIDTH)} frames, and rise by ${inDigits(MOST_VALUE)} in each.`;
+}
+
+function inDigits(value: number): string {
+  return value.toLocaleString("en").replace("-", "−");
 }
 
 /** Where the focus point is gone whose keys are edited. */
 export function goneHint(owner: KeyOwner): HintError {
   const name = "point" in owner ? owner.point : owner.setting;
   return new HintError(`There is no ${name} any more.`, "Its keys went with it.");
+}
+
+/** Where a focus point is gone that is to be edited. */
+export function noPointHint(name: string): HintError {
+  return new HintError(`There is no ${name} any more.`, "Select another point.");
 }
 
 /** Where the focus points of all copied keys are gone. */

@@ -1,7 +1,7 @@
 /** Drags of the selected keys, and what labels of edits call them. */
 
-import type { KeyStack, OwnedKey } from "../model/key_lanes";
-import { formatFrame } from "../model/time";
+import { holdAll, mapKeys, movedStack, snapShift, type KeyStack, type OwnedKey } from "../model/key_lanes";
+import { formatFrame, type FrameRange } from "../model/time";
 
 /** How far a pointer or a key has moved stacks. */
 export interface KeyShift {
@@ -21,6 +21,34 @@ export interface KeyDrag {
   cancel(): void;
 }
 
+/**
+ * Returns a function that tells how far stacks go together, time codes.
+ *
+ * @param from time of the one that snaps.
+ * @param targets times to snap to.
+ */
+export function snapping(
+  range: FrameRange,
+  stacks: readonly KeyStack[],
+  from: number,
+  targets: readonly number[],
+): (shift: KeyShift) => number {
+  return ({ by, reach }) => {
+    const shift = reach === null ? Number(by.toFixed(2)) : snapShift(range, from, by, targets, reach);
+    return holdAll(range, stacks, shift);
+  };
+}
+
+/** Stacks that have gone so far, and are otherwise what becomes of them. */
+export function shifted(
+  stacks: readonly KeyStack[],
+  { reshape }: Pick<KeyShift, "reshape">,
+  by: number,
+): readonly KeyStack[] {
+  const reshaped = reshape ? mapKeys(stacks, reshape) : stacks;
+  return by === 0 ? reshaped : reshaped.map((stack) => movedStack(stack, by));
+}
+
 /** Stacks as labels of edits call them. */
 export function named(stacks: readonly KeyStack[]): string {
   const [only] = stacks;
@@ -37,4 +65,6 @@ export interface Pending {
   /** For each of them the ids by which the service may have it, as the edits under way are made one after the other. */
   readonly of: readonly ReadonlySet<string>[];
   readonly stacks: readonly KeyStack[];
+  /** Whether the newest of these edits has been made; undefined where none is under way. */
+  readonly isMade?: Promise<boolean>;
 }

@@ -7,8 +7,6 @@ import {
   lanesOf,
   mapKeys,
   mirrored,
-  MOST_CHANGES,
-  movedStack,
   pasteKeys,
   labelOf,
   firstTime,
@@ -19,7 +17,6 @@ import {
   replaceStacks,
   setKey,
   shaped,
-  snapShift,
   stackId,
   stretched,
   valued,
@@ -38,8 +35,8 @@ import { respanned } from "../model/value_scale";
 import { follow, followKeys, withOwners, withoutGone, type ReadKeys } from "./current_keys";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
-import { nothingToPasteHint, tooManyKeysHint } from "./hints";
-import { idsOf, named, type KeyDrag, type KeyShift, type Pending } from "./key_drag";
+import { nothingToPasteHint, refusedKeysHint } from "./hints";
+import { idsOf, named, shifted, snapping, type KeyDrag, type KeyShift, type Pending } from "./key_drag";
 import type { CameraPhotography } from "./photography";
 import type { Playhead } from "./playhead";
 import type { PointNames } from "./point_names";
@@ -179,15 +176,8 @@ export class KeyEditing {
     // Not to the lane's other keys, which would be replaced.
     const others = this.lanes.peek().flatMap((lane) => (lanes.has(lane.id) ? [] : lane.stacks));
     const targets = [playhead.time.peek(), ...others.map(({ time }) => time)];
-    const snapped = ({ by, reach }: KeyShift): number => {
-      const shift = reach === null ? Number(by.toFixed(2)) : snapShift(playhead.range, from, by, targets, reach);
-      return holdAll(playhead.range, stacks, shift);
-    };
-    const after = (shift: KeyShift): readonly KeyStack[] => {
-      const by = snapped(shift);
-      const reshaped = shift.reshape ? mapKeys(stacks, shift.reshape) : stacks;
-      return by === 0 ? reshaped : reshaped.map((stack) => movedStack(stack, by));
-    };
+    const snapped = snapping(playhead.range, stacks, from, targets);
+    const after = (shift: KeyShift): readonly KeyStack[] => shifted(stacks, shift, snapped(shift));
     return {
       move: (shift) => {
         const moved = after(shift);
@@ -195,7 +185,7 @@ export class KeyEditing {
         playhead.pause();
         batch(() => {
           this.#show(base, moved);
-          if (changes.length <= MOST_CHANGES) document.preview(changes);
+          if (!refusedKeysHint(changes)) document.preview(changes);
         });
       },
       commit: async (shift) => {
@@ -214,7 +204,7 @@ export class KeyEditing {
   moveTo(time: number): void {
     this.#change("Move", (stacks) => {
       const by = holdAll(this.#parts.playhead.range, stacks, time - firstTime(stacks));
-      return by === 0 ? stacks : stacks.map((stack) => movedStack(stack, by));
+      return shifted(stacks, {}, by);
     });
   }
 
@@ -228,7 +218,9 @@ export class KeyEditing {
 
   /** Keeps the selected keys for `paste`. */
   copy(): void {
-    this.copied.value = this.#base().stacks.flatMap(({ keys }) => keys);
+    const { stacks } = this.#base();
+    if (stacks.length === 0) return;
+    this.copied.value = stacks.flatMap(({ keys }) => keys);
     this.#copiedNow = followKeys(this.copied.peek(), this.#parts.pointNames);
   }
 
@@ -289,9 +281,15 @@ export class KeyEditing {
 
   async remove(): Promise<void> {
     if (this.isDragged) return;
-    const { stacks } = this.#base();
+    const base = this.#base();
+    const { stacks } = base;
     const before = this.selected.value;
-    const isMade = await this.#edit(`Remove ${named(stacks)}`, removeStacks(stacks));
+    const edited = this.#edit(`Remove ${named(stacks)}`, removeStacks(stacks), base);
+    // What is done to them meanwhile is done to none.
+    const pending: Pending = { of: this.#idsNow(base), stacks: [], isMade: edited };
+    this.#pending = pending;
+    const isMade = await edited;
+    if (this.#pending === pending) this.#forgetPending();
     if (isMade && this.selected.value === before) this.clear();
   }
 
@@ -346,13 +344,13 @@ export class KeyEditing {
 
   /** Edits stacks, which stay selected as they are afterwards. */
   async #apply(label: string, base: Pending, after: readonly KeyStack[]): Promise<boolean> {
-    const isKnown = this.#pending === base; // keys that the edit before it makes
     this.#show(base, after);
-    const pending: Pending = { of: this.#idsNow(base), stacks: after };
+    const edited = this.#edit(label, replaceStacks(base.stacks, after, this.#mode), base);
+    const pending: Pending = { of: this.#idsNow(base), stacks: after, isMade: edited };
     const before = pending.of.flatMap((ids) => [...ids]);
     this.#pending = pending;
     this.selected.value = new Set([...before, ...idsOf(after)]); // those that the service will have, too
-    const isMade = await this.#edit(label, replaceStacks(base.stacks, after, this.#mode), isKnown);
+    const isMade = await edited;
     if (this.#isUnderWay(isMade ? pending : null)) {
       batch(() => {
         this.#forgetPending();
@@ -365,21 +363,24 @@ export class KeyEditing {
   /**
    * Makes an edit that the picture shows at once; resolves to whether it was made.
    *
-   * @param isKnown whether the keys are what they will be once the edits before it are made.
+   * @param base what it edits, as the edit before it leaves that: without that one, it is not made either.
    */
-  async #edit(label: string, changes: Changes, isKnown = false): Promise<boolean> {
+  async #edit(label: string, changes: Changes, base?: Pending): Promise<boolean> {
     const { document, playhead, photography, pointNames } = this.#parts;
-    if (changes.length > MOST_CHANGES) {
+    const hint = refusedKeysHint(changes);
+    if (hint) {
       document.endPreview();
-      this.#fail(tooManyKeysHint(), () => undefined);
+      this.#fail(hint, () => undefined);
       return false;
     }
     playhead.pause();
     document.unsaved.value = changes;
     // What was read may change by edits under way.
-    const isRead = document.pending.peek() === 0 && document.fresh.peek() && photography.fresh.peek();
+    const isSettled = document.pending.peek() === 0 && !base?.isMade && document.hasFreshPoints;
+    const isRead = isSettled && document.fresh.peek() && photography.fresh.peek();
     const renamed = follow(changes, pointNames);
-    const now = (): Promise<Changes> => (isKnown ? Promise.resolve(renamed()) : withoutGone(renamed(), this.#read));
+    const now = async (): Promise<Changes> =>
+      (await base?.isMade) === false ? [] : withoutGone(renamed(), this.#read);
     const edited = document.edit(label, isRead ? changes : now, changes);
     document.dragging.value = false;
     const isMade = await edited;

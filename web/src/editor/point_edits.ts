@@ -7,6 +7,7 @@ import { rackProblem } from "../model/rack";
 import { primName, type Anchor, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
 import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
+import { noPointHint } from "./hints";
 import type { PointNames } from "./point_names";
 
 interface Named {
@@ -42,6 +43,12 @@ export class PointEdits {
   /** An identity that a point keeps when it is renamed; for the keys of lists. */
   identityOf(name: string): number {
     return this.#names.identityOf(name);
+  }
+
+  /** Returns a function that reads what a point is at a time by then; it throws a HintError where the point is gone. */
+  following(point: Named): (time: number) => Promise<FocusPoint> {
+    const identity = point.identity ?? this.identityOf(point.name);
+    return async (time) => this.#now(await this.#document.pointsAt(time), point.name, identity);
   }
 
   /**
@@ -158,7 +165,7 @@ export class PointEdits {
   /** A point as it is now, by its identity. Throws a HintError: it is gone. */
   #now(points: readonly FocusPoint[], name: string, identity: number): FocusPoint {
     const now = points.find((point) => this.identityOf(point.name) === identity);
-    if (!now) throw new HintError(`There is no ${name} any more.`, "Select another point.");
+    if (!now) throw noPointHint(name);
     return now;
   }
 

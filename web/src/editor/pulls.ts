@@ -5,6 +5,8 @@ import { setAttribute, setWeights, type Changes } from "../model/changes";
 import { pulledWeights, pullSpan, startOf, type Pull, type Reach } from "../model/pull";
 import type { Ease, FocusPoint } from "../model/shot";
 import type { ShotDocument } from "./document";
+import { noPointHint } from "./hints";
+import type { PointNames } from "./point_names";
 
 /** What a click means, as the person chose. */
 export interface PullChoice {
@@ -21,6 +23,8 @@ export function usualPull(): PullChoice {
 /** A pull that has been made. */
 interface Made {
   readonly name: string;
+  /** What it is called by then. */
+  readonly nameNow: () => string;
   readonly label: string;
   readonly gesture: string;
   readonly time: number;
@@ -40,13 +44,14 @@ export class Pulls {
   readonly aiming = signal(false);
   readonly #document: ShotDocument;
   readonly #time: ReadonlySignal<number>;
+  readonly #names: PointNames;
   readonly #made = signal<Made | null>(null);
   /** Edits of pulls that are under way. */
   readonly #saving = signal(0);
   #count = 0;
 
-  constructor(document: ShotDocument, time: ReadonlySignal<number>, choice: PullChoice) {
-    [this.#document, this.#time, this.choice] = [document, time, choice];
+  constructor(document: ShotDocument, time: ReadonlySignal<number>, names: PointNames, choice: PullChoice) {
+    [this.#document, this.#time, this.#names, this.choice] = [document, time, names, choice];
   }
 
   /** The last edit, where it was a pull; it may be on its way. */
@@ -61,9 +66,9 @@ export class Pulls {
   /** Times of the pull that a click would make, or of the last one. */
   readonly span = computed(() => {
     const { points, shot } = this.#document;
-    const { name, time, pull, points: before } = this.last.value ?? {};
+    const { nameNow, time, pull, points: before } = this.last.value ?? {};
     if (this.aiming.value) return pullSpan(null, this.#time.value, points.value, this.#chosen.value, shot.range);
-    return pull && before && time !== undefined ? pullSpan(name ?? null, time, before, pull, shot.range) : null;
+    return pull && before && time !== undefined ? pullSpan(nameNow?.() ?? null, time, before, pull, shot.range) : null;
   });
 
   readonly #chosen = computed<Pull>(() => ({
@@ -78,20 +83,36 @@ export class Pulls {
    * @param name of the point; it may be new.
    * @param before changes that come before the pull, such as what makes the point.
    */
-  async pull(name: string, time: number, before: Changes = []): Promise<boolean> {
+  pull(name: string, time: number, before: Changes = []): Promise<boolean> {
+    return this.#begin(name, time, () => before);
+  }
+
+  /** Gives a point that is there already the focus, unless it is gone by then. */
+  pullTo(point: FocusPoint, time: number): Promise<boolean> {
+    const [from, byPoints] = [startOf(time, this.#chosen.peek(), this.#document.shot.range), this.#document.byPoints()];
+    return this.#begin(point.name, time, (points, name) => {
+      const now = points.find((one) => one.name === name);
+      if (!now) throw noPointHint(point.name);
+      return [...byPoints, ...(now.settings.enabled ? [] : setAttribute(now, "enabled", 1, from))];
+    });
+  }
+
+  /** @param before makes, of the points and the name of this one as they are then, the changes that come before the pull. */
+  #begin(
+    name: string,
+    time: number,
+    before: (points: readonly FocusPoint[], name: string) => Changes,
+  ): Promise<boolean> {
     const pull = this.#chosen.peek();
     this.#count += 1;
     const gesture = `pull ${Date.now().toString(36)} ${this.#count.toString()}`;
-    const begun = { name, label: `Focus on ${name}`, gesture, time, pull };
+    const nameNow = this.#names.follow(name);
+    const begun = { name, nameNow, label: `Focus on ${name}`, gesture, time, pull };
     this.#made.value = null;
-    return this.#save(begun, (points) => [points, [...before, ...this.#changes(begun, points, points)]]);
-  }
-
-  /** Gives a point that is there already the focus. */
-  pullTo(point: FocusPoint, time: number): Promise<boolean> {
-    const from = startOf(time, this.#chosen.peek(), this.#document.shot.range);
-    const on = point.settings.enabled ? [] : setAttribute(point, "enabled", 1, from);
-    return this.pull(point.name, time, [...this.#document.byPoints(), ...on]);
+    return this.#save(begun, (points) => [
+      points,
+      [...before(points, nameNow()), ...this.#changes(begun, points, points)],
+    ]);
   }
 
   /** Makes the last pull again in another way, as a part of its step of undo, and later ones in that way. */
@@ -133,10 +154,10 @@ export class Pulls {
 
   /** The changes that make of the points as they are now what a pull makes of those before it. */
   #changes(
-    { name, time, pull }: Pick<Made, "name" | "time" | "pull">,
+    { nameNow, time, pull }: Pick<Made, "nameNow" | "time" | "pull">,
     before: readonly FocusPoint[],
     now: readonly FocusPoint[],
   ): Changes {
-    return setWeights(pulledWeights(name, time, before, pull, this.#document.shot.range), before, now, time);
+    return setWeights(pulledWeights(nameNow(), time, before, pull, this.#document.shot.range), before, now, time);
   }
 }

@@ -133,7 +133,7 @@ export class Session {
       () => this.playhead.time.value,
       fail,
     );
-    this.pulls = new Pulls(this.document, this.playhead.time, pullChoice);
+    this.pulls = new Pulls(this.document, this.playhead.time, this.pointNames, pullChoice);
     this.pointEdits = new PointEdits(this.document, this.playhead.time, this.selected, this.pointNames);
     this.picks = new Picks(service, this, fail);
     this.keys = new KeyEditing(this, readNow, fail);
@@ -245,10 +245,12 @@ export class Session {
   }
 
   dragPoint(label: string, point: FocusPoint, attribute: SimpleAttribute): Drag<number> {
-    const time = this.playhead.time.value;
-    const owner = { point: point.name, attribute };
-    return this.corrections.drag(label, { owner, keys: keysOf(point, attribute), time }, (value) =>
-      setAttribute(point, attribute, value, time),
+    const [time, pointNow] = [this.playhead.time.value, this.pointEdits.following(point)];
+    return this.corrections.drag(
+      label,
+      { owner: { point: point.name, attribute }, keys: keysOf(point, attribute), time },
+      (value) => setAttribute(point, attribute, value, time),
+      (value) => async () => setAttribute(await pointNow(time), attribute, value, time),
     );
   }
 

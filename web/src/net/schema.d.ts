@@ -6909,7 +6909,7 @@ export interface components {
             readonly camera: string;
             /**
              * Compensationstops
-             * @description Exposure compensation that renders the metered area as middle grey plus the meter's own compensation, smoothed over time where the meter decides; null for black.
+             * @description Exposure compensation that renders the metered area as middle grey plus the meter's own compensation, smoothed over time where the meter decides; null where `stops` is.
              */
             readonly compensationStops: number | null;
             /**
@@ -6949,7 +6949,7 @@ export interface components {
             readonly place: readonly number[] | null;
             /**
              * Stops
-             * @description Stops over middle grey as the exposure is set; negative is under, null is black.
+             * @description Stops over middle grey as the exposure is set; negative is under, null is black: where no light is, or comes through the lens.
              */
             readonly stops: number | null;
             /** Time */

@@ -52,6 +52,14 @@ def test_a_reading_in_the_units_of_meters() -> None:
     assert math.isnan(black.compensation_stops)
 
 
+def test_a_lens_without_light_is_read_as_black() -> None:
+    dimmed, dark = Reading(0.36, ExposureSettings(), 0.5), Reading(0.36, ExposureSettings(), 0.0)
+    assert (dimmed.stops, dimmed.compensation_stops) == (pytest.approx(0), pytest.approx(0))
+    assert dark.ev100 == dimmed.ev100  # the scene is lit all the same
+    assert dark.stops == -math.inf
+    assert math.isnan(dark.compensation_stops)
+
+
 def test_the_spot_sees_what_is_under_it_alone() -> None:
     picture = even(1)
     picture[18:23, 28:33] = 64

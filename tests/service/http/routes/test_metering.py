@@ -88,6 +88,15 @@ def test_a_deciding_meter_is_reported(client, shot):
     assert reading["compensationStops"] == pytest.approx(1 - reading["stops"], abs=1e-3)
 
 
+@pytest.mark.parametrize("mode", ["manual", "average"])
+def test_a_lens_that_lets_no_light_through_meters_black(client, shot, mode):
+    lit = meter(client, shot, mode="average")
+    expose(client, shot, transmittance=0, meteringMode=mode)
+    reading = meter(client, shot, mode="average")
+    assert (reading["stops"], reading["compensationStops"], reading["filmLux"]) == (None, None, 0)
+    assert (reading["luminanceNits"], reading["ev100"]) == (lit["luminanceNits"], lit["ev100"])
+
+
 @pytest.mark.parametrize(
     ("parameters", "words"),
     [

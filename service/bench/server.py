@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -23,7 +23,9 @@ START_S, READY_S, STOP_S, PAUSE_S = 120.0, 600.0, 30.0, 0.5
 
 
 @contextmanager
-def running_service(folder: Path, viewers: int = 0, *, first: bool = False) -> Iterator[int]:
+def running_service(
+    folder: Path, viewers: int = 0, *, first: bool = False, settings: Mapping[str, str] | None = None
+) -> Iterator[int]:
     """Run `pullfocus serve` until the end of the context.
 
     Unless it is the first start on a machine, its cache is the user's, and it has compiled its shaders before the context begins.
@@ -32,6 +34,7 @@ def running_service(folder: Path, viewers: int = 0, *, first: bool = False) -> I
         folder: where its data goes.
         viewers: how many live viewers come at the same time.
         first: whether it starts as on a machine where it never ran: its cache is empty.
+        settings: more of its settings.
 
     Yields:
         Its port on 127.0.0.1.
@@ -42,7 +45,8 @@ def running_service(folder: Path, viewers: int = 0, *, first: bool = False) -> I
     configuration = folder / "serve.toml"
     cache = 'cache = "cache"\n' if first else ""
     most = max(viewers, Settings.max_viewers)
-    configuration.write_text(f'data = "data"\n{cache}port = 0\nmax_viewers = {most}\n', encoding="utf-8")
+    others = "".join(f"{name} = {json.dumps(value)}\n" for name, value in (settings or {}).items())
+    configuration.write_text(f'data = "data"\n{cache}port = 0\nmax_viewers = {most}\n{others}', encoding="utf-8")
     command = [sys.executable, "-m", "render.cli", "serve", "--log-format", "text", "--config", str(configuration)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None

@@ -155,7 +155,10 @@ def _listen(host: str, port: int) -> socket.socket:
         raise SettingsError(f"a port is a number from 0 to 65535, got {port}", code="bad_port")
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
-        return socket.create_server((host, port), family=family, backlog=2048)
+        listener = socket.create_server((host, port), family=family, backlog=2048)
+        # Its connections inherit it. Without it the body of an answer, a write of its own, waits for the client's delayed ACK.
+        listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return listener
     except socket.gaierror as error:
         raise SettingsError(f"{host} is no address to listen on: {error.strerror}", code="bad_host") from error
     except OSError as error:

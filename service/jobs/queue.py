@@ -11,7 +11,7 @@ import secrets
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 
-from sqlalchemy import BigInteger, Engine, cast, delete, func, select, update
+from sqlalchemy import BigInteger, Engine, cast, delete, func, insert, select, update
 from sqlalchemy.orm import Session, undefer
 
 from render.errors import NotFoundError
@@ -20,6 +20,7 @@ from service.jobs.errors import ConflictError
 from service.jobs.events import noted, render_event, task_event
 from service.jobs.frame_ranges import format_frames
 from service.jobs.states import find_render, find_unended, move
+from service.jobs.turns import next_task
 from service.models.renders import TaskState
 from service.storage.database.connection import is_shared, time_of, transaction
 from service.storage.database.tables import AttemptRow, FileEntry, RenderRow, TaskRow
@@ -29,8 +30,6 @@ MOST_FAILURES = 3
 """Errors that may pass after which a task has failed."""
 BACK_OFF_S = 2.0
 """Pause before a task is tried again; twice as long each time."""
-MOST_FAILED_EACH = 3
-"""Frames of a render that one worker may fail before the others draw the rest."""
 MAX_ERROR = 4000
 """Length of an error's text."""
 MOST_UNENDED = 2000
@@ -96,7 +95,8 @@ class RenderQueue:
             )
             session.add(render)
             session.flush()
-            session.add_all(TaskRow(render=render.id, frame=frame, state="ready") for frame in new.frames)
+            tasks = [{"render": render.id, "frame": frame, "state": "ready"} for frame in new.frames]
+            session.connection().execute(insert(TaskRow), tasks)  # not as objects: a session takes long over thousands
             self._events.add(session, render_event(render, "render-sent"))
             return render
 
@@ -155,12 +155,12 @@ class RenderQueue:
             worker: who claims it.
             lease_s: time after which the worker is taken for gone, unless it extends the lease.
             present: all workers that there are. A frame that one has failed is left to those who have not; where it has failed
-                `MOST_FAILED_EACH` frames of a render, all of that render are.
+                `service.jobs.turns.MOST_FAILED_EACH` frames of a render, all of that render are.
         """
         with self._writing() as session:
             now = self._clock(session)
             self._end_lost(session, now)
-            task = _next_task(session, now, worker, present)
+            task = next_task(session, now, worker, present)
             if task is None:
                 return None
             render = session.get_one(RenderRow, task.render, options=[undefer(RenderRow.edits)])
@@ -417,38 +417,6 @@ class RenderQueue:
 
     def _reading(self) -> AbstractContextManager[Session]:
         return transaction(self._engine, only_reads=True)
-
-
-def _next_task(session: Session, now: float, worker: str, present: Collection[str]) -> TaskRow | None:
-    """Return the task whose turn it is; None where all wait or there is none; see `RenderQueue.claim`."""
-    turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
-    waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0, RenderRow.not_before <= now)
-    for render_id in session.scalars(waiting.order_by(*turn)):
-        left = _left_to_others(session, render_id, worker, present)
-        if left is None:
-            continue
-        ready = select(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready", TaskRow.not_before <= now)
-        task = session.scalar(ready.where(TaskRow.frame.not_in(left)).order_by(TaskRow.frame).limit(1))
-        if task is not None:  # else all of its frames pause
-            return task
-    return None
-
-
-def _left_to_others(session: Session, render_id: str, worker: str, present: Collection[str]) -> Collection[int] | None:
-    """Return the frames of a render that a worker leaves to others; None for all of them."""
-    others = set(present) - {worker}
-    if not others:
-        return ()
-    of_them = (AttemptRow.render == render_id) & AttemptRow.worker.in_([worker, *others])
-    query = select(AttemptRow.worker, AttemptRow.frame).where(of_them, AttemptRow.outcome.in_(("failed", "lost")))
-    failed: dict[str, set[int]] = {}
-    for name, frame in session.execute(query):
-        failed.setdefault(name, set()).add(frame)
-    own = failed.get(worker, set())
-    able = {name for name in others if len(failed.get(name, ())) < MOST_FAILED_EACH}
-    if len(own) >= MOST_FAILED_EACH and able:
-        return None
-    return {frame for frame in own if any(frame not in failed.get(name, ()) for name in able)}
 
 
 def _size_of(task: TaskRow) -> int:

@@ -8,9 +8,10 @@ all before the next one numbers anything.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,8 @@ from service.storage.database.file import note_database
 
 _READS = "reads"
 """Execution option of connections that only read."""
+_LOCK = "lock"
+"""Execution option of SQLite: the lock of this process's threads that write."""
 BUSY_MS = 10_000
 """Time to wait for another writer; on PostgreSQL also for a connection, and for a statement."""
 WRITERS = 0x70756C6C666F6375
@@ -110,6 +113,7 @@ def transaction(engine: Engine, *, only_reads: bool = False) -> Iterator[Session
     """
     try:
         with (
+            nullcontext() if only_reads else _turn(engine),
             Session(engine.execution_options(**{_READS: only_reads}), expire_on_commit=False) as session,
             session.begin(),
         ):
@@ -130,9 +134,28 @@ def time_of(session: Session) -> float:
     return time.time()  # SQLite's is that of this machine, too
 
 
+@contextmanager
+def _turn(engine: Engine) -> Iterator[None]:
+    """Wait for the other threads that write to a file of SQLite, which would have this one sleep and look again.
+
+    Raises:
+        OutputError: they take too long.
+    """
+    lock: threading.Lock | None = engine.get_execution_options().get(_LOCK)
+    if lock is None:
+        yield
+        return
+    if not lock.acquire(timeout=BUSY_MS / 1000):
+        raise OutputError("the queue of renders cannot be used now: too many requests use it", code="queue_unusable")
+    try:
+        yield
+    finally:
+        lock.release()
+
+
 def _engine(url: URL) -> Engine:
     if url.get_backend_name() == "sqlite":
-        engine = create_engine(url)
+        engine = create_engine(url, execution_options={_LOCK: threading.Lock()})
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
         return engine

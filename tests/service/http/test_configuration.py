@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 
 import pytest
 
 from render.cli.main import main
 from render.errors import SettingsError
-from service.http.command import _parser, _settings
+from service.http.command import _listen, _parser, _settings
 from service.http.configuration import read_configuration
 
 
@@ -75,3 +76,11 @@ def test_what_is_wrong_is_one_sentence(config, capfd, text, message):
 def test_a_configuration_that_is_not_there_is_named(tmp_path):
     with pytest.raises(SettingsError, match=r"none\.toml cannot be read"):
         read_configuration(tmp_path / "none.toml")
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "::1"])
+def test_answers_wait_for_no_delayed_ack(host):
+    with _listen(host, 0) as listener, socket.create_connection(listener.getsockname()[:2], 10):
+        accepted, _ = listener.accept()
+        with accepted:
+            assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)

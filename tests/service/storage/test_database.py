@@ -104,6 +104,22 @@ def test_a_writer_waits_for_another_for_a_while_alone(tmp_path, postgresql_datab
         engine.dispose()
 
 
+def test_writers_of_one_process_take_turns(tmp_path, monkeypatch):
+    engine = open_database(tmp_path)
+    monkeypatch.setattr("service.storage.database.connection.BUSY_MS", 1)
+    with transaction(engine):
+        with pytest.raises(OutputError, match="too many requests") as raised, transaction(engine):
+            pass
+        with transaction(engine, only_reads=True) as reading:
+            assert reading.scalar(text("SELECT 1")) == 1
+    assert raised.value.code == "queue_unusable"
+    with pytest.raises(ZeroDivisionError), transaction(engine):
+        raise ZeroDivisionError
+    with transaction(engine):  # the turn of one that has failed is over
+        pass
+    engine.dispose()
+
+
 def test_requests_beyond_all_connections_are_refused(tmp_path, postgresql_database, monkeypatch):
     monkeypatch.setattr("service.storage.database.connection._CONNECTIONS", 4)
     monkeypatch.setattr("service.storage.database.connection.BUSY_MS", 500)  # less than a second: none waits

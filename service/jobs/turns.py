@@ -1,0 +1,64 @@
+"""Turns of tasks: which one a worker claims next."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from itertools import count
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
+
+MOST_FAILED_EACH = 3
+"""Frames of a render that one worker may fail before the others draw the rest."""
+LOOKS = 16
+"""Renders that are looked at together for a task."""
+
+
+def next_task(session: Session, now: float, worker: str, present: Collection[str]) -> TaskRow | None:
+    """Return the task whose turn it is; None where all wait or there is none.
+
+    Args:
+        session: a transaction that writes.
+        now: the present time, s since 1970.
+        worker: who claims it.
+        present: all workers that there are; see `service.jobs.queue.RenderQueue.claim`.
+    """
+    for render_id in _waiting(session, now):
+        left = _left_to_others(session, render_id, worker, present)
+        if left is None:
+            continue
+        ready = select(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready", TaskRow.not_before <= now)
+        task = session.scalar(ready.where(TaskRow.frame.not_in(left)).order_by(TaskRow.frame).limit(1))
+        if task is not None:  # else all of its frames pause
+            return task
+    return None
+
+
+def _waiting(session: Session, now: float) -> Iterator[str]:
+    """Yield the renders that have frames to draw, in turn. They are read some at a time: mostly the first one has a task."""
+    turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
+    waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0, RenderRow.not_before <= now)
+    for first in count(0, LOOKS):
+        found = session.scalars(waiting.order_by(*turn).offset(first).limit(LOOKS)).all()
+        yield from found
+        if len(found) < LOOKS:
+            return
+
+
+def _left_to_others(session: Session, render_id: str, worker: str, present: Collection[str]) -> Collection[int] | None:
+    """Return the frames of a render that a worker leaves to others; None for all of them."""
+    others = set(present) - {worker}
+    if not others:
+        return ()
+    of_them = (AttemptRow.render == render_id) & AttemptRow.worker.in_([worker, *others])
+    query = select(AttemptRow.worker, AttemptRow.frame).where(of_them, AttemptRow.outcome.in_(("failed", "lost")))
+    failed: dict[str, set[int]] = {}
+    for name, frame in session.execute(query):
+        failed.setdefault(name, set()).add(frame)
+    own = failed.get(worker, set())
+    able = {name for name in others if len(failed.get(name, ())) < MOST_FAILED_EACH}
+    if len(own) >= MOST_FAILED_EACH and able:
+        return None
+    return {frame for frame in own if any(frame not in failed.get(name, ()) for name in able)}

@@ -64,7 +64,7 @@ class RequestRow:
 
 @dataclass(frozen=True)
 class GrowthRow:
-    """How the time to submit a render grows with the queue.
+    """Time to submit a render, as the queue grows.
 
     Attributes:
         clients: that submit at the same time.
@@ -141,7 +141,7 @@ class ReaderRow:
 
 @dataclass
 class Reader:
-    """What a reader of events got.
+    """Events that a reader got.
 
     Attributes:
         over: `process` or `HTTP`.

@@ -49,7 +49,7 @@ OWNER, OTHER_OWNER = "bench", "others"
 
 
 class WorkersFound(NamedTuple):
-    """What was found; see `JobsBench`."""
+    """Findings; see `JobsBench`."""
 
     workers: list[WorkersRow]
     queue: list[RequestRow]
@@ -208,7 +208,8 @@ def _shares(frames: int) -> list[int]:
 
 def _submit(service: Service, shot: ShotRecord, owner: str, priority: int, counts: Sequence[int]) -> list[str]:
     """Send renders of some frames each, and return their ids."""
-    picture = RenderRequest(shot=shot.id, width=480, rays=16).picture(1).model_dump(mode="json", exclude={"time"})
+    frame = RenderRequest(shot=shot.id, width=480, rays=16).picture(1)
+    picture = frame.model_dump(mode="json", exclude={"time", "client", "live", "format"}) | {"formats": [FORMAT]}
     return [
         service.renders.submit(
             NewRender(

@@ -36,9 +36,11 @@ in_step()
 frames = []
 while (claim := queue.claim(sys.argv[3], 60.0)) is not None:
     frames.append(claim.frame)
-    assert queue.finish(claim, 1, "hash")
+    assert queue.finish(claim, {"exr": {"size_bytes": 1, "sha256": "hash"}}, 24.0)
 print(json.dumps(frames))
 """
+
+FILES = {"exr": {"size_bytes": 1, "sha256": "hash"}}
 
 
 def render(frames) -> NewRender:
@@ -81,13 +83,13 @@ def test_a_server_that_comes_back_is_used_again(tmp_path, postgresql, postgresql
     claim = queue.claim("one", 60.0)
     postgresql.stop()
     try:
-        for call in (queue.numbers, lambda: queue.finish(claim, 1, "hash"), lambda: queue.submit(render([3]))):
+        for call in (queue.numbers, lambda: queue.finish(claim, FILES, 24.0), lambda: queue.submit(render([3]))):
             with pytest.raises(OutputError, match="its database cannot be reached") as raised:
                 call()
             assert raised.value.code == "queue_unusable"
     finally:
         postgresql.start()
-    assert queue.finish(claim, 1, "hash")
+    assert queue.finish(claim, FILES, 24.0)
     assert queue.claim("one", 60.0).frame == 2
     assert queue.get(sent.id).done == 1
     queue.close()
@@ -96,7 +98,7 @@ def test_a_server_that_comes_back_is_used_again(tmp_path, postgresql, postgresql
 def test_a_server_that_goes_away_in_a_transaction_undoes_it(tmp_path, postgresql, postgresql_database):
     queue = opened(tmp_path, postgresql_database)
     sent = queue.submit(render([1]))
-    queue.finish(queue.claim("one", 60.0), 1, "hash")
+    queue.finish(queue.claim("one", 60.0), FILES, 24.0)
     try:
         with pytest.raises(OutputError, match="its database cannot be reached"):
             queue.remove(sent.id, postgresql.stop)

@@ -11,9 +11,8 @@ from alembic.config import Config
 from sqlalchemy import create_engine
 
 import service.storage.database.migrations
-from service.jobs.queue import RenderQueue
-from service.storage.database.connection import open_database
 from service.storage.database.file import DATABASE
+from tests.service.kits.queues import opened
 
 MIGRATIONS = Path(service.storage.database.migrations.__file__).parent
 
@@ -72,7 +71,7 @@ def test_a_frame_with_one_file_keeps_it_and_its_attempts(tmp_path: Path) -> None
     database.commit()
     database.close()
 
-    queue = RenderQueue(open_database(tmp_path))
+    queue = opened(tmp_path)
     try:
         assert queue.get("r-1").request == {"rays": 4, "formats": ["png"]}
         (drawn, attempts), (waiting, none) = queue.tasks("r-1")

@@ -47,6 +47,7 @@ from service.http.routes import (
     solving,
     system,
     trash,
+    webhooks,
 )
 from service.http.routes.parameters import refusals
 from service.http.security_headers import SecurityHeadersMiddleware
@@ -133,6 +134,7 @@ def create_app(settings: Settings) -> FastAPI:
         renders,
         events,
         render_products,
+        webhooks,
         keys,
     ):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
@@ -182,6 +184,11 @@ async def _save_usage(service: Service) -> None:
         await run_in_threadpool(service.quotas.cpu.save)
 
 
+async def _deliver_webhooks(service: Service) -> None:
+    """Send events to the webhooks."""
+    await service.deliveries.run()
+
+
 async def _forget_events(service: Service) -> None:
     """Forget old events, now and then."""
     while True:
@@ -218,5 +225,5 @@ async def _ensure_demo(service: Service) -> None:
         log.error("the demo shot could not be written, the service runs without it: %s", error)
 
 
-WORKS = (_empty_trash, _save_usage, _follow_events, _forget_events, end_greedy_workers, run_renders)
+WORKS = (_empty_trash, _save_usage, _follow_events, _forget_events, _deliver_webhooks, end_greedy_workers, run_renders)
 """Work in the background of a service."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncGenerator, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import OutputError
+from service.models.base import Model
 from service.models.events import Event, EventData, EventGap
 from service.storage.database.tables import EventRow
 from service.storage.events import EventLog, Wanted
@@ -71,7 +72,7 @@ class EventFeed:
             return oldest - 1, EventGap(after=after, oldest=oldest)
         return after, None
 
-    async def follow(self, after: int, wanted: Wanted, pause_s: float) -> AsyncIterator[tuple[Sequence[Event], int]]:
+    async def follow(self, after: int, wanted: Wanted, pause_s: float) -> AsyncGenerator[tuple[Sequence[Event], int]]:
         """Yield events as they come, the oldest first, with the number to go on after.
 
         Args:
@@ -103,6 +104,15 @@ def shown(row: EventRow) -> Event:
         render=row.render,
         data=EventData.model_validate(row.data),
     )
+
+
+def text_of(model: Model) -> str:
+    """Return what is told as JSON, without what is not known.
+
+    Args:
+        model: an event, or what else a reader is told.
+    """
+    return model.model_dump_json(by_alias=True, exclude_none=True)
 
 
 async def _wait(bell: asyncio.Event, most_s: float) -> None:

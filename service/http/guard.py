@@ -1,4 +1,4 @@
-"""ASGI middleware that refuses foreign hosts, cross-site requests and bodies that are too large.
+"""ASGI middleware that refuses foreign hosts, cross-site requests, deliveries of webhooks, and bodies that are too large.
 
 On its own machine the service trusts every client that can reach 127.0.0.1, and elsewhere browsers that are signed in. A page of
 another site runs in such a browser, so three kinds of request are refused: those under a host name that is not ours (DNS
@@ -20,6 +20,7 @@ from starlette.websockets import WebSocket
 
 from service.http.errors import problem
 from service.http.settings import MEBIBYTE, Settings
+from service.http.webhook_sending import DELIVERY_HEADER
 
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 MAX_JSON_BYTES = MEBIBYTE
@@ -99,6 +100,8 @@ class GuardMiddleware:
         foreign = self._foreign_host(scope, headers)
         if foreign is not None:
             return foreign
+        if DELIVERY_HEADER in headers:  # it could set off the next one
+            return problem(403, "own_delivery", "A service takes no deliveries of webhooks.", path=DELIVERY_HEADER)
         if method not in SAFE_METHODS and _is_foreign_origin(headers):
             return problem(403, "cross_site", "A page of another site may change nothing here.", path="origin")
         if headers.get("sec-fetch-site") == "cross-site" and not _is_navigation(method, headers):

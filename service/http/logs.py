@@ -55,3 +55,4 @@ def set_up_logs(chosen: LogFormat | None) -> None:
         JsonFormatter() if is_json else TextFormatter("%(asctime)s %(levelname)s %(name)s: %(message)s")
     )
     logging.basicConfig(level=logging.INFO, handlers=[handler], force=True)
+    logging.getLogger("httpx").setLevel(logging.WARNING)  # it logs each URL, which may be a receiver's secret

@@ -49,6 +49,9 @@ class Metrics:
             registry=self.registry,
         )
         self.live_viewers = Gauge("pullfocus_live_viewers", "Open live connections.", registry=self.registry)
+        self.webhook_deliveries = Counter(
+            "pullfocus_webhook_deliveries", "Tries to deliver to webhooks.", ("outcome",), registry=self.registry
+        )
         self.waits = Histogram(
             "pullfocus_lane_wait_seconds", "Time that work waits.", ("lane",), buckets=BUCKETS_S, registry=self.registry
         )

@@ -31,6 +31,8 @@ from service.http.quotas import Quotas
 from service.http.render_products import RenderProducts
 from service.http.settings import MEBIBYTE, Settings
 from service.http.stopping import Stopping
+from service.http.webhook_delivery import Deliveries
+from service.http.webhook_sending import Sender
 from service.jobs.files import RenderFiles
 from service.jobs.queue import RenderQueue
 from service.models.shots import Shot
@@ -40,6 +42,7 @@ from service.storage.database.connection import open_database
 from service.storage.events import EventLog
 from service.storage.store import ShotRecord, ShotStore, not_found
 from service.storage.trash import Trash
+from service.storage.webhooks import Webhooks
 from service.workers.caches import Caches
 from service.workers.calls import call
 from service.workers.forking import Template
@@ -72,6 +75,7 @@ class Service:
         metrics: counters.
         events: the log of events.
         feed: those who follow it.
+        webhooks: receivers that it is sent to.
         renders: the queue of renders.
         render_files: frames that they have drawn.
         renders_wake: set when a render was sent, or a frame has ended.
@@ -94,6 +98,7 @@ class Service:
     metrics: Metrics
     events: EventLog
     feed: EventFeed
+    webhooks: Webhooks
     renders: RenderQueue
     render_files: RenderFiles
     renders_wake: asyncio.Event = field(default_factory=asyncio.Event)
@@ -159,6 +164,7 @@ class Service:
             metrics,
             events,
             EventFeed(events),
+            Webhooks(database),
             renders,
             files,
         )
@@ -172,6 +178,15 @@ class Service:
     def event_places(self) -> LivePlaces:
         """The places of those who follow events."""
         return LivePlaces(self.settings.max_viewers)
+
+    @cached_property
+    def deliveries(self) -> Deliveries:
+        """The deliveries to webhooks."""
+        allows_private = self.settings.webhook_private
+        if allows_private is None:
+            allows_private = self.settings.access == "open"
+        sender = Sender(allows_private, lambda outcome: self.metrics.webhook_deliveries.labels(outcome).inc())
+        return Deliveries(self.webhooks, self.feed, sender, self.run_id)
 
     @cached_property
     def long_exposures(self) -> LongExposures:

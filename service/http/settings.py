@@ -53,6 +53,8 @@ class Settings:
             would exceed it is refused; edits are not.
         quota_cpu_s_per_day: processor time that the work for one sender may take in 24 hours, s; 0 for any time.
         event_days: days for which events are kept, so that a reader who was away can go on where it was.
+        webhook_private: whether webhooks may reach this machine and private networks, as for receivers in a studio's own network.
+            The default is true on a service that is open, because this machine alone reaches it, and false elsewhere.
         trash_days: days for which a deleted shot can be restored; 0 removes it at once.
         max_upload_mb: size of one upload, MiB.
         max_unpacked_mb: size that an archive may unpack to, MiB.
@@ -106,6 +108,7 @@ class Settings:
     quota_stored_mb: int = 0
     quota_cpu_s_per_day: float = 0.0
     event_days: float = 7.0
+    webhook_private: bool | None = None
     trash_days: int = 30
     max_upload_mb: int = 512
     max_unpacked_mb: int = 2048

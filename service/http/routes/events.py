@@ -16,7 +16,7 @@ from starlette.responses import StreamingResponse
 from service.http.access import READS, PrincipalDep
 from service.http.clients import present_client
 from service.http.errors import RETRY_AFTER, ServiceError, problem
-from service.http.event_feed import PAGE
+from service.http.event_feed import PAGE, text_of
 from service.http.identity import IdentityDep
 from service.http.live_connection import RESTARTS_CODE
 from service.http.live_places import LivePlace
@@ -24,7 +24,6 @@ from service.http.routes.live import ENDED_CODE, ENDED_REASON, TAKEN_CODE, TAKEN
 from service.http.routes.parameters import problems
 from service.http.service import Service, ServiceDep
 from service.identity.principal import ALL_PROJECTS
-from service.models.base import Model
 from service.models.events import EVENT_EXAMPLE, Event, EventGap, Topic
 from service.storage.events import Wanted
 
@@ -131,9 +130,9 @@ def _sent(told: Event | EventGap | int) -> bytes:
     """Return what is told as Server-Sent Events have it."""
     match told:
         case Event():
-            return format_sse_event(id=str(told.number), event=told.topic, data_str=_text(told))
+            return format_sse_event(id=str(told.number), event=told.topic, data_str=text_of(told))
         case EventGap():
-            return format_sse_event(event="gap", data_str=_text(told))
+            return format_sse_event(event="gap", data_str=text_of(told))
         case _:
             return format_sse_event(id=str(told), retry=RETRY_MS)
 
@@ -151,7 +150,7 @@ async def send_events(socket: WebSocket, service: ServiceDep, identity: Identity
             is_over = lambda: place.taken.is_set() or not identity.is_valid(socket.scope)  # noqa: E731
             async for told in _answers(service, question, is_over):
                 if not isinstance(told, int):
-                    await socket.send_text(_text(told))
+                    await socket.send_text(text_of(told))
 
         tasks = [asyncio.create_task(send()), asyncio.create_task(_wait_for_end(socket))]
         try:
@@ -198,7 +197,3 @@ async def _answers(
 
 def _busy(service: Service) -> str:
     return f"{len(service.event_places)} readers of events are connected already; try again later."
-
-
-def _text(model: Model) -> str:
-    return model.model_dump_json(by_alias=True, exclude_none=True)

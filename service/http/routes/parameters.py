@@ -98,9 +98,10 @@ def _described(*statuses: int) -> dict[int | str, dict[str, Any]]:
         400: "The body is no form of the kind that its `Content-Type` names.",
         401: "A key or token is missing, wrong or expired.",
         403: "The key or token lacks the scope that this needs, or a page of another site sends the request.",
-        404: "There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash.",
+        404: "There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in "
+        "the trash.",
         409: "`superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. "
-        "`shot_exists`: there is a shot of this id again.",
+        "`shot_exists`: there is a shot of this id again. `too_many_webhooks`.",
         412: "It was changed since it was read: its `ETag` is not in `If-Match`.",
         413: "The upload, or what it unpacks to, is too large.",
         415: "The file is of no supported kind.",

@@ -1,4 +1,4 @@
-"""Tables of the renders (jobs, their tasks, which are a frame each, and the attempts of these) and of events."""
+"""Tables of the renders (jobs, their tasks, which are a frame each, and the attempts of these), of events, and of webhooks."""
 
 from __future__ import annotations
 
@@ -143,3 +143,27 @@ class EventRow(Table):
     shot: Mapped[str | None]
     render: Mapped[str | None]
     data: Mapped[dict[str, Any]] = mapped_column(JSON)
+
+
+class WebhookRow(Table):
+    """A receiver of events. `after` is the number of the last event that is delivered, or not wanted."""
+
+    __tablename__ = "webhooks"
+
+    id: Mapped[str] = mapped_column(primary_key=True)
+    url: Mapped[str]
+    secret: Mapped[str]
+    project: Mapped[str | None]
+    topics: Mapped[list[str]] = mapped_column(JSON)
+    shot: Mapped[str | None]
+    render: Mapped[str | None]
+    created_at: Mapped[float]
+    after: Mapped[int] = mapped_column(BigInteger)
+    last_status: Mapped[int | None]
+    last_error: Mapped[str | None]
+    failures: Mapped[int] = mapped_column(default=0)
+    failing_since: Mapped[float | None]
+    next_try_at: Mapped[float | None]
+    disabled: Mapped[str | None]
+    worker: Mapped[str | None]
+    lease_until: Mapped[float | None]

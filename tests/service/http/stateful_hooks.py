@@ -35,6 +35,7 @@ BODIES: dict[str, dict[str, Any]] = {
     "edit": {"changes": [{"type": "setCamera", "values": {"focusDistanceM": 3}}]},
     "createFocusPoint": {"target": ["/World/hero"]},
     "setKey": {"time": 24, "value": 1},
+    "createWebhook": {"url": "http://127.0.0.1:1/"},
 }
 QUERIES: dict[str, dict[str, Any]] = {
     "getFrame": {"time": 24, "width": 64, "height": 36, "rays": 2},

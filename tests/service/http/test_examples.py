@@ -37,6 +37,7 @@ BEFORE = {
 SPOTS = {"getPlaceReadout": ("x", "y", "depthM"), "meter": ("x", "y")}
 """Calls about a place: a focus point, or the parameters named here."""
 EXAMPLE_RENDER = "r-5f0c1d2e3a4b"
+EXAMPLE_WEBHOOK = "w-3f2a9c51d07b"
 QUICK = {"width": "64", "height": "36", "rays": "4", "supersample": "1", "layers": "2", "motion": "1"}
 
 
@@ -112,6 +113,8 @@ def send_example(demo: httpx.Client, name: str, request: tuple) -> httpx.Respons
         query = {key: value.replace(EXAMPLE_RENDER, newest) for key, value in query.items()}
     if "{trashed}" in CALLS[name][1]:  # the id of an entry has the time at which it was made
         address = CALLS[name][1].replace("{trashed}", demo.get("/v1/trash").json()["shots"][0]["id"])
+    if "{webhook}" in CALLS[name][1]:
+        address = address.replace(EXAMPLE_WEBHOOK, demo.get("/v1/webhooks").json()["webhooks"][0]["id"])
     if name == "followEvents":
         query = query | {"follow": "false"}  # else it does not end
     if name == "getFrame":
@@ -154,6 +157,8 @@ def prepare(demo: httpx.Client, name: str) -> None:
         demo.delete(sent.headers["location"])
     if has_render(name):
         prepare_render(demo, name)
+    if "{webhook}" in CALLS[name][1]:
+        send_example(demo, "createWebhook", next(requests_of("createWebhook")))
     if name in BEFORE:
         answer = send_example(demo, BEFORE[name], next(requests_of(BEFORE[name])))
         assert answer.is_success, answer.text

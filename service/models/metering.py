@@ -144,6 +144,6 @@ class MeterReading(Model):
     )
     compensation_stops: Distance = Field(
         description="Exposure compensation that renders the metered area as middle grey plus the meter's own compensation, "
-        "smoothed over time where the meter decides; null where `stops` is."
+        "smoothed over time where the meter decides; null where all is black."
     )
     decides: bool = Field(description="True where the camera is exposed by its meter, which makes up for `stops`.")

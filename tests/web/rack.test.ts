@@ -30,6 +30,11 @@ describe("a rack", () => {
     expect(rackProblem(point("a"), point("b", { weight: { 27: 1 } }), SPAN)).toMatch("b is in focus at 50 already");
   });
 
+  it("ends where the service has frames", () => {
+    expect(rackProblem(point("a"), point("b"), { start: 1, end: 1e9 })).toBeNull();
+    expect(rackProblem(point("a"), point("b"), { start: 1, end: 1e9 + 1 })).toBe("The rack would end too far away.");
+  });
+
   it("that cannot be is not sent, and that is said", async () => {
     const { fake, session, failed } = await opened();
     fake.points = [point("near", { weight: { 1: 0 } }), point("far")];

@@ -138,7 +138,8 @@ export class PointEdits {
       const leaving = this.#now(points, from.name, leavingIdentity);
       const coming = this.#now(points, to, comingIdentity);
       const problem = rackProblem(leaving, coming, { start, end });
-      if (problem !== null) throw new HintError(problem, "Rack from another frame, or remove the key.");
+      if (problem !== null)
+        throw new HintError(problem, "Rack from another frame, over fewer frames, or remove the key.");
       const rack = { from: leaving.name, to: coming.name, start, end, ease };
       return [...this.#document.byPoints(), { type: "rack", rack }];
     });

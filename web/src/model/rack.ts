@@ -1,5 +1,6 @@
 /** Racks: whether the focus can go over from one point to another, as the service judges it (`usd_schemas.racks`). */
 
+import { MOST_TIME } from "./key_limits";
 import { weightOf } from "./pull";
 import { keysOf, type FocusPoint } from "./shot";
 import { valueAt } from "./spline";
@@ -11,6 +12,7 @@ export function rackProblem(
   to: FocusPoint,
   { start, end }: { readonly start: number; readonly end: number },
 ): string | null {
+  if (end > MOST_TIME) return "The rack would end too far away.";
   for (const [point, time] of [
     [from, start],
     [to, end],

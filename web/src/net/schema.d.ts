@@ -6909,7 +6909,7 @@ export interface components {
             readonly camera: string;
             /**
              * Compensationstops
-             * @description Exposure compensation that renders the metered area as middle grey plus the meter's own compensation, smoothed over time where the meter decides; null where `stops` is.
+             * @description Exposure compensation that renders the metered area as middle grey plus the meter's own compensation, smoothed over time where the meter decides; null where all is black.
              */
             readonly compensationStops: number | null;
             /**

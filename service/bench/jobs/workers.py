@@ -130,7 +130,9 @@ async def _measure(service: Service, plan: JobsPlan) -> WorkersFound:
                 drawn += ids
                 executor = SleepingExecutor(workers, frame_s, chance.randbytes(FRAME_BYTES))
                 rows.append(workers_row(workers, frame_s, frames, await _draw(service, executor, ids)))
-        queue = await run_in_threadpool(_claim_and_finish, service, plan)
+        claims = min(CLAIMS, plan.renders * plan.frames)
+        drawn += await run_in_threadpool(_submit, service, shot, OWNER, PRIORITY, [claims])
+        queue = await run_in_threadpool(_claim_and_finish, service, plan, claims)
         await run_in_threadpool(_remove, service, [*waiting, *drawn])
         until = await run_in_threadpool(service.events.newest)
     finally:
@@ -165,7 +167,7 @@ async def _read(service: Service, reader: Reader, chance: random.Random, is_over
     wanted = Wanted(topics=reader.topics)
     while not is_over.is_set():
         left = chance.randint(1, MOST_UNTIL_CUT)
-        async with aclosing(service.feed.follow(reader.last, wanted, LOOK_PAUSE_S)) as pages:  # type: ignore[type-var]
+        async with aclosing(service.feed.follow(reader.last, wanted, LOOK_PAUSE_S)) as pages:
             async for events, number in pages:
                 for event in events[:left]:
                     reader.note(event.number)
@@ -176,7 +178,7 @@ async def _read(service: Service, reader: Reader, chance: random.Random, is_over
                 reader.cuts += is_cut
                 if is_cut or is_over.is_set():
                     break
-    async with aclosing(service.feed.follow(reader.last, wanted, LOOK_PAUSE_S)) as pages:  # type: ignore[type-var]
+    async with aclosing(service.feed.follow(reader.last, wanted, LOOK_PAUSE_S)) as pages:
         async for events, _ in pages:
             for event in events:
                 reader.note(event.number)
@@ -232,11 +234,11 @@ def _submit(service: Service, shot: ShotRecord, owner: str, priority: int, count
     ]
 
 
-def _claim_and_finish(service: Service, plan: JobsPlan) -> list[RequestRow]:
-    """Claim frames of the renders that wait, and finish them, one after the other."""
+def _claim_and_finish(service: Service, plan: JobsPlan, claims: int) -> list[RequestRow]:
+    """Claim frames, while many renders wait, and finish them, one after the other."""
     workers = [f"worker-{number}" for number in range(max(plan.workers))]
     seconds: defaultdict[str, list[float]] = defaultdict(list)
-    for number in range(min(CLAIMS, plan.renders * plan.frames)):
+    for number in range(claims):
         with _timed(seconds["claim a frame"]):
             claim = service.renders.claim(workers[number % len(workers)], LEASE_S, workers)
         assert claim is not None, "renders wait"

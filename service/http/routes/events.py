@@ -6,7 +6,7 @@ import asyncio
 import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, get_args
 
 from fastapi import APIRouter, Depends, Header, Query, WebSocket, WebSocketDisconnect
 from fastapi.sse import format_sse_event
@@ -39,10 +39,19 @@ RETRY_MS = 2000
 """Time after which a browser connects again."""
 
 MEDIA_TYPE = "text/event-stream"
-SCHEMA = {
-    "type": "string",
+CONTENT = {
+    "itemSchema": {
+        "type": "object",
+        "properties": {
+            "event": {"type": "string", "enum": [*get_args(Topic), "gap"]},
+            "data": {"type": "string", "description": "An `Event` in JSON; an `EventGap` after `gap`."},
+            "id": {"type": "string", "description": "Number to go on after."},
+            "retry": {"type": "integer", "description": "Time until a new connection, ms."},
+        },
+    },
     "example": f"event: tasks\ndata: {json.dumps(EVENT_EXAMPLE)}\nid: {EVENT_EXAMPLE['number']}\n\n",
 }
+"""Description of the stream (OpenAPI 3.2, section 4.14.4)."""
 HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}  # proxies pass it on as it comes
 
 DESCRIPTION = """Follow what changes: shots, edits, renders, their tasks, and who looks at a shot (Server-Sent Events).
@@ -112,7 +121,7 @@ async def _place(service: ServiceDep) -> AsyncIterator[LivePlace]:
     operation_id="followEvents",
     response_class=StreamingResponse,
     description=DESCRIPTION,
-    responses=problems(503) | {200: {"content": {MEDIA_TYPE: {"schema": SCHEMA}}, "description": "The stream."}},
+    responses=problems(503) | {200: {"content": {MEDIA_TYPE: CONTENT}, "description": "The stream."}},
 )
 async def follow_events(
     request: Request,

@@ -1430,6 +1430,92 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/webhooks": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Webhooks
+         * @description List the webhooks that you may see, with how their deliveries go, and without their secrets.
+         */
+        readonly get: operations["listWebhooks"];
+        readonly put?: never;
+        /**
+         * Create Webhook
+         * @description Have the events from now on sent to a URL. Who sees one project has those of that project sent.
+         *
+         *     The answer shows the secret that deliveries are signed with, once.
+         */
+        readonly post: operations["createWebhook"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/webhooks/{webhook}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        readonly post?: never;
+        /**
+         * Delete Webhook
+         * @description Delete a webhook: nothing is sent to it from now on, but for a try that has begun.
+         */
+        readonly delete: operations["deleteWebhook"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/webhooks/{webhook}/enable": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Enable Webhook
+         * @description Let a webhook that was disabled go on after the last event that its receiver has got.
+         */
+        readonly post: operations["enableWebhook"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/webhooks/{webhook}/test": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Test Webhook
+         * @description Send the event `test` to the receiver now, once, and tell what it answers, also where the webhook is disabled.
+         */
+        readonly post: operations["testWebhook"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/version": {
         readonly parameters: {
             readonly query?: never;
@@ -7073,6 +7159,91 @@ export interface components {
             readonly scopes: readonly string[];
         };
         /**
+         * NewWebhook
+         * @description A webhook that was just made. Its secret cannot be read again.
+         * @example {
+         *       "after": 1824,
+         *       "createdAt": "2026-11-27T08:00:00Z",
+         *       "failures": 3,
+         *       "id": "w-3f2a9c51d07b",
+         *       "lastError": "the receiver answered with status 503",
+         *       "lastStatus": 503,
+         *       "nextTryAt": "2026-11-27T09:12:08Z",
+         *       "project": "night-tram",
+         *       "secret": "whsec_xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx",
+         *       "topics": [
+         *         "renders"
+         *       ],
+         *       "url": "https://hooks.studio.example/pullfocus"
+         *     }
+         */
+        readonly NewWebhook: {
+            /**
+             * After
+             * @description Number of the last event that is delivered, or not wanted.
+             */
+            readonly after: number;
+            /**
+             * Createdat
+             * Format: date-time
+             */
+            readonly createdAt: string;
+            /**
+             * Disabled
+             * @description Reason why nothing is delivered; null where events are.
+             */
+            readonly disabled: string | null;
+            /**
+             * Failures
+             * @description Tries in succession without success.
+             */
+            readonly failures: number;
+            /** Id */
+            readonly id: string;
+            /**
+             * Lasterror
+             * @description Reason why the last try was no success; null where it was one.
+             */
+            readonly lastError: string | null;
+            /**
+             * Laststatus
+             * @description Status of the last answer; null where there was none.
+             */
+            readonly lastStatus: number | null;
+            /**
+             * Nexttryat
+             * @description null where none is waited for.
+             */
+            readonly nextTryAt: string | null;
+            /**
+             * Project
+             * @description Project whose events it gets; null for every project.
+             */
+            readonly project: string | null;
+            /**
+             * Render
+             * @description null for all.
+             */
+            readonly render: string | null;
+            /**
+             * Secret
+             * @description What its deliveries are signed with; shown this once.
+             */
+            readonly secret: string;
+            /**
+             * Shot
+             * @description null for all.
+             */
+            readonly shot: string | null;
+            /**
+             * Topics
+             * @description Empty for all.
+             */
+            readonly topics: readonly ("shots" | "edits" | "renders" | "tasks" | "presence")[];
+            /** Url */
+            readonly url: string;
+        };
+        /**
          * Note
          * @description A feature of the shot that is not honoured.
          */
@@ -8821,6 +8992,180 @@ export interface components {
             readonly version: string;
         };
         /**
+         * Webhook
+         * @description A webhook, without its secret.
+         * @example {
+         *       "after": 1824,
+         *       "createdAt": "2026-11-27T08:00:00Z",
+         *       "failures": 3,
+         *       "id": "w-3f2a9c51d07b",
+         *       "lastError": "the receiver answered with status 503",
+         *       "lastStatus": 503,
+         *       "nextTryAt": "2026-11-27T09:12:08Z",
+         *       "project": "night-tram",
+         *       "topics": [
+         *         "renders"
+         *       ],
+         *       "url": "https://hooks.studio.example/pullfocus"
+         *     }
+         */
+        readonly Webhook: {
+            /**
+             * After
+             * @description Number of the last event that is delivered, or not wanted.
+             */
+            readonly after: number;
+            /**
+             * Createdat
+             * Format: date-time
+             */
+            readonly createdAt: string;
+            /**
+             * Disabled
+             * @description Reason why nothing is delivered; null where events are.
+             */
+            readonly disabled: string | null;
+            /**
+             * Failures
+             * @description Tries in succession without success.
+             */
+            readonly failures: number;
+            /** Id */
+            readonly id: string;
+            /**
+             * Lasterror
+             * @description Reason why the last try was no success; null where it was one.
+             */
+            readonly lastError: string | null;
+            /**
+             * Laststatus
+             * @description Status of the last answer; null where there was none.
+             */
+            readonly lastStatus: number | null;
+            /**
+             * Nexttryat
+             * @description null where none is waited for.
+             */
+            readonly nextTryAt: string | null;
+            /**
+             * Project
+             * @description Project whose events it gets; null for every project.
+             */
+            readonly project: string | null;
+            /**
+             * Render
+             * @description null for all.
+             */
+            readonly render: string | null;
+            /**
+             * Shot
+             * @description null for all.
+             */
+            readonly shot: string | null;
+            /**
+             * Topics
+             * @description Empty for all.
+             */
+            readonly topics: readonly ("shots" | "edits" | "renders" | "tasks" | "presence")[];
+            /** Url */
+            readonly url: string;
+        };
+        /**
+         * WebhookAnswer
+         * @description Answer of a receiver to a test.
+         * @example {
+         *       "status": 200,
+         *       "text": "ok"
+         *     }
+         */
+        readonly WebhookAnswer: {
+            /**
+             * Error
+             * @description Reason why an event would not be delivered; null where it would.
+             */
+            readonly error: string | null;
+            /**
+             * Status
+             * @description null where it did not answer.
+             */
+            readonly status: number | null;
+            /**
+             * Text
+             * @description Body of the answer, at most its first 1024 bytes.
+             */
+            readonly text: string;
+        };
+        /**
+         * WebhookList
+         * @description The webhooks, oldest first.
+         * @example {
+         *       "webhooks": [
+         *         {
+         *           "after": 1824,
+         *           "createdAt": "2026-11-27T08:00:00Z",
+         *           "failures": 3,
+         *           "id": "w-3f2a9c51d07b",
+         *           "lastError": "the receiver answered with status 503",
+         *           "lastStatus": 503,
+         *           "nextTryAt": "2026-11-27T09:12:08Z",
+         *           "project": "night-tram",
+         *           "topics": [
+         *             "renders"
+         *           ],
+         *           "url": "https://hooks.studio.example/pullfocus"
+         *         }
+         *       ]
+         *     }
+         */
+        readonly WebhookList: {
+            /** Webhooks */
+            readonly webhooks: readonly components["schemas"]["Webhook"][];
+        };
+        /**
+         * WebhookRequest
+         * @description A webhook that is to be made.
+         * @example {
+         *       "project": "night-tram",
+         *       "topics": [
+         *         "renders"
+         *       ],
+         *       "url": "https://hooks.studio.example/pullfocus"
+         *     }
+         */
+        readonly WebhookRequest: {
+            /**
+             * Project
+             * @description Of this project; of all when left out.
+             */
+            readonly project?: string | null;
+            /**
+             * Render
+             * @description About this render.
+             */
+            readonly render?: string | null;
+            /**
+             * Secret
+             * @description What deliveries are signed with, printable ASCII; one is made when left out.
+             */
+            readonly secret?: string | null;
+            /**
+             * Shot
+             * @description About this shot.
+             */
+            readonly shot?: string | null;
+            /**
+             * Topics
+             * @description Of these topics; all when left out.
+             * @default []
+             */
+            readonly topics?: readonly ("shots" | "edits" | "renders" | "tasks" | "presence")[];
+            /**
+             * Url
+             * @description Where events are sent to, http or https.
+             */
+            readonly url: string;
+        };
+        /**
          * Who
          * @description Sender of the request.
          * @example {
@@ -9086,7 +9431,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9153,7 +9498,12 @@ export interface operations {
                     readonly [name: string]: unknown;
                 };
                 content: {
-                    readonly "text/event-stream": string;
+                    /**
+                     * @example event: tasks
+                     *     data: {"number": 1824, "at": "2026-11-27T08:00:42Z", "topic": "tasks", "kind": "task-changed", "project": "default", "shot": "demo", "render": "r-5f0c1d2e3a4b", "data": {"frame": 25, "state": "done", "attempt": 1, "worker": "camera-pc", "count": 96, "done": 25}}
+                     *     id: 1824
+                     */
+                    readonly "text/event-stream": unknown;
                 };
             };
             /** @description A key or token is missing, wrong or expired. */
@@ -9307,7 +9657,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9384,7 +9734,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9566,7 +9916,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9699,7 +10049,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9776,7 +10126,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9853,7 +10203,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9931,7 +10281,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10019,7 +10369,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10091,7 +10441,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10100,7 +10450,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10186,7 +10536,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10252,7 +10602,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10261,7 +10611,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10329,7 +10679,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10338,7 +10688,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10406,7 +10756,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10415,7 +10765,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10499,7 +10849,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10508,7 +10858,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10581,7 +10931,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10590,7 +10940,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10667,7 +11017,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10676,7 +11026,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10744,7 +11094,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10753,7 +11103,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10821,7 +11171,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10830,7 +11180,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10898,7 +11248,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11261,7 +11611,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11348,7 +11698,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11430,7 +11780,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11528,7 +11878,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11628,7 +11978,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11726,7 +12076,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11835,7 +12185,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -11942,7 +12292,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12042,7 +12392,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12140,7 +12490,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12249,7 +12599,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12356,7 +12706,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12456,7 +12806,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12554,7 +12904,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12654,7 +13004,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12754,7 +13104,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12861,7 +13211,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -12968,7 +13318,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13084,7 +13434,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13180,7 +13530,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13258,7 +13608,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13360,7 +13710,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13464,7 +13814,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13556,7 +13906,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13565,7 +13915,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13666,7 +14016,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13675,7 +14025,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13829,7 +14179,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -13933,7 +14283,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14055,7 +14405,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14148,7 +14498,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14248,7 +14598,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14350,7 +14700,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14444,7 +14794,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14555,7 +14905,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14666,7 +15016,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14775,7 +15125,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14928,7 +15278,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -14937,7 +15287,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15023,7 +15373,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15184,7 +15534,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15256,7 +15606,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15340,7 +15690,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15412,7 +15762,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15485,7 +15835,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15586,7 +15936,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15595,7 +15945,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15685,7 +16035,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15776,7 +16126,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15860,7 +16210,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -15940,7 +16290,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -16040,7 +16390,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -16131,7 +16481,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -16232,7 +16582,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -16363,7 +16713,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -16431,7 +16781,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision, or nothing of this id in the trash. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -16440,8 +16790,326 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly listWebhooks: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["WebhookList"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly createWebhook: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["WebhookRequest"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 201: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["NewWebhook"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly deleteWebhook: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A webhook's id. */
+                readonly webhook: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 204: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly enableWebhook: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A webhook's id. */
+                readonly webhook: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Webhook"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly testWebhook: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A webhook's id. */
+                readonly webhook: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["WebhookAnswer"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -5,7 +5,7 @@
     .webm   VP9, 8 bits, 4:2:0, constant quality (CRF 20)
 
 Pictures are converted to Y'CbCr with the matrix of BT.709 in limited range, and are tagged so. Width and height are even: a
-picture of odd size repeats its last column or row. The same pictures give the same bytes.
+picture of odd size repeats its last column or row. The same pictures give the same bytes on one machine.
 """
 
 from __future__ import annotations

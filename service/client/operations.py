@@ -25,8 +25,8 @@ MOVIES = ("mp4", "mov", "webm")
 MOST_LISTED = 200
 """Renders of one answer."""
 _FIRST_LOOK_S, _LONGEST_LOOK_S = 0.25, 3.0
-_UPLOAD_S = 900.0
-"""Time for the check of an upload, which opens the shot, s."""
+_LONG_S = 900.0
+"""Time for an answer that takes the service work: the check of an upload, a movie, s."""
 _SENDABLE = re.compile(r"[\x21-\x7e]{1,200}")
 
 AnyShot = Shot | ShotSummary | str
@@ -58,7 +58,7 @@ def push(
     try:
         fields = {key: value for key, value in (("root", package.root), ("project", project)) if value is not None}
         upload = Upload(package.name, package.file, fields)
-        call = Call("POST", "/v1/shots", upload=upload, is_repeatable=False, answer_s=_UPLOAD_S)
+        call = Call("POST", "/v1/shots", upload=upload, is_repeatable=False, answer_s=_LONG_S)
         return (yield from read(Shot, call, retries))
     finally:
         package.file.close()
@@ -129,7 +129,7 @@ class Watch:
     Args:
         render: the render, or its id.
         timeout_s: time until `WaitTimeoutError`, s; None waits for as long as it takes.
-        retries: for the first request; later ones are repeated for a quarter of an hour.
+        retries: for the first request; later ones are repeated for some ten minutes.
     """
 
     def __init__(self, render: AnyRender, timeout_s: float | None, retries: Retries) -> None:
@@ -220,7 +220,8 @@ def _fetch_product(
     render: AnyRender, product: str, query: Mapping[str, str | int], path: Path, retries: Retries
 ) -> Steps[Path]:
     with FetchedFile(path.parent, product, None) as file:
-        yield from perform(Call("GET", f"{_address('renders', render)}/{product}", query), retries, file)
+        call = Call("GET", f"{_address('renders', render)}/{product}", query, answer_s=_LONG_S)  # it may be made now
+        yield from perform(call, retries, file)
         kept: Path = yield Work(lambda: file.keep(path.name))
         return kept
 

@@ -54,7 +54,7 @@ class Retries:
 
 
 PATIENT = Retries(tries=30)
-"""While a render is watched: a service that restarts, or is away for a quarter of an hour, is waited for."""
+"""While a render is watched: a service that restarts, or is away for some ten minutes, is waited for."""
 
 
 @dataclass(frozen=True)

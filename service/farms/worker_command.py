@@ -59,7 +59,8 @@ def worker(arguments: Sequence[str]) -> int:
     folder = typed.folder.expanduser().absolute()
     with _locked(folder):
         limits = {name: getattr(typed, name) for name in ("shots_mb", "memory_mb", "timeout_s", "gpus")}
-        drawer = start_drawer(DrawerSettings(folder, **limits))
+        read = tuple(path.expanduser().absolute() for path in typed.read)
+        drawer = start_drawer(DrawerSettings(folder, read=read, **limits))
         log.info("shaders are compiled, where that was not done before")
         drawer.warm_up()
         asyncio.run(_serve(address.scheduler, typed.name, folder))
@@ -99,6 +100,14 @@ def _parser() -> argparse.ArgumentParser:
         "--gpus", type=int, default=0, help="GPUs that processes are spread over; 0 leaves the choice to the driver"
     )
     parser.add_argument(
+        "--read",
+        metavar="PATH",
+        type=Path,
+        action="append",
+        default=[],
+        help="folder beside a shot's own that may be read, such as a library of assets; repeat it for several",
+    )
+    parser.add_argument(
         "--log-format",
         choices=get_args(LogFormat),
         help="format of the log (default: text on a terminal, else json)",
@@ -111,14 +120,15 @@ def _locked(folder: Path) -> Iterator[None]:
     """Use a folder alone. Raises `OutputError`: another worker does, or it cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with (folder / "lock").open("w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            yield
+        lock = (folder / "lock").open("w")
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
         detail = f"another worker uses {folder}; choose another folder with --folder"
         raise OutputError(detail, path=str(folder)) from error
     except OSError as error:
         raise OutputError(f"the folder {folder} cannot be written: {error.strerror}", path=str(folder)) from error
+    with lock:
+        yield
 
 
 async def _serve(scheduler: str, name: str, folder: Path) -> None:
@@ -150,7 +160,7 @@ async def _serve(scheduler: str, name: str, folder: Path) -> None:
                 await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
                 for wait in waits:
                     wait.cancel()
-        except (OSError, TimeoutError, ValueError) as error:
+        except (OSError, TimeoutError, ValueError, RuntimeError) as error:  # also a name that another worker has
             if not has_failed:
                 log.warning("the scheduler %s cannot be joined, it is tried again: %s", scheduler, error)
             has_failed = True

@@ -148,7 +148,7 @@ def create_app(settings: Settings) -> FastAPI:
 
 async def _follow_events(service: Service) -> None:
     """Tell those who follow events of new ones."""
-    with suppress(OutputError):  # as of a full disk
+    with suppress(OutputError, OSError):  # as of a full disk
         await note_empty_shots(service)
     await service.feed.run()
 
@@ -192,8 +192,10 @@ async def _deliver_webhooks(service: Service) -> None:
 async def _forget_events(service: Service) -> None:
     """Forget old events, now and then."""
     while True:
-        with suppress(OutputError):  # as of a full disk
+        try:
             await run_in_threadpool(service.events.prune, service.settings.event_days * DAY_S)
+        except OutputError as error:
+            log.error("old events cannot be forgotten: %s", error)
         await asyncio.sleep(EMPTYING_PAUSE_S)
 
 

@@ -50,10 +50,10 @@ async def note_viewers(service: Service, shot: str) -> None:
         record = service.store.get(shot)
     except NotFoundError:
         return
-    event = NewEvent(
-        "presence", "presence-changed", record.project, shot, data={"viewers": service.presence.names(shot)}
-    )
-    await run_in_threadpool(service.events.note, event)
+    async with service.presence.noting:
+        data = {"viewers": service.presence.names(shot)}
+        event = NewEvent("presence", "presence-changed", record.project, shot, data=data)
+        await run_in_threadpool(service.events.note, event)
 
 
 async def note_empty_shots(service: Service) -> None:

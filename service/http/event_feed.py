@@ -85,7 +85,8 @@ class EventFeed:
             rows, after = await run_in_threadpool(self._events.after, after, wanted, PAGE)
             yield [shown(row) for row in rows], after
             if len(rows) < PAGE:
-                await _wait(bell, pause_s)
+                while not await _wait(bell, pause_s):
+                    yield [], after
 
     def _ring(self) -> None:
         bell, self._bell = self._bell, asyncio.Event()
@@ -115,6 +116,9 @@ def text_of(model: Model) -> str:
     return model.model_dump_json(by_alias=True, exclude_none=True)
 
 
-async def _wait(bell: asyncio.Event, most_s: float) -> None:
+async def _wait(bell: asyncio.Event, most_s: float) -> bool:
+    """Wait for a bell. Returns whether it has rung in time."""
     with suppress(TimeoutError):
-        await asyncio.wait_for(bell.wait(), most_s)
+        async with asyncio.timeout(most_s):  # `wait_for` of Python 3.11 may swallow a cancellation
+            await bell.wait()
+    return bell.is_set()

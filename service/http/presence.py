@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 
 class Presence:
-    """Those who look at shots through live connections. Used in the event loop alone."""
+    """Those who look at shots through live connections. Used in the event loop alone.
+
+    Attributes:
+        noting: held while an event of them is written, so that the last one tells who is there.
+    """
 
     def __init__(self) -> None:
+        self.noting = asyncio.Lock()
         self._viewers: dict[str, Counter[str]] = {}
 
     def names(self, shot: str) -> list[str]:

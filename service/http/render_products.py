@@ -109,12 +109,14 @@ class RenderProducts:
         for old in path.parent.glob(f"{name}.*.{suffix}"):
             if old != path:
                 old.unlink(missing_ok=True)
+        size = path.stat().st_size
+        total = sum(each.stat().st_size for each in path.parent.iterdir())
+        self.queue.note_products(render.id, total - size)  # what was there before counts no longer
         try:
-            self.quotas.check_room(render.project, path.stat().st_size)
+            self.quotas.check_room(render.project, size)
         except ServiceError:
             path.unlink(missing_ok=True)
             raise
-        total = sum(each.stat().st_size for each in path.parent.iterdir())
         self.queue.note_products(render.id, total)
 
     def _frames_of(self, render: RenderRow) -> tuple[Frames, str]:

@@ -50,7 +50,7 @@ def _make_executor(service: Service) -> Executor:
     if not service.settings.dask:
         return LaneExecutor(service)
     address = DaskAddress.parse(service.settings.dask)
-    return DaskExecutor(address, service.quotas.charge, service.quarantine.blame)
+    return DaskExecutor(address, service.quotas.charge, service.quarantine.blame, service.settings.worker_read)
 
 
 class RenderRunner:
@@ -110,7 +110,8 @@ class RenderRunner:
     async def _wait(self) -> None:
         """Wait until a render is sent or a frame has ended, or for some time."""
         with suppress(TimeoutError):
-            await asyncio.wait_for(self._service.renders_wake.wait(), PAUSE_S)
+            async with asyncio.timeout(PAUSE_S):  # `wait_for` of Python 3.11 may swallow a cancellation
+                await self._service.renders_wake.wait()
         self._service.renders_wake.clear()
 
 
@@ -129,9 +130,10 @@ async def _claim(queue: RenderQueue, worker: str, present: Collection[str]) -> C
     try:
         return await asyncio.shield(claiming)
     except asyncio.CancelledError:
-        claim = await claiming
-        if claim is not None:
-            queue.give_back(claim, STOPPING)
+        with suppress(OutputError):  # the lease runs out
+            claim = await claiming
+            if claim is not None:
+                queue.give_back(claim, STOPPING)
         raise
 
 
@@ -157,7 +159,8 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
         await run_in_threadpool(queue.give_back, claim, "the render was canceled")
     except (PullfocusError, WorkerError, ServiceError, FrameError, OSError) as error:
         if _comes_too_early(error):
-            await run_in_threadpool(queue.put_off, claim, BUSY_PAUSE_S)
+            is_of_owner = isinstance(error, ServiceError)  # who has used up the processor time of a day
+            await run_in_threadpool(queue.put_off, claim, BUSY_PAUSE_S, is_of_owner=is_of_owner)
         else:
             log.warning("frame %d of render %s could not be drawn: %s", claim.frame, claim.render, error)
             await run_in_threadpool(queue.fail, claim, str(error), may_pass=_may_pass(error))

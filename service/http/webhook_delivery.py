@@ -70,7 +70,8 @@ class Deliveries:
                         log.error("webhooks cannot be looked for: %s", error)
                     has_failed = True
                 with suppress(TimeoutError):
-                    await asyncio.wait_for(self.wake.wait(), LOOK_PAUSE_S)
+                    async with asyncio.timeout(LOOK_PAUSE_S):  # `wait_for` of Python 3.11 may swallow a cancellation
+                        await self.wake.wait()
                 self.wake.clear()
         finally:
             for task in self._tasks.values():

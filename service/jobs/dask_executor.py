@@ -11,11 +11,12 @@ import asyncio
 import logging
 import re
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from render.errors import SettingsError
@@ -77,6 +78,7 @@ class DaskExecutor:
         address: of the scheduler.
         on_used: told of the processor time that was used, s, and for whom.
         on_blame: told of the shot that has ended a worker's process, and how.
+        read: folders beside a shot's own that the workers of this machine may read.
     """
 
     def __init__(
@@ -84,14 +86,17 @@ class DaskExecutor:
         address: DaskAddress,
         on_used: Callable[[Client, float], None],
         on_blame: Callable[[str, End], None],
+        read: Sequence[Path] = (),
     ) -> None:
         self._address = address
         self._on_used = on_used
         self._on_blame = on_blame
+        self._read = tuple(map(str, read)) if address.scheduler is None else ()
         self._cluster: Any = None  # `distributed` has few types
         self._client: Any = None
         self._workers: dict[str, str] = {}
         self._greeted: dict[str, bool] = {}
+        self._silent: set[str] = set()
         self._sending: defaultdict[tuple[str, str], asyncio.Lock] = defaultdict(asyncio.Lock)
         self._lists: dict[tuple[str, str], FileList] = {}
         self._looking = asyncio.create_task(self._look_for_workers())
@@ -135,6 +140,9 @@ class DaskExecutor:
                     found = (await client.scheduler.identity(n_workers=-1))["workers"]
                 known = {str(one["name"]): address for address, one in found.items()}
                 self._greeted = {address: fits for address, fits in self._greeted.items() if address in found}
+                self._silent &= found.keys()
+                for gone in [key for key in self._sending if key[0] not in found]:
+                    del self._sending[gone]
                 await asyncio.gather(*(self._greet(address) for address in found if address not in self._greeted))
                 self._workers = {name: address for name, address in known.items() if self._greeted.get(address)}
                 has_failed = False
@@ -175,10 +183,12 @@ class DaskExecutor:
     async def _greet(self, address: str) -> None:
         """Find out whether a worker can draw frames."""
         try:
-            theirs = await self._call(address, dask_worker.greet)
-        except Exception as error:
-            log.warning("worker %s cannot draw frames: %s", address, error)
-            self._greeted[address] = False
+            async with asyncio.timeout(ANSWER_S):
+                theirs = await self._call(address, dask_worker.greet, self._read)
+        except Exception as error:  # it is asked again
+            if address not in self._silent:
+                log.warning("worker %s cannot draw frames now: %s", address, error or type(error).__name__)
+            self._silent.add(address)
             return
         self._greeted[address] = theirs == version("pullfocus")
         if not self._greeted[address]:
@@ -228,6 +238,7 @@ class DaskExecutor:
         async with lock:
             if is_being_sent:  # for another frame, and it has been by now
                 return
+            token = ""
             try:
                 token = await self._call(address, dask_worker.begin_shot)
                 for file in files.files:
@@ -235,10 +246,15 @@ class DaskExecutor:
                         content = await asyncio.to_thread(read_part, record.files, file, offset)
                         await self._call(address, dask_worker.receive_part, token, file.path, content)
                 await self._call(address, dask_worker.end_shot, token, files)
+                token = ""
             except FrameError:
                 raise
             except Exception as error:
                 raise FrameError(f"shot {record.id} cannot be sent to worker {worker}: {error}", True) from error
+            finally:
+                if token:
+                    with suppress(Exception):  # the worker is gone
+                        await asyncio.shield(self._call(address, dask_worker.abandon_shot, token))
 
     async def _files_of(self, record: ShotRecord) -> FileList:
         key = record.id, record.created_at.isoformat()

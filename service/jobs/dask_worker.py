@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import atexit
 import threading
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,15 +34,16 @@ def start_drawer(settings: DrawerSettings) -> Drawer:
         return _drawer
 
 
-async def greet(dask_worker: Worker) -> str:
+async def greet(read: Sequence[str], dask_worker: Worker) -> str:
     """Make sure that there is a drawer, and return the version of the program.
 
     Args:
+        read: folders beside a shot's own that may be read, where the drawer is made now.
         dask_worker: given by Dask.
     """
     if _drawer is None:
         folder = Path(dask_worker.local_directory) / "pullfocus"  # Dask removes it with the worker
-        drawer = await asyncio.to_thread(start_drawer, DrawerSettings(folder))
+        drawer = await asyncio.to_thread(start_drawer, DrawerSettings(folder, read=tuple(map(Path, read))))
         threading.Thread(target=drawer.warm_up, daemon=True).start()
     return version("pullfocus")
 
@@ -64,6 +66,11 @@ async def begin_shot() -> str:
 async def receive_part(token: str, path: str, content: bytes) -> None:
     """Receive a part of a file."""
     await asyncio.to_thread(_own_drawer().shots.receive, token, path, content)
+
+
+async def abandon_shot(token: str) -> None:
+    """Drop what was received of a shot."""
+    await asyncio.to_thread(_own_drawer().shots.abandon, token)
 
 
 async def end_shot(token: str, files: FileList) -> None:

@@ -44,6 +44,7 @@ class DrawerSettings:
         memory_mb: memory of a process that draws, MiB.
         disk_mb: space for the compiled shaders, tables and temporary files of one such process, MiB.
         timeout_s: time for one frame, s.
+        read: folders beside a shot's own that a process may read, such as libraries of assets.
         gpus: GPUs that the processes are spread over; 0 leaves the choice to the driver.
     """
 
@@ -53,6 +54,7 @@ class DrawerSettings:
     memory_mb: int = 8192
     disk_mb: int = 2048
     timeout_s: float = 300.0
+    read: tuple[Path, ...] = ()
     gpus: int = 0
 
 
@@ -102,6 +104,7 @@ class Drawer:
     """
 
     def __init__(self, settings: DrawerSettings) -> None:
+        self._read = settings.read
         self.shots = ShotFiles(settings.folder, settings.shots_mb * MEBIBYTE)
         environment = worker_environment(os.environ)
         self._caches = Caches(settings.cache, environment, settings.disk_mb * MEBIBYTE)
@@ -152,7 +155,9 @@ class Drawer:
             wanted = call(frames.render_files, replace(work.request, record=record), work.formats)
             token = observer.set(finished.append)
             drawing = asyncio.ensure_future(
-                self._lane.result(wanted, Place(files.hash, (record.files,)), work.client, estimate_s=work.estimate_s)
+                self._lane.result(
+                    wanted, Place(files.hash, (record.files, *self._read)), work.client, estimate_s=work.estimate_s
+                )
             )
             observer.reset(token)
             self._drawing[work.key] = drawing

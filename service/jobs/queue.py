@@ -246,12 +246,13 @@ class RenderQueue:
             if held is not None:
                 self._end(session, *held, "ready", "given-back", reason)
 
-    def put_off(self, claim: Claim, pause_s: float) -> None:
+    def put_off(self, claim: Claim, pause_s: float, *, is_of_owner: bool = False) -> None:
         """Give a task back that could not be begun, as if it had not been claimed; none of its render is claimed for a while.
 
         Args:
             claim: the task.
             pause_s: time until another one of its render is claimed.
+            is_of_owner: whether all renders of its owner are put off.
         """
         with self._writing() as session:
             held = self._held(session, claim)
@@ -261,7 +262,10 @@ class RenderQueue:
             self._end(session, render, task, "ready", "given-back", None)
             session.delete(session.get_one(AttemptRow, (task.render, task.frame, task.attempts)))
             task.attempts -= 1
-            render.not_before = self._clock(session) + pause_s
+            render.not_before = until = self._clock(session) + pause_s
+            if is_of_owner:
+                theirs = update(RenderRow).where(RenderRow.owner == render.owner, RenderRow.ready > 0)
+                session.execute(theirs.values(not_before=until))
 
     def pause(self, render_id: str) -> RenderRow:
         """Begin no more frames of a render. Raises `NotFoundError`, `ConflictError`: it has ended."""
@@ -341,7 +345,7 @@ class RenderQueue:
         with self._writing() as session:
             for task in session.scalars(select(TaskRow).where(TaskRow.state == "running")).all():
                 render = session.get_one(RenderRow, task.render)
-                self._end(session, render, task, "ready", "lost", "the service ended")
+                self._end(session, render, task, "ready", "given-back", "the service ended")
 
     def stored_bytes(self, project: str) -> int:
         """Return the size of what the renders of a project have stored, with their products, bytes."""

@@ -165,6 +165,10 @@ class ShotFiles:
         with target.open("ab") as file:
             file.write(content)
 
+    def abandon(self, token: str) -> None:
+        """Drop what was received of a shot. Raises `OSError`: it cannot be removed."""
+        remove_tree(self._parts / PurePosixPath(token).name)
+
     def end(self, token: str, expected: FileList) -> None:
         """Keep a shot that was received as a whole, and forget others beyond the budget.
 

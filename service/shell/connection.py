@@ -66,7 +66,8 @@ def address(typed: argparse.Namespace) -> str:
 
 def again(typed: argparse.Namespace, *words: str) -> str:
     """Return a command for the same service, as it is to be typed."""
-    return shlex.join(["pullfocus", *words, *(["--on", typed.on] if typed.on else [])])
+    key = ["--key-file", str(typed.key_file)] if typed.key_file is not None else []
+    return shlex.join(["pullfocus", *words, *(["--on", typed.on] if typed.on else []), *key])
 
 
 def _key(typed: argparse.Namespace) -> str | None:

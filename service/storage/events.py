@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 
 from render.errors import OutputError
 from service.storage.database.connection import time_of, transaction
-from service.storage.database.tables import EventRow
+from service.storage.database.tables import EventRow, plain
 
 log = logging.getLogger("pullfocus.service")
 
@@ -81,7 +81,7 @@ class EventLog:
         if not session.info.get("has_events"):
             session.info["has_events"] = True
             event.listen(session, "after_commit", lambda _: self.on_new())
-        session.add(EventRow(at=self._clock(session), **vars(new) | {"data": dict(new.data)}))
+        session.add(EventRow(at=self._clock(session), **vars(new) | {"data": plain(dict(new.data))}))
 
     def note(self, new: NewEvent) -> None:
         """Add an event of what was done elsewhere. A database that cannot be used is logged: what was done is done."""

@@ -25,6 +25,8 @@ BACK_OFF_S = 2.0
 MOST_BACK_OFF_S = 600.0
 GIVE_UP_S = 86_400.0
 """Time for which a receiver is tried without success until its webhook is disabled."""
+LEAST_FAILURES = 100
+"""Tries that it has had then: a service that was off for a day has not tried."""
 MAX_ERROR = 500
 """Length of an error's text."""
 
@@ -186,7 +188,7 @@ class Webhooks:
             row.last_status, row.last_error = status, error[:MAX_ERROR]
             row.failures += 1
             row.failing_since = now if row.failing_since is None else row.failing_since
-            if ends or now - row.failing_since >= GIVE_UP_S:
+            if ends or (row.failures >= LEAST_FAILURES and now - row.failing_since >= GIVE_UP_S):
                 row.disabled = row.last_error if ends else f"no success for 24 hours; {row.last_error}"
                 row.worker = row.lease_until = row.next_try_at = None
                 return None

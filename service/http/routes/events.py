@@ -29,6 +29,8 @@ from service.storage.events import Wanted
 
 router = APIRouter(tags=["events"], dependencies=READS)
 
+FAILED_CODE = 1011
+"""Code of a WebSocket that is closed because events cannot be read; the client may connect again."""
 CHECK_PAUSE_S = 1.0
 """Time between two looks at whether the reader is still let in."""
 MARK_PAUSE_S = 15.0
@@ -167,8 +169,12 @@ async def send_events(socket: WebSocket, service: ServiceDep, identity: Identity
         finally:
             for task in tasks:
                 task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        has_failed = any(not task.cancelled() and task.exception() is not None for task in tasks)
         with suppress(RuntimeError, WebSocketDisconnect):  # the client has closed it already
-            if service.stopping.is_begun:
+            if has_failed:  # as where the database cannot be read
+                await socket.close(FAILED_CODE)
+            elif service.stopping.is_begun:
                 await socket.close(RESTARTS_CODE)
             elif place.taken.is_set():
                 await socket.close(TAKEN_CODE, TAKEN_REASON)

@@ -22,6 +22,15 @@ from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 _NOT_STORED = re.compile("[\0\ud800-\udfff]")
 
 
+def plain(value: Any) -> Any:
+    """Return JSON whose texts are such that a database holds them, and any reader, too."""
+    if isinstance(value, str):
+        return _NOT_STORED.sub("\ufffd", value)
+    if isinstance(value, dict):
+        return {key: plain(one) for key, one in value.items()}
+    return [plain(one) for one in value] if isinstance(value, list) else value
+
+
 class PlainText(TypeDecorator[str]):
     """Text. In place of what no database holds, NUL and halves of surrogates, it has U+FFFD."""
 

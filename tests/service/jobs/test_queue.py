@@ -184,10 +184,11 @@ def test_what_a_project_has_stored_is_summed(queue):
 
 def test_sizes_beyond_four_gigabytes_are_exact(queue):
     sent = queue.submit(render([1, 2]))
+    large = {"exr": {"size_bytes": 2**32 + 1, "sha256": "hash"}}
     for _ in range(2):
-        assert queue.finish(queue.claim("one", LEASE_S), 2**32 + 1, "hash")
+        assert queue.finish(queue.claim("one", LEASE_S), large, 24)
     assert json.dumps(queue.stored_bytes("default")) == str(2 * (2**32 + 1) + len("#usda 1.0"))
-    assert [task.size_bytes for task, _ in queue.tasks(sent.id)] == [2**32 + 1] * 2
+    assert [task.files for task, _ in queue.tasks(sent.id)] == [large] * 2
 
 
 def test_text_that_no_database_holds_is_replaced(queue):
@@ -304,7 +305,7 @@ def test_everything_is_there_after_a_restart(tmp_path, clock, database):
         after.give_back(third, "the other one comes first")
     assert [drawn(after)[1] for _ in range(2)] == [2, 3]
     _, (_, attempts), _ = after.tasks(sent.id)
-    assert [attempt.outcome for attempt in attempts] == ["lost", "done"]
+    assert [attempt.outcome for attempt in attempts] == ["lost" if database else "given-back", "done"]
     assert after.numbers() == {"ready": 0, "running": 0, "done": 3, "failed": 0, "canceled": 0}
     after.close()
 
@@ -375,3 +376,12 @@ def test_a_render_that_all_fail_ends(queue, clock):
         for worker in ("one", "two"):
             fail(queue, clock, worker, ("one", "two"))
     assert state_of(queue.get(sent.id)) == "failed"
+
+
+def test_an_owner_without_time_is_put_off_with_all_renders(queue, clock):
+    queue.submit(render((1,)))
+    queue.submit(render((2,)))
+    queue.put_off(queue.claim("one", LEASE_S), 15, is_of_owner=True)
+    assert queue.claim("one", LEASE_S) is None
+    clock.now += 15
+    assert [drawn(queue)[1] for _ in range(2)] == [1, 2]

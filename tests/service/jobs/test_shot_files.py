@@ -95,3 +95,10 @@ def test_a_folder_that_cannot_be_written_is_an_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="cannot be written"):
         ShotFiles(tmp_path / "file", 1)
+
+
+def test_a_shot_that_is_given_up_leaves_nothing(kept, tmp_path):
+    token = kept.begin()
+    kept.receive(token, "root.usda", b"#usda")
+    kept.abandon(token)
+    assert list((tmp_path / "worker/parts").iterdir()) == []

@@ -126,8 +126,14 @@ def movie_colours(cicp: Sequence[int] | None) -> tuple[int, int]:
     return primaries, BT709 if transfer == SRGB_TRANSFER else transfer
 
 
+MOST_COUNTED = 255
+"""Pictures per second that a time code of the MOV format can count."""
+
+
 def time_code_of(times: Sequence[float], rate: Fraction) -> str:
-    """Return the time code of the first picture, without drop frames; empty where the pictures are not each frame in order.
+    """Return the time code of the first picture, without drop frames; empty where there is none.
+
+    There is one where the pictures are each frame in order, and not too many a second.
 
     Args:
         times: USD time codes of the pictures.
@@ -136,6 +142,8 @@ def time_code_of(times: Sequence[float], rate: Fraction) -> str:
     first = times[0]
     is_each_frame = all(later - earlier == 1 for earlier, later in pairwise(times))
     if not (first >= 0 and first % 1 == 0 and is_each_frame):  # the default time is not a number
+        return ""
+    if round(rate) > MOST_COUNTED:
         return ""
     seconds, frame = divmod(int(first), max(round(rate), 1))
     hours = seconds // 3600

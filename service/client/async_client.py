@@ -13,6 +13,7 @@ import httpx
 
 from . import operations
 from .connecting import DEFAULT_URL, http_arguments
+from .errors import AnswerError
 from .models import Render, RenderPlan, RenderSettings, RenderTask, Shot, ShotSummary
 from .operations import ENDED, AnyRender, AnyShot, Download, Watch
 from .steps import CHUNK_BYTES, Answer, Exchange, Pause, Receiver, Retries, Steps, Work
@@ -205,6 +206,8 @@ class AsyncClient:
                                 answer = await self._exchange(step)
                             except (httpx.TransportError, OSError) as error:
                                 step = steps.throw(error)
+                            except (httpx.InvalidURL, UnicodeError) as error:  # of where a redirect leads
+                                step = steps.throw(AnswerError(f"the answer leads to no address: {error}"))
                             else:
                                 step = steps.send(answer)
                         case Pause(seconds):

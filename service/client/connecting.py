@@ -53,12 +53,14 @@ def http_arguments(url: str, key: str | None) -> HttpArguments:
 def _address(url: str) -> httpx.URL:
     try:
         address = httpx.URL(url)
-    except (httpx.InvalidURL, TypeError) as error:
-        raise SettingError(f"{url!r} is no address of a service: {error}") from error
-    if address.scheme not in ("http", "https") or not address.host:
-        raise SettingError(f"{url!r} is no address of a service; expected one such as {DEFAULT_URL}")
+        is_named = address.scheme in ("http", "https") and bool(address.host)
+    except (httpx.InvalidURL, TypeError, ValueError) as error:
+        shown = f"{url!r} is no" if "@" not in str(url) else "that is no"  # it may hold a password
+        raise SettingError(f"{shown} address of a service; expected one such as {DEFAULT_URL}") from error
     if address.userinfo:
         raise SettingError("the address of a service has no name and no password; the key is given by itself")
+    if not is_named:
+        raise SettingError(f"{url!r} is no address of a service; expected one such as {DEFAULT_URL}")
     if address.query or address.fragment:
         raise SettingError(f"{url!r} is no address of a service: it ends with its path")
     return address

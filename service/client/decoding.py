@@ -28,7 +28,7 @@ def decode(kind: type[T], content: bytes) -> T:
     """
     try:
         return from_json(kind, json.loads(content))
-    except (ValueError, RecursionError) as error:  # what json and datetime raise, too
+    except (ValueError, RecursionError, OverflowError) as error:  # what json and datetime raise, too
         raise AnswerError(f"the answer is no {kind.__name__}: {_one_line(error)}") from error
 
 

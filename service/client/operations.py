@@ -147,11 +147,29 @@ class Watch:
             return self._before
         while True:
             yield Pause(self._within_time(pause_s, before))
-            now = yield from get(self._render, PATIENT)
+            now = yield from self._get_in_time(before)
             if now != before:
                 self._before = now
                 return now
             pause_s = min(pause_s * 1.5, _LONGEST_LOOK_S)
+
+    def _get_in_time(self, before: Render) -> Steps[Render]:
+        """Read the render; the pauses between its tries end in time, too."""
+        steps = get(self._render, PATIENT)
+        try:
+            step = next(steps)
+            while True:
+                if isinstance(step, Pause):
+                    step = Pause(self._within_time(step.seconds, before))
+                try:
+                    answer = yield step
+                except Exception as error:
+                    step = steps.throw(error)
+                else:
+                    step = steps.send(answer)
+        except StopIteration as end:
+            now: Render = end.value
+            return now
 
     def _within_time(self, pause_s: float, now: Render) -> float:
         if self._end is None:
@@ -221,7 +239,10 @@ def _fetch_product(
 ) -> Steps[Path]:
     with FetchedFile(path.parent, product, None) as file:
         call = Call("GET", f"{_address('renders', render)}/{product}", query, answer_s=_LONG_S)  # it may be made now
-        yield from perform(call, retries, file)
+        answer = yield from perform(call, retries, file)
+        kind = answer.headers.get("Content-Type", "")
+        if not kind.lower().startswith(("video/", "image/png")):
+            raise AnswerError(f"the {product} comes as {kind[:80]!r}, expected a movie or a picture")
         kept: Path = yield Work(lambda: file.keep(path.name))
         return kept
 
@@ -230,7 +251,10 @@ def _address(kind: str, wanted: Shot | ShotSummary | Render | str) -> str:
     name = wanted if isinstance(wanted, str) else wanted.id
     if name in ("", ".", ".."):
         raise SettingError(f"{name!r} is no id of {kind}")
-    return f"/v1/{kind}/{quote(name, safe='')}"
+    try:
+        return f"/v1/{kind}/{quote(name, safe='')}"
+    except UnicodeEncodeError as error:
+        raise SettingError(f"{name!r} is no id of {kind}") from error
 
 
 def _render_body(wanted: AnyShot, settings: Mapping[str, Any]) -> bytes:

@@ -48,7 +48,15 @@ def open_package(path: Path, name: str | None, root: str | None, files: Sequence
             return Package(f"{name or path.resolve().name or 'shot'}.zip", _pack(path, chosen), root)
         if not stat.S_ISREG(path.stat().st_mode):
             raise FileError(f"{path} is neither a file nor a folder")
-        return Package(f"{name}{path.suffix}" if name else path.name, path.open("rb"), root)
+        sent = f"{name}{path.suffix}" if name else path.name
+        sent.encode()
+        return Package(sent, path.open("rb"), root)
+    except UnicodeEncodeError as error:
+        raise FileError(
+            f"the name of {path!s} is no UTF-8: give another name".encode(errors="replace").decode()
+        ) from error
+    except ValueError as error:
+        raise FileError(f"{path!s} cannot be read: {error}") from error
     except OSError as error:
         raise FileError(f"{error.filename or path}: {error.strerror or error}") from error
 

@@ -243,7 +243,7 @@ def perform(call: Call, retries: Retries, sink: Sink | None = None) -> Steps[Ans
         if answer.is_success or (was_lost and call.method == "DELETE" and answer.status == HTTPStatus.NOT_FOUND):
             return answer
         may_help = answer.status in _NOT_DONE or (answer.status in _PERHAPS_DONE and call.is_repeatable)
-        asked_s = _retry_after(answer)
+        asked_s = _retry_after(answer) if may_help else 0.0
         if pause is None or not may_help or asked_s > retries.longest_s:
             raise _refusal(answer)
         yield Pause(max(pause, asked_s))
@@ -301,5 +301,5 @@ def _retry_after(answer: Answer) -> float:
         at = parsedate_to_datetime(text)
         now = parsedate_to_datetime(answer.headers["Date"])
         return max((at - now).total_seconds(), 0.0)
-    except (ValueError, TypeError, KeyError):
+    except (ValueError, TypeError, KeyError, OverflowError):
         return 0.0

@@ -16,7 +16,7 @@ import httpx
 
 from . import operations
 from .connecting import DEFAULT_URL, http_arguments
-from .errors import ClientError
+from .errors import AnswerError, ClientError
 from .models import Render, RenderPlan, RenderSettings, RenderTask, Shot, ShotSummary
 from .operations import ENDED, AnyRender, AnyShot, Download, Watch
 from .steps import CHUNK_BYTES, Answer, Exchange, Pause, Receiver, Retries, Steps, Work
@@ -242,6 +242,8 @@ class Client:
                                 answer = self._exchange(step, stop)
                             except (httpx.TransportError, OSError) as error:
                                 step = steps.throw(error)
+                            except (httpx.InvalidURL, UnicodeError) as error:  # of where a redirect leads
+                                step = steps.throw(AnswerError(f"the answer leads to no address: {error}"))
                             else:
                                 step = steps.send(answer)
                         case Pause(seconds):

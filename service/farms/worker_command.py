@@ -51,7 +51,7 @@ def worker(arguments: Sequence[str]) -> int:
     if address.scheduler is None:
         raise SettingsError("a worker joins a scheduler: expected tcp://HOST:PORT or tls://HOST:PORT", path="dask")
     for name in ("shots_mb", "memory_mb", "timeout_s"):
-        if getattr(typed, name) <= 0:
+        if not getattr(typed, name) > 0:  # nor NaN
             raise SettingsError(
                 f"--{name.replace('_', '-')} is greater than 0, got {getattr(typed, name):g}", path=name
             )
@@ -162,7 +162,9 @@ async def _serve(scheduler: str, name: str, folder: Path) -> None:
                     wait.cancel()
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:  # also a name that another worker has
             if not has_failed:
-                log.warning("the scheduler %s cannot be joined, it is tried again: %s", scheduler, error)
+                log.warning(
+                    "the scheduler %s cannot be joined, it is tried again: %s", scheduler, error.__cause__ or error
+                )
             has_failed = True
         if not stopping.is_set():
             with suppress(TimeoutError):

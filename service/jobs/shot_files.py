@@ -14,6 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import secrets
 import threading
 from collections.abc import Iterator
@@ -26,6 +27,7 @@ from render.removal import remove_tree
 
 PART_BYTES = 4 << 20
 """Bytes that are sent at a time."""
+_TOKEN = re.compile("[0-9a-f]{16}")
 
 
 @dataclass(frozen=True)
@@ -160,14 +162,14 @@ class ShotFiles:
         parts = PurePosixPath(path)
         if parts.is_absolute() or not parts.parts or ".." in parts.parts:
             raise InputError(f"a file of a shot lies in its folder, got {path[:200]!r}", code="bad_path", path=path)
-        target = self._parts / token / "files" / parts
+        target = self._part(token) / "files" / parts
         target.parent.mkdir(parents=True, exist_ok=True)
         with target.open("ab") as file:
             file.write(content)
 
     def abandon(self, token: str) -> None:
         """Drop what was received of a shot. Raises `OSError`: it cannot be removed."""
-        remove_tree(self._parts / PurePosixPath(token).name)
+        remove_tree(self._part(token))
 
     def end(self, token: str, expected: FileList) -> None:
         """Keep a shot that was received as a whole, and forget others beyond the budget.
@@ -180,7 +182,7 @@ class ShotFiles:
             InputError: it is not what was expected.
             OSError: it cannot be kept.
         """
-        folder = self._parts / token
+        folder = self._part(token)
         try:
             if list_files(folder / "files") != expected:
                 raise InputError("a shot was not received as it was sent", code="bad_shot")
@@ -192,6 +194,12 @@ class ShotFiles:
             if folder.exists():
                 remove_tree(folder)
         self._forget(expected.hash)
+
+    def _part(self, token: str) -> Path:
+        """Return the folder of what is received. Raises `InputError`: there is none."""
+        if not _TOKEN.fullmatch(token):
+            raise InputError(f"a token of a shot is expected, got {token[:40]!r}", code="bad_token")
+        return self._parts / token
 
     def _forget(self, newest: str) -> None:
         """Remove the shots that were not used for longest, while all are larger than the budget."""

@@ -37,6 +37,8 @@ def address_of(folder: Path, setting: str) -> URL:
             f"the setting database names the kind {url.drivername!r}, which is none of the service's: it is {_FORM}"
         )
         raise SettingsError(detail, code="bad_database")
+    if "@" in (url.host or ""):
+        raise SettingsError('the setting database has an "@" in its password: write it as "%40"', code="bad_database")
     return url.set(drivername="postgresql+psycopg")
 
 

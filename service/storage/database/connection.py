@@ -181,6 +181,8 @@ def _engine(url: URL) -> Engine:
     except ImportError as error:
         detail = "PostgreSQL needs another package: pip install 'pullfocus[postgresql]'"
         raise SettingsError(detail, code="bad_database") from error
+    except sqlalchemy_errors.SQLAlchemyError as error:  # as of a plugin that is not there
+        raise SettingsError("the setting database is no address of PostgreSQL", code="bad_database") from error
     event.listen(engine, "connect", _configure_postgresql)
     event.listen(engine, "begin", _begin_postgresql)
     return engine

@@ -197,6 +197,8 @@ def test_a_movie_plays_as_fast_as_the_shot(times: list[float], time_codes_per_se
         ([1.5, 2.5], 24, ""),
         ([float("nan")], 24, ""),
         ([24 * 86400], 24, ""),  # a day has no such time
+        ([1, 2], 255, "00:00:00:01"),
+        ([1, 2], 256, ""),  # the MOV format counts no more
     ],
 )
 def test_time_codes_count_frames_of_the_shot(times: list[float], rate: Fraction, time_code: str) -> None:

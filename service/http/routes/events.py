@@ -8,9 +8,9 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
 from typing import Annotated, NamedTuple, get_args
 
-from fastapi import APIRouter, Depends, Header, Query, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, Depends, Query, WebSocket, WebSocketDisconnect
 from fastapi.sse import format_sse_event
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import StreamingResponse
 
 from service.http.access import READS, PrincipalDep
@@ -83,6 +83,7 @@ class _Question(NamedTuple):
 
 
 def _question(
+    connection: HTTPConnection,
     principal: PrincipalDep,
     topics: Annotated[
         list[Topic] | None,
@@ -95,16 +96,19 @@ def _question(
     after: Annotated[
         int | None, Query(ge=0, le=MOST_NUMBER, description="Number of the last event that you know.", examples=[1824])
     ] = None,
-    last_event_id: Annotated[
-        int | None, Header(ge=0, le=MOST_NUMBER, description="The same; it goes before `after`.", examples=[1824])
-    ] = None,
     follow: Annotated[
         bool, Query(description="false ends the stream after the events that there are now.", examples=[False])
     ] = True,
 ) -> _Question:
     project = None if principal.project == ALL_PROJECTS else principal.project
     wanted = Wanted(project, topics or (), shot, render)
-    return _Question(wanted, after if last_event_id is None else last_event_id, follow)
+    last = connection.headers.get("last-event-id")
+    if last is None:
+        return _Question(wanted, after, follow)
+    if not (last.isascii() and last.isdigit() and len(last) < len(str(MOST_NUMBER))):
+        detail = f"Last-Event-ID is the number of an event, got {last[:40]!r}."
+        raise ServiceError(422, "invalid_request", detail, path="last-event-id")
+    return _Question(wanted, int(last), follow)
 
 
 QuestionDep = Annotated[_Question, Depends(_question)]

@@ -202,7 +202,7 @@ def test_products_are_written_below_a_folder(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("typed", "word"),
     [
-        (["a.mp4"], "movies"),
+        (["a.mp4"], "movie"),
         (["a.####.tga"], "tga"),
         (["a.exr"], "a.exr"),
         (["####/a.####.exr"], "folder"),

@@ -9483,10 +9483,7 @@ export interface operations {
                 /** @description Of these topics; all when left out. */
                 readonly topic?: readonly ("shots" | "edits" | "renders" | "tasks" | "presence")[] | null;
             };
-            readonly header?: {
-                /** @description The same; it goes before `after`. */
-                readonly "last-event-id"?: number | null;
-            };
+            readonly header?: never;
             readonly path?: never;
             readonly cookie?: never;
         };

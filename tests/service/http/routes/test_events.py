@@ -215,3 +215,9 @@ def test_a_killed_service_leaves_nobody_in_a_shot(tmp_path, room_file):
 def test_wrong_questions_are_refused(client, wrong):
     answer = client.get("/v1/events", params=wrong)
     assert (answer.status_code, answer.json()["code"]) == (422, "invalid_request")
+
+
+@pytest.mark.parametrize("wrong", ["now", "-1", "1.5", "9" * 16, ""])
+def test_a_wrong_last_event_is_refused(client, wrong):
+    answer = client.get("/v1/events", headers={"Last-Event-ID": wrong})
+    assert (answer.status_code, answer.json()["path"]) == (422, "last-event-id")

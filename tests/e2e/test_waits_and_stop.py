@@ -59,7 +59,7 @@ def test_a_wait_is_stopped_by_escape(page: Page, held: list[str]) -> None:
 
 def test_a_poster_stands_for_a_shot_that_is_opened(page: Page) -> None:
     wait_settled(page, time=1)
-    page.wait_for_function("localStorage.getItem('pullfocus.posters') !== null")
+    page.wait_for_function("() => localStorage.getItem('pullfocus.posters') !== null")
     opening = "**/v1/shots/demo"
     page.route(opening, lambda _: None)
     page.reload()

@@ -20,17 +20,12 @@ from service.http.logs import LogFormat, set_up_logs
 from service.jobs.dask_executor import THREADS, DaskAddress
 from service.jobs.dask_worker import start_drawer
 from service.jobs.drawer import DrawerSettings
+from service.workers.folders import default_cache_folder
 
 log = logging.getLogger("pullfocus.worker")
 
 RETRY_S = 2.0
 """Time until a scheduler that is gone is tried again."""
-
-
-def default_worker_folder() -> Path:
-    """Return the folder of a worker by default: ``$XDG_CACHE_HOME/pullfocus-worker``, else in ``~/.cache``."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "pullfocus-worker"
 
 
 def worker(arguments: Sequence[str]) -> int:
@@ -84,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
         "--folder",
         metavar="DIR",
         type=Path,
-        default=default_worker_folder(),
+        default=default_cache_folder("worker"),
         help="folder of shots and caches, one for each worker (default: %(default)s)",
     )
     parser.add_argument(

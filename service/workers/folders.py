@@ -43,7 +43,11 @@ def remove_tree(folder: Path) -> None:
         removal.remove_tree(folder)
 
 
-def default_cache_folder() -> Path:
-    """Return the folder of the workers' cache by default: ``$XDG_CACHE_HOME/pullfocus-service``, else in ``~/.cache``."""
+def default_cache_folder(user: str = "service") -> Path:
+    """Return the folder of a cache by default: ``$XDG_CACHE_HOME/pullfocus-USER``, else in ``~/.cache``.
+
+    Args:
+        user: whose cache it is.
+    """
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "pullfocus-service"
+    return Path(base) / f"pullfocus-{user}"

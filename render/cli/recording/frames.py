@@ -11,7 +11,7 @@ from render.cli.console import FrameProgress
 from render.cli.recording.job import RecordJob
 from render.output import write_frame
 from render.output.layout import PLAIN_LAYOUT, FileLayout
-from render.pictures.picture import make_picture
+from render.pictures.picture import Picture, make_picture
 
 if TYPE_CHECKING:  # it imports OpenGL
     from render.frame import FrameRenderer
@@ -56,7 +56,23 @@ def record_frame(
     """
     start = clock.perf_counter()
     progress.begin(file.name)
-    picture = make_picture(
+    picture = draw_picture(renderer, progress, job, time)
+    write_frame(file, picture.frame, job.overlay(picture.graded, picture.camera), picture.metadata, layout)
+    seconds = clock.perf_counter() - start
+    progress.finish(str(file), seconds)
+    return {"time": time, "file": str(file), "seconds": round(seconds, 3)}
+
+
+def draw_picture(renderer: FrameRenderer, progress: FrameProgress, job: RecordJob, time: float) -> Picture:
+    """Render one frame.
+
+    Args:
+        renderer: of the calling thread.
+        progress: shows it.
+        job: the shot, its camera and the settings of the picture.
+        time: USD time code.
+    """
+    return make_picture(
         renderer,
         job.shot,
         job.camera_path,
@@ -66,7 +82,3 @@ def record_frame(
         stock=job.stock,
         choice=job.grade,
     )
-    write_frame(file, picture.frame, job.overlay(picture.graded, picture.camera), picture.metadata, layout)
-    seconds = clock.perf_counter() - start
-    progress.finish(str(file), seconds)
-    return {"time": time, "file": str(file), "seconds": round(seconds, 3)}

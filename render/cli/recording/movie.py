@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from render.cli.console import FrameProgress
+from render.cli.recording.frames import draw_picture
 from render.cli.recording.job import RecordJob
 from render.output.encode import to_8_bit
 from render.output.movie import describe_movie, movie_rate, open_movie
-from render.pictures.picture import make_picture
 
 
 def record_movie(job: RecordJob, times: Sequence[float], file: Path) -> list[dict[str, Any]]:
@@ -35,16 +35,7 @@ def record_movie(job: RecordJob, times: Sequence[float], file: Path) -> list[dic
             start = clock.perf_counter()
             name = f"{file.name}, frame {time:g}"
             progress.begin(name)
-            picture = make_picture(
-                renderer,
-                job.shot,
-                job.camera_path,
-                time,
-                job.settings,
-                on_progress=progress.update,
-                stock=job.stock,
-                choice=job.grade,
-            )
+            picture = draw_picture(renderer, progress, job, time)
             graded = job.overlay(picture.graded, picture.camera)
             description = description or describe_movie(picture.metadata, times, rate)
             movie.add(to_8_bit(graded), description)

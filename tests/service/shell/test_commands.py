@@ -28,7 +28,7 @@ def _service(service, monkeypatch):
     """The shared service is the one that commands work with."""
     monkeypatch.setenv("PULLFOCUS_URL", str(service.client.base_url))
     monkeypatch.delenv("PULLFOCUS_KEY", raising=False)
-    # What an earlier test has set up for logs may write to an output that is closed, and says so on this one's.
+    # A handler of logs that an earlier test has left may write to a closed output, and would complain on this one's.
     monkeypatch.setattr(logging, "raiseExceptions", False)
 
 

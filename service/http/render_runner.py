@@ -17,7 +17,7 @@ from service.http.lane_executor import LaneExecutor
 from service.http.service import Service
 from service.jobs.claims import Claim
 from service.jobs.dask_executor import DaskAddress, DaskExecutor
-from service.jobs.frame_work import Executor, FrameError, FrameWork, may_pass
+from service.jobs.frame_work import Executor, FrameError, FrameWork, LostFrameError, may_pass
 from service.jobs.queue import RenderQueue
 from service.models.frames import FrameQuery
 from service.picture.requests import DrawnFrame
@@ -157,6 +157,9 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
             queue.give_back(claim, STOPPING)  # here, as nothing that is awaited may be finished before the service is
             raise
         await run_in_threadpool(queue.give_back, claim, "the render was canceled")
+    except LostFrameError as error:
+        log.warning("frame %d of render %s is lost: %s", claim.frame, claim.render, error)
+        await run_in_threadpool(queue.lose, claim, str(error))
     except (PullfocusError, WorkerError, ServiceError, FrameError, OSError) as error:
         if _comes_too_early(error):
             is_of_owner = isinstance(error, ServiceError)  # who has used up the processor time of a day

@@ -40,6 +40,7 @@ from service.picture import calls as picture
 from service.stage import calls as stage
 from service.storage.database.connection import open_database
 from service.storage.events import EventLog
+from service.storage.folder_id import folder_id
 from service.storage.store import ShotRecord, ShotStore, not_found
 from service.storage.trash import Trash
 from service.storage.webhooks import Webhooks
@@ -118,11 +119,12 @@ class Service:
         store = ShotStore(settings.data)
         try:
             database = open_database(settings.data, settings.database)
-        except PullfocusError:
+            holder = folder_id(settings.data)
+        except (PullfocusError, OSError):
             store.close()
             raise
         events = EventLog(database)
-        renders = RenderQueue(database, events)
+        renders = RenderQueue(database, events, holder=holder)
         trash = Trash(settings.data, settings.trash_days)
         quarantine = Quarantine(store, settings.max_blames)
         quotas = Quotas(settings, store, trash, renders)

@@ -22,7 +22,7 @@ from typing import Any
 from render.errors import SettingsError
 from service.jobs import dask_worker
 from service.jobs.drawer import DoneFrame, FailedFrame, MissingShot
-from service.jobs.frame_work import FrameError, FrameWork
+from service.jobs.frame_work import FrameError, FrameWork, LostFrameError
 from service.jobs.shot_files import PART_BYTES, FileList, list_files, read_part
 from service.picture.requests import DrawnFrame
 from service.storage.store import ShotRecord
@@ -106,7 +106,7 @@ class DaskExecutor:
         return dict.fromkeys(self._workers, PLACES)
 
     async def draw(self, worker: str, work: FrameWork) -> DrawnFrame:
-        """Have a worker draw a frame. Raises `FrameError`, `OSError`: its shot cannot be read."""
+        """Have a worker draw a frame. Raises `FrameError`, `LostFrameError`, `OSError`: its shot cannot be read."""
         files = await self._files_of(work.request.record)
         for _ in range(SENDS):
             answer = await self._ask(worker, work, files)
@@ -198,25 +198,25 @@ class DaskExecutor:
         """Ask a worker for a frame."""
         address, client = self._workers.get(worker), self._client
         if address is None or client is None:
-            raise FrameError(f"worker {worker} is gone", may_pass=True)
+            raise LostFrameError(f"worker {worker} is gone")
         future = client.submit(dask_worker.draw, work, files, key=work.key, pure=False, retries=0, workers=[address])
         waiting = asyncio.ensure_future(future.result())
         try:
             while not (await asyncio.wait((waiting,), timeout=LOOK_PAUSE_S))[0]:
                 if self._workers.get(worker) != address:
-                    raise FrameError(f"worker {worker} is gone", may_pass=True)
+                    raise LostFrameError(f"worker {worker} is gone")
             answer: DoneFrame | FailedFrame | MissingShot = waiting.result()
             return answer
-        except FrameError:
+        except LostFrameError:
             raise
         except asyncio.CancelledError:
             if not waiting.cancelled():
                 with suppress(Exception):  # it is gone, or ends by itself
                     await asyncio.shield(self._call(address, dask_worker.stop, work.key))
                 raise
-            raise FrameError(f"worker {worker} has lost the frame", may_pass=True) from None
+            raise LostFrameError(f"worker {worker} has lost the frame") from None
         except Exception as error:  # of Dask: the function itself answers with what is wrong
-            raise FrameError(f"worker {worker} has lost the frame: {error}", may_pass=True) from error
+            raise LostFrameError(f"worker {worker} has lost the frame: {error}") from error
         finally:
             waiting.cancel()
             future.release()
@@ -224,7 +224,7 @@ class DaskExecutor:
     async def _call(self, address: str, function: Callable[..., Any], *arguments: object) -> Any:
         """Call a function on a worker, beside its frames."""
         if self._client is None:
-            raise FrameError("the scheduler of the workers is gone", may_pass=True)
+            raise LostFrameError("the scheduler of the workers is gone")
         async with asyncio.timeout(60.0):
             return (await self._client.run(function, *arguments, workers=[address]))[address]
 
@@ -232,7 +232,7 @@ class DaskExecutor:
         """Send the files of a shot to a worker; two frames of it send them once."""
         address = self._workers.get(worker)
         if address is None:
-            raise FrameError(f"worker {worker} is gone", may_pass=True)
+            raise LostFrameError(f"worker {worker} is gone")
         lock = self._sending[address, files.hash]
         is_being_sent = lock.locked()
         async with lock:
@@ -247,14 +247,20 @@ class DaskExecutor:
                         await self._call(address, dask_worker.receive_part, token, file.path, content)
                 await self._call(address, dask_worker.end_shot, token, files)
                 token = ""
-            except FrameError:
+            except LostFrameError:
                 raise
             except Exception as error:
-                raise FrameError(f"shot {record.id} cannot be sent to worker {worker}: {error}", True) from error
+                raise self._unsent(worker, address, record, error) from error
             finally:
                 if token:
                     with suppress(Exception):  # the worker is gone
                         await asyncio.shield(self._call(address, dask_worker.abandon_shot, token))
+
+    def _unsent(self, worker: str, address: str, record: ShotRecord, error: Exception) -> Exception:
+        """Return the error of a shot that could not be sent to a worker, which is gone or cannot keep it."""
+        if self._workers.get(worker) != address:
+            return LostFrameError(f"worker {worker} is gone")
+        return FrameError(f"shot {record.id} cannot be sent to worker {worker}: {error}", True)
 
     async def _files_of(self, record: ShotRecord) -> FileList:
         key = record.id, record.created_at.isoformat()

@@ -48,6 +48,10 @@ class FrameError(Exception):
         return self.message
 
 
+class LostFrameError(Exception):
+    """The worker of a frame, or its scheduler, is gone: the frame itself may be drawn by another one."""
+
+
 class Executor(Protocol):
     """Draws frames, on one machine or on many."""
 
@@ -64,6 +68,7 @@ class Executor(Protocol):
 
         Raises:
             FrameError: it could not be drawn.
+            LostFrameError: the worker is gone.
             Exception: as `service.workers.lane.Lane.result`.
         """
         ...

@@ -1,8 +1,7 @@
 """The queue of renders: who draws which frame next, and what became of it. All of it is in the database, so nothing is lost.
 
 A worker *claims* a task and holds it by a lease, which it extends while it draws. A lease that runs out means that the worker is
-gone: the task is ready again after a pause. An error that may pass (a worker that died, a full disk) is tried again up to
-`MOST_FAILURES` times; one that another try cannot mend ends the task at once.
+gone. See `service.jobs.attempts` for when a task is tried again.
 """
 
 from __future__ import annotations
@@ -15,9 +14,10 @@ from sqlalchemy import BigInteger, Engine, cast, delete, func, insert, select, u
 from sqlalchemy.orm import Session, undefer
 
 from render.errors import NotFoundError
+from service.jobs.attempts import Attempts
 from service.jobs.claims import Claim, NewRender
 from service.jobs.errors import ConflictError
-from service.jobs.events import noted, render_event, task_event
+from service.jobs.events import noted, render_event
 from service.jobs.frame_ranges import format_frames
 from service.jobs.states import find_render, find_unended, move
 from service.jobs.turns import next_task
@@ -26,12 +26,6 @@ from service.storage.database.connection import is_shared, time_of, transaction
 from service.storage.database.tables import AttemptRow, FileEntry, RenderRow, TaskRow
 from service.storage.events import EventLog
 
-MOST_FAILURES = 3
-"""Errors that may pass after which a task has failed."""
-BACK_OFF_S = 2.0
-"""Pause before a task is tried again; twice as long each time."""
-MAX_ERROR = 4000
-"""Length of an error's text."""
 MOST_UNENDED = 2000
 """Renders of one owner that have not ended."""
 
@@ -43,12 +37,16 @@ class RenderQueue:
         engine: of a database that `service.storage.database.connection` has opened.
         events: takes down what changes.
         clock: tells the time in a transaction, s since 1970; by default the clock that all users of the database share.
+        holder: id of what claims are held by, which stays the same over restarts.
     """
 
-    def __init__(self, engine: Engine, events: EventLog, clock: Callable[[Session], float] = time_of) -> None:
+    def __init__(
+        self, engine: Engine, events: EventLog, clock: Callable[[Session], float] = time_of, holder: str = ""
+    ) -> None:
         self._engine = engine
         self._events = events
         self._clock = clock
+        self._attempts = Attempts(events, clock, holder)
 
     def close(self) -> None:
         """Close the connections to the database."""
@@ -158,21 +156,12 @@ class RenderQueue:
                 `service.jobs.turns.MOST_FAILED_EACH` frames of a render, all of that render are.
         """
         with self._writing() as session:
-            now = self._clock(session)
-            self._end_lost(session, now)
-            task = next_task(session, now, worker, present)
+            self._attempts.end_lost(session)
+            task = next_task(session, self._clock(session), worker, present)
             if task is None:
                 return None
             render = session.get_one(RenderRow, task.render, options=[undefer(RenderRow.edits)])
-            task.attempts += 1
-            with noted(self._events, session, render):
-                move(render, task, "running")
-                render.started_at = render.started_at or now
-            task.worker, task.lease_until = worker, now + lease_s
-            self._events.add(session, task_event(render, task, worker=worker))
-            session.add(
-                AttemptRow(render=render.id, frame=task.frame, number=task.attempts, worker=worker, started_at=now)
-            )
+            self._attempts.begin(session, render, task, worker, lease_s)
             return Claim(
                 render.id,
                 task.frame,
@@ -213,7 +202,7 @@ class RenderQueue:
             task.files = dict(files)
             render.time_codes_per_second = time_codes_per_second
             render.stored_bytes += _size_of(task)
-            self._end(session, render, task, "done", "done", None)
+            self._attempts.end(session, render, task, "done", "done", None)
             return True
 
     def fail(self, claim: Claim, error: str, *, may_pass: bool) -> None:
@@ -226,13 +215,20 @@ class RenderQueue:
         """
         with self._writing() as session:
             held = self._held(session, claim)
-            if held is None:
-                return
-            render, task = held
-            task.failures += 1
-            has_failed = not may_pass or task.failures >= MOST_FAILURES
-            self._end(session, render, task, "failed" if has_failed else "ready", "failed", error)
-            task.not_before = self._clock(session) + BACK_OFF_S * 2 ** (task.failures - 1)
+            if held is not None:
+                self._attempts.fail(session, *held, error, may_pass=may_pass)
+
+    def lose(self, claim: Claim, error: str) -> None:
+        """Note that the worker of a frame is gone: the frame is drawn again, and this counts as no failure of its own.
+
+        Args:
+            claim: the task.
+            error: what is gone, for people.
+        """
+        with self._writing() as session:
+            held = self._held(session, claim)
+            if held is not None:
+                self._attempts.lose(session, *held, error)
 
     def give_back(self, claim: Claim, reason: str) -> None:
         """Give a task back that was not finished, as when the service stops; it counts as no failure.
@@ -244,7 +240,7 @@ class RenderQueue:
         with self._writing() as session:
             held = self._held(session, claim)
             if held is not None:
-                self._end(session, *held, "ready", "given-back", reason)
+                self._attempts.end(session, *held, "ready", "given-back", reason)
 
     def put_off(self, claim: Claim, pause_s: float, *, is_of_owner: bool = False) -> None:
         """Give a task back that could not be begun, as if it had not been claimed; none of its render is claimed for a while.
@@ -259,7 +255,7 @@ class RenderQueue:
             if held is None:
                 return
             render, task = held
-            self._end(session, render, task, "ready", "given-back", None)
+            self._attempts.end(session, render, task, "ready", "given-back", None)
             session.delete(session.get_one(AttemptRow, (task.render, task.frame, task.attempts)))
             task.attempts -= 1
             render.not_before = until = self._clock(session) + pause_s
@@ -285,7 +281,7 @@ class RenderQueue:
                 session.execute(waiting.values(state="canceled"))
                 render.canceled += render.ready
                 render.ready = 0
-            self._note_end(session, render)
+            self._attempts.note_end(session, render)
             return render
 
     def retry(self, render_id: str, lost: Sequence[int] = ()) -> RenderRow:
@@ -311,7 +307,7 @@ class RenderQueue:
                 for task in tasks:
                     render.stored_bytes -= _size_of(task) if task.state == "done" else 0
                     move(render, task, "ready")
-                    task.failures, task.not_before = 0, 0.0
+                    task.failures, task.losses, task.not_before = 0, 0, 0.0
                 render.wanted = "pause" if render.wanted == "pause" else "run"
             render.finished_at = None
             return render
@@ -336,16 +332,12 @@ class RenderQueue:
             session.execute(delete(RenderRow).where(RenderRow.id == render_id))
 
     def take_back_left(self) -> None:
-        """Take all frames back that are held, when the only service of a data folder starts; it counts as no failure.
+        """Take back the frames that an earlier service of the same holder has left; it counts as no loss.
 
-        A database that several services may use is left alone: leases tell there which workers are gone.
+        In a database that no other service uses these are all that are held.
         """
-        if is_shared(self._engine):
-            return
         with self._writing() as session:
-            for task in session.scalars(select(TaskRow).where(TaskRow.state == "running")).all():
-                render = session.get_one(RenderRow, task.render)
-                self._end(session, render, task, "ready", "given-back", "the service ended")
+            self._attempts.take_back(session, is_shared=is_shared(self._engine))
 
     def stored_bytes(self, project: str) -> int:
         """Return the size of what the renders of a project have stored, with their products, bytes."""
@@ -381,40 +373,6 @@ class RenderQueue:
         if task is None or (task.state, task.worker, task.attempts) != ("running", claim.worker, claim.attempt):
             return None
         return find_render(session, claim.render), task
-
-    def _end(
-        self,
-        session: Session,
-        render: RenderRow,
-        task: TaskRow,
-        state: TaskState,
-        outcome: str,
-        error: str | None,
-    ) -> None:
-        """End an attempt; a task that is ready again is canceled where its render is."""
-        now = self._clock(session)
-        attempt = session.get_one(AttemptRow, (task.render, task.frame, task.attempts))
-        attempt.ended_at, attempt.outcome, attempt.error = now, outcome, error and error[:MAX_ERROR]
-        task.worker = task.lease_until = None
-        with noted(self._events, session, render):
-            move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
-            self._events.add(session, task_event(render, task, worker=attempt.worker, error=attempt.error))
-        if state == "done":
-            render.busy_s += max(0.0, now - attempt.started_at)
-        self._note_end(session, render)
-
-    def _end_lost(self, session: Session, now: float) -> None:
-        """Take tasks back from workers whose leases have run out."""
-        lost = select(TaskRow).where(TaskRow.state == "running", TaskRow.lease_until < now)
-        for task in session.scalars(lost).all():
-            render = session.get_one(RenderRow, task.render)
-            task.failures += 1
-            has_failed = task.failures >= MOST_FAILURES
-            self._end(session, render, task, "failed" if has_failed else "ready", "lost", "the worker is gone")
-            task.not_before = now + BACK_OFF_S * 2 ** (task.failures - 1)
-
-    def _note_end(self, session: Session, render: RenderRow) -> None:
-        render.finished_at = self._clock(session) if render.ready + render.running == 0 else None
 
     def _writing(self) -> AbstractContextManager[Session]:
         return transaction(self._engine)

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from itertools import count
 
-from sqlalchemy import select
-from sqlalchemy.orm import Session
+from sqlalchemy import ColumnElement, select
+from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
 
 MOST_FAILED_EACH = 3
 """Frames of a render that one worker may fail before the others draw the rest."""
+MOST_PAUSE_S = 300.0
+"""Time that no pause of a task or render is longer than."""
 LOOKS = 16
 """Renders that are looked at together for a task."""
 
@@ -29,7 +31,7 @@ def next_task(session: Session, now: float, worker: str, present: Collection[str
         left = _left_to_others(session, render_id, worker, present)
         if left is None:
             continue
-        ready = select(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready", TaskRow.not_before <= now)
+        ready = select(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready", _has_come(TaskRow.not_before, now))
         task = session.scalar(ready.where(TaskRow.frame.not_in(left)).order_by(TaskRow.frame).limit(1))
         if task is not None:  # else all of its frames pause
             return task
@@ -39,12 +41,17 @@ def next_task(session: Session, now: float, worker: str, present: Collection[str
 def _waiting(session: Session, now: float) -> Iterator[str]:
     """Yield the renders that have frames to draw, in turn. They are read some at a time: mostly the first one has a task."""
     turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
-    waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0, RenderRow.not_before <= now)
+    waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0, _has_come(RenderRow.not_before, now))
     for first in count(0, LOOKS):
         found = session.scalars(waiting.order_by(*turn).offset(first).limit(LOOKS)).all()
         yield from found
         if len(found) < LOOKS:
             return
+
+
+def _has_come(time: InstrumentedAttribute[float], now: float) -> ColumnElement[bool]:
+    """Return whether a pause is over; one that ends much later was begun before the clock was set back."""
+    return (time <= now) | (time > now + MOST_PAUSE_S)
 
 
 def _left_to_others(session: Session, render_id: str, worker: str, present: Collection[str]) -> Collection[int] | None:
@@ -53,7 +60,7 @@ def _left_to_others(session: Session, render_id: str, worker: str, present: Coll
     if not others:
         return ()
     of_them = (AttemptRow.render == render_id) & AttemptRow.worker.in_([worker, *others])
-    query = select(AttemptRow.worker, AttemptRow.frame).where(of_them, AttemptRow.outcome.in_(("failed", "lost")))
+    query = select(AttemptRow.worker, AttemptRow.frame).where(of_them, AttemptRow.outcome == "failed")
     failed: dict[str, set[int]] = {}
     for name, frame in session.execute(query):
         failed.setdefault(name, set()).add(frame)

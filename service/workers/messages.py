@@ -122,9 +122,19 @@ class UnsafeMessageError(Exception):
     """A worker sent something that is no answer."""
 
 
+class _Writer(pickle.Pickler):
+    """Pickler that writes errors by their own methods, whatever a library registered for all exceptions (`tblib` does)."""
+
+    def reducer_override(self, value: Any) -> Any:
+        """Return how an error is written; NotImplemented, pickle's usual way, for any other value."""
+        return value.__reduce_ex__(pickle.HIGHEST_PROTOCOL) if isinstance(value, PullfocusError) else NotImplemented
+
+
 def pack(message: object) -> bytes:
     """Pickle a message. Raises what pickle raises for a value that has no copy."""
-    return pickle.dumps(message, pickle.HIGHEST_PROTOCOL)
+    content = io.BytesIO()
+    _Writer(content, pickle.HIGHEST_PROTOCOL).dump(message)
+    return content.getvalue()
 
 
 def receive_trusted(pipe: Connection) -> Any:

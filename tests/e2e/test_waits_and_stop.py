@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import httpx
 import pytest
-from playwright.sync_api import Locator, Page, Route, expect
+from playwright.sync_api import Locator, Page, Request, Route, expect
 
 from tests.e2e.editor import wait_settled
 
@@ -21,14 +21,16 @@ GLASS = 0.64
 
 
 @pytest.fixture
-def held(page: Page) -> Iterator[list[str]]:
-    """Addresses of the requests for spreadsheets that were given up; the service never sees them."""
-    given_up: list[str] = []
+def held(page: Page) -> Iterator[list[Route]]:
+    """Requests for spreadsheets, which the service never sees."""
     routes: list[Route] = []
-    page.on("requestfailed", lambda request: given_up.append(request.url) if "format=csv" in request.url else None)
     page.route(HELD, lambda route: routes.append(route))  # a list's own method is no handler
-    yield given_up
+    yield routes
     page.unroute(HELD)
+
+
+def is_spreadsheet(request: Request) -> bool:
+    return "format=csv" in request.url
 
 
 def make_curve(page: Page) -> Locator:
@@ -40,18 +42,20 @@ def make_curve(page: Page) -> Locator:
     return words
 
 
-def test_a_wait_is_stopped_by_its_button(page: Page, held: list[str]) -> None:
+def test_a_wait_is_stopped_by_its_button(page: Page, held: list[Route]) -> None:
     words = make_curve(page)
-    page.get_by_role("button", name=f"Stop making {CURVE}").click()
+    with page.expect_event("requestfailed", is_spreadsheet):
+        page.get_by_role("button", name=f"Stop making {CURVE}").click()
     expect(words).to_have_count(0)
     expect(page.get_by_role("button", name="Download")).to_be_enabled()
     expect(page.get_by_role("alert")).to_have_count(0)
     assert len(held) == 1
 
 
-def test_a_wait_is_stopped_by_escape(page: Page, held: list[str]) -> None:
+def test_a_wait_is_stopped_by_escape(page: Page, held: list[Route]) -> None:
     words = make_curve(page)
-    page.keyboard.press("Escape")
+    with page.expect_event("requestfailed", is_spreadsheet):
+        page.keyboard.press("Escape")
     expect(words).to_have_count(0)
     expect(page.get_by_role("button", name="Download")).to_be_enabled()
     assert len(held) == 1

@@ -13,11 +13,12 @@ import httpx
 import pytest
 import uvicorn
 
+from service.bench.postgresql import PostgresqlServer
 from service.http.app import create_app
 from service.http.connections import server_config
 from service.http.service import Service
 from service.http.settings import Settings
-from tests.service.kits.postgresql import PostgresqlServer, running_postgresql
+from tests.service.kits.postgresql import empty_database, running_postgresql
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def postgresql() -> Iterator[PostgresqlServer]:
 @pytest.fixture
 def postgresql_database(postgresql) -> Iterator[str]:
     """Address of an empty database of PostgreSQL."""
-    with postgresql.empty_database() as url:
+    with empty_database(postgresql) as url:
         yield url
 
 

@@ -114,8 +114,10 @@ class TaskRow(Table):
     state: Mapped[str]
     attempts: Mapped[int] = mapped_column(default=0)
     failures: Mapped[int] = mapped_column(default=0)
+    losses: Mapped[int] = mapped_column(default=0)
     not_before: Mapped[float] = mapped_column(default=0.0)
     worker: Mapped[str | None]
+    holder: Mapped[str | None]
     lease_until: Mapped[float | None]
     files: Mapped[dict[str, FileEntry]] = mapped_column(JSON, default=dict)
 

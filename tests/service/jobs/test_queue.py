@@ -10,7 +10,8 @@ import pytest
 from render.errors import NotFoundError, OutputError
 from service.jobs.claims import NewRender
 from service.jobs.errors import ConflictError
-from service.jobs.queue import BACK_OFF_S, MOST_FAILURES, RenderQueue
+from service.jobs.attempts import BACK_OFF_S, MOST_FAILURES, MOST_LOSSES
+from service.jobs.queue import RenderQueue
 from service.jobs.states import state_of
 from service.storage.backup import back_up
 from service.storage.database.connection import open_database
@@ -120,6 +121,31 @@ def test_an_error_that_may_pass_is_tried_three_times(queue, clock):
     assert state_of(queue.get(sent.id)) == "failed"
     ((_, attempts),) = queue.tasks(sent.id)
     assert [attempt.error for attempt in attempts] == ["the disk is full"] * MOST_FAILURES
+
+
+def test_a_lost_worker_is_no_failure_of_the_frame(queue, clock):
+    sent = queue.submit(render([1]))
+    for number in range(1, MOST_LOSSES + 1):
+        assert state_of(queue.get(sent.id)) != "failed"
+        clock.now += 100
+        claim = queue.claim("one", LEASE_S, ("one", "two"))
+        assert claim.attempt == number
+        queue.lose(claim, "worker one is gone")
+    assert state_of(queue.get(sent.id)) == "failed"  # it may be the frame after all
+    queue.retry(sent.id)
+    assert drawn(queue)[1] == 1
+
+
+def test_a_clock_that_is_set_back_holds_nothing_up(queue, clock):
+    sent = queue.submit(render([1, 2, 3]))
+    queue.claim("gone", LEASE_S)
+    queue.fail(queue.claim("one", LEASE_S), "the disk is full", may_pass=True)
+    queue.put_off(queue.claim("one", LEASE_S), 15)
+    clock.now -= 3600
+    assert queue.claim("two", LEASE_S).frame == 2  # the lost one is tried later
+    clock.now += BACK_OFF_S
+    assert [drawn(queue)[1] for _ in range(2)] == [1, 3]
+    assert queue.get(sent.id).running == 1
 
 
 def test_an_error_that_stays_fails_the_frame_alone(queue):
@@ -297,17 +323,23 @@ def test_everything_is_there_after_a_restart(tmp_path, clock, database):
     after = opened(tmp_path, database, clock)
     assert states(after, sent.id) == ["done", "running", "ready"]
     after.take_back_left()
-    if database:  # another service may hold the frame: its lease has to run out
-        assert states(after, sent.id) == ["done", "running", "ready"]
-        clock.now += LEASE_S + 1
-        third = after.claim("new", LEASE_S)
-        clock.now += BACK_OFF_S
-        after.give_back(third, "the other one comes first")
+    assert states(after, sent.id) == ["done", "ready", "ready"]
     assert [drawn(after)[1] for _ in range(2)] == [2, 3]
     _, (_, attempts), _ = after.tasks(sent.id)
-    assert [attempt.outcome for attempt in attempts] == ["lost" if database else "given-back", "done"]
+    assert [attempt.outcome for attempt in attempts] == ["given-back", "done"]
     assert after.numbers() == {"ready": 0, "running": 0, "done": 3, "failed": 0, "canceled": 0}
     after.close()
+
+
+def test_frames_of_another_service_are_not_taken_back(tmp_path, clock, postgresql_database):
+    first, second = (opened(tmp_path, postgresql_database, clock, holder) for holder in ("first", "second"))
+    sent = first.submit(render())
+    for queue, worker in ((first, "one"), (second, "two")):
+        queue.claim(worker, LEASE_S)
+    second.take_back_left()
+    assert states(first, sent.id) == ["running", "ready", "ready"]
+    for queue in (first, second):
+        queue.close()
 
 
 def test_a_file_that_is_no_database_is_named(tmp_path):

@@ -22,7 +22,9 @@ class Clock:
         return self.now
 
 
-def opened(folder: Path, database: str = "", clock: Callable[[Session], float] = time_of) -> RenderQueue:
+def opened(
+    folder: Path, database: str = "", clock: Callable[[Session], float] = time_of, holder: str = ""
+) -> RenderQueue:
     """A queue over the database of a folder, or of an address."""
     engine = open_database(folder, database)
-    return RenderQueue(engine, EventLog(engine, clock), clock)
+    return RenderQueue(engine, EventLog(engine, clock), clock, holder)

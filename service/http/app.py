@@ -13,6 +13,7 @@ from starlette.concurrency import run_in_threadpool
 
 from render.errors import OutputError, PullfocusError
 from service.http.auditing import AuditMiddleware
+from service.http.bucket_upkeep import tidy_bucket
 from service.http.cache_upkeep import end_greedy_workers, fill_caches, retry_filling
 from service.http.change_notes import note_empty_shots
 from service.http.clients import ClientMiddleware
@@ -227,5 +228,14 @@ async def _ensure_demo(service: Service) -> None:
         log.error("the demo shot could not be written, the service runs without it: %s", error)
 
 
-WORKS = (_empty_trash, _save_usage, _follow_events, _forget_events, _deliver_webhooks, end_greedy_workers, run_renders)
+WORKS = (
+    _empty_trash,
+    _save_usage,
+    _follow_events,
+    _forget_events,
+    _deliver_webhooks,
+    end_greedy_workers,
+    run_renders,
+    tidy_bucket,
+)
 """Work in the background of a service."""

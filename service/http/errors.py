@@ -32,6 +32,7 @@ from render.model.edit_history import EndOfHistoryError
 from service.edit_context import ChangedMeanwhileError
 from service.http.hidden_folders import without_folders
 from service.jobs.errors import ConflictError
+from service.storage.errors import UnavailableError
 from service.workers.errors import (
     QueueFullError,
     StoppingError,
@@ -52,6 +53,7 @@ STATUS_OF_ERROR: tuple[tuple[type[PullfocusError | WorkerError], int], ...] = (
     (SettingsError, 422),
     (InputError, 422),
     (GraphicsError, 503),
+    (UnavailableError, 503),
     (OutputError, 507),
     (SupersededError, 409),
     (QueueFullError, 503),

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from starlette.concurrency import run_in_threadpool
 
+from render.errors import OutputError
 from service.http.errors import RETRY_AFTER, ServiceError
 from service.http.service import Service
 from service.http.settings import MEBIBYTE
@@ -21,13 +22,14 @@ ANSWER_WITHIN_S = 10.0
 
 
 async def check_ready(service: Service) -> None:
-    """Check that the data folder takes data, that no lane is held up, that workers can be started and that they answer.
+    """Check that data folder, database and bucket can be used, that no lane is held up, and that workers answer.
 
     Raises:
         ServiceError: 503, it is not so.
         GraphicsError: no picture can be drawn on this machine.
     """
     await run_in_threadpool(_check_folder, service.settings.data, service.settings.min_free_mb)
+    await _check_stores(service)
     _check_lanes(service)
     await _check_workers(service)
 
@@ -43,6 +45,19 @@ def _check_folder(folder: Path, min_free_mb: int) -> None:
         raise _not_ready(
             f"The disk of the data folder has {free_mb} MiB free, less than {min_free_mb} MiB (min_free_mb); make room on it."
         )
+
+
+async def _check_stores(service: Service) -> None:
+    """Check that the database and the bucket of renders answer."""
+    try:
+        async with asyncio.timeout(ANSWER_WITHIN_S):
+            await run_in_threadpool(service.renders.check)
+            if service.shared is not None:
+                await run_in_threadpool(service.shared.bucket.check)
+    except TimeoutError as error:
+        raise _not_ready(f"The database or the bucket did not answer within {ANSWER_WITHIN_S:g} s.") from error
+    except OutputError as error:
+        raise _not_ready(f"{error.detail[:1].upper()}{error.detail[1:]}.") from error
 
 
 def _check_lanes(service: Service) -> None:

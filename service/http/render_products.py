@@ -18,7 +18,7 @@ from starlette.concurrency import run_in_threadpool
 from service.http.clients import present_client
 from service.http.errors import ServiceError
 from service.http.quotas import Quotas
-from service.jobs.files import RenderFiles
+from service.jobs.files import FrameFiles
 from service.jobs.queue import RenderQueue
 from service.jobs.states import state_of
 from service.picture.calls import state as picture_state
@@ -64,7 +64,7 @@ class RenderProducts:
 
     lane: Lane[picture_state.PictureWorkerState]
     queue: RenderQueue
-    files: RenderFiles
+    files: FrameFiles
     quotas: Quotas
     _making: WeakValueDictionary[Path, asyncio.Lock] = field(default_factory=WeakValueDictionary)
 
@@ -136,9 +136,9 @@ class RenderProducts:
         for task, _ in self.queue.tasks(render.id):
             if task.state != "done":
                 continue
-            path = files.path(render.id, task.frame, task.attempts, suffix)
             entry = task.files.get(suffix)
-            if entry is None or not files.has(path, entry):
+            path = files.find(render.id, task.frame, task.attempts, suffix, entry)
+            if entry is None or path is None:
                 raise frame_file_gone(render.id, task.frame)
             frames.append((task.frame, path.resolve()))
             digest.update(f"{task.frame} {entry['sha256']}\n".encode())

@@ -6,11 +6,12 @@ import asyncio
 import logging
 from collections import Counter
 from collections.abc import Collection
-from contextlib import suppress
+from contextlib import ExitStack, suppress
+from datetime import datetime
 
 from starlette.concurrency import run_in_threadpool
 
-from render.errors import InputError, OutputError, PullfocusError
+from render.errors import InputError, NotFoundError, OutputError, PullfocusError
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.lane_executor import LaneExecutor
@@ -203,7 +204,13 @@ async def _hold(service: Service, claim: Claim, drawing: asyncio.Task[None]) -> 
 
 async def _draw(service: Service, executor: Executor, claim: Claim) -> None:
     """Have a frame drawn and store it."""
-    record = _shot_of(service, claim)
+    with ExitStack() as stack:
+        record = await _shot_of(service, claim, stack)
+        await _draw_shot(service, executor, claim, record)
+
+
+async def _draw_shot(service: Service, executor: Executor, claim: Claim, record: ShotRecord) -> None:
+    """Have a frame of a shot drawn and store it."""
     service.quarantine.check(record)
     formats = claim.request["formats"]
     picture = {name: value for name, value in claim.request.items() if name != "formats"}
@@ -231,22 +238,43 @@ def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame) -> N
     files, place = service.render_files, (claim.render, claim.frame)
     is_stored = False
     try:
-        entries = {
-            suffix: files.write(files.path(*place, claim.attempt, suffix), content)
-            for suffix, content in contents.items()
-        }
+        entries = {suffix: files.write(*place, claim.attempt, suffix, content) for suffix, content in contents.items()}
         is_stored = service.renders.finish(claim, entries, drawn.time_codes_per_second)
     finally:
         for attempt in range(1, claim.attempt) if is_stored else (claim.attempt,):
-            files.remove_attempt(*place, attempt)
+            files.remove_attempt(*place, attempt, tuple(contents))
 
 
-def _shot_of(service: Service, claim: Claim) -> ShotRecord:
-    """Return the shot of a render. Raises `InputError`: it was deleted, or another one has its id now."""
-    record = service.store.get(claim.shot)
-    if record.created_at.isoformat() != claim.shot_created_at:
-        raise InputError(f"shot {claim.shot!r} is another one than when the render was sent", code="shot_replaced")
-    return record
+async def _shot_of(service: Service, claim: Claim, stack: ExitStack) -> ShotRecord:
+    """Return the shot of a render, of this service or from the bucket.
+
+    Args:
+        service: that draws it.
+        claim: the frame.
+        stack: keeps what was fetched from the bucket.
+
+    Raises:
+        InputError: it was deleted, or another one has its id now.
+        UnavailableError: the bucket cannot be used.
+    """
+    try:
+        record = service.store.get(claim.shot)
+        if record.created_at.isoformat() == claim.shot_created_at:
+            return record
+        if claim.files is None:
+            raise InputError(f"shot {claim.shot!r} is another one than when the render was sent", code="shot_replaced")
+    except NotFoundError:
+        if claim.files is None:
+            raise
+    if service.shared is None:
+        raise InputError("the shot of the render is in a bucket, which this service does not have", code="no_bucket")
+    shots = service.shared.shots
+    await run_in_threadpool(shots.fetch, claim.files)
+    folder = stack.enter_context(shots.use(claim.files))
+    if folder is None:
+        raise FrameError("the shot was removed by others while it was fetched: raise fetched_mb", may_pass=True)
+    created_at = datetime.fromisoformat(claim.shot_created_at)
+    return ShotRecord(claim.shot, claim.shot, folder, claim.root or "", created_at, 0, 0, claim.project)
 
 
 def _may_pass(error: Exception) -> bool:

@@ -33,11 +33,13 @@ from service.http.settings import MEBIBYTE, Settings
 from service.http.stopping import Stopping
 from service.http.webhook_delivery import Deliveries
 from service.http.webhook_sending import Sender
-from service.jobs.files import RenderFiles
+from service.jobs.files import FolderFiles, FrameFiles
 from service.jobs.queue import RenderQueue
+from service.jobs.shared_storage import SharedStorage
 from service.models.shots import Shot
 from service.picture import calls as picture
 from service.stage import calls as stage
+from service.storage.bucket import Bucket
 from service.storage.database.connection import open_database
 from service.storage.events import EventLog
 from service.storage.folder_id import folder_id
@@ -79,6 +81,7 @@ class Service:
         webhooks: receivers that it is sent to.
         renders: the queue of renders.
         render_files: frames that they have drawn.
+        shared: the bucket where these are; None where they are in the data folder.
         renders_wake: set when a render was sent, or a frame has ended.
         presence: who looks at which shot.
         stopping: whether it is stopping.
@@ -101,7 +104,8 @@ class Service:
     feed: EventFeed
     webhooks: Webhooks
     renders: RenderQueue
-    render_files: RenderFiles
+    render_files: FrameFiles
+    shared: SharedStorage | None
     renders_wake: asyncio.Event = field(default_factory=asyncio.Event)
     presence: Presence = field(default_factory=Presence)
     stopping: Stopping = field(default_factory=Stopping)
@@ -113,11 +117,12 @@ class Service:
         """Open the data folder and start the lanes; their processes start with the first call.
 
         Raises:
-            OutputError: the data folder cannot be written, another service uses it, or the database cannot be opened.
-            SettingsError: the database is none that can be used.
+            OutputError: the data folder cannot be written, another service uses it, or the database or bucket cannot be used.
+            SettingsError: the database or bucket is none that can be used.
         """
         store = ShotStore(settings.data)
         try:
+            shared = _open_shared(settings)
             database = open_database(settings.data, settings.database)
             holder = folder_id(settings.data)
         except (PullfocusError, OSError):
@@ -151,7 +156,7 @@ class Service:
         metrics.watch(lanes)
         metrics.watch_renders(renders)
         frame_cache = FrameCache(settings.frame_cache_mb * MEBIBYTE)
-        files = RenderFiles(settings.data)
+        files = shared.frames if shared is not None else FolderFiles(settings.data)
         return cls(
             settings,
             store,
@@ -169,6 +174,7 @@ class Service:
             Webhooks(database),
             renders,
             files,
+            shared,
         )
 
     @cached_property
@@ -303,6 +309,14 @@ class Service:
     async def close_shot(self, shot_id: str) -> None:
         """End the workers of a shot that was deleted or restored."""
         await run_in_threadpool(self.pool.close_place, shot_id)
+
+
+def _open_shared(settings: Settings) -> SharedStorage | None:
+    """Open the bucket of the settings; None without one. Raises `SettingsError`, `OutputError`: it cannot be used."""
+    if not settings.bucket:
+        return None
+    bucket = Bucket(settings.bucket, settings.bucket_endpoint)
+    return SharedStorage.open(bucket, settings.data, settings.fetched_mb * MEBIBYTE)
 
 
 def _record_among(arguments: Sequence[object]) -> ShotRecord | None:

@@ -35,6 +35,11 @@ class Settings:
         data: folder of shots and their edits; created when missing.
         database: address of a PostgreSQL database for the renders, such as `postgresql://pullfocus@db.studio.example/renders`; it
             needs `pullfocus[postgresql]`. The default is SQLite in the data folder.
+        bucket: bucket of S3-compatible storage for the frames of renders and for their shots, as `s3://BUCKET/PREFIX`, so that
+            several services share them; it needs `pullfocus[s3]`. The default is the data folder.
+        bucket_endpoint: address of the server of the bucket, such as `http://minio:9000`; empty for that of `AWS_ENDPOINT_URL`,
+            or Amazon's.
+        fetched_mb: size of the shots that are kept of those which were fetched from the bucket, MiB.
         demo: whether the demo shot is written there at start.
         static: folder of the built page.
         allowed_hosts: names allowed in the `Host` header, beside the address that a connection came to. The default is loopback
@@ -95,6 +100,9 @@ class Settings:
     otlp_endpoint: str = ""
     data: Path = field(default_factory=default_data_folder)
     database: str = field(default="", repr=False)  # it may have a password
+    bucket: str = ""
+    bucket_endpoint: str = ""
+    fetched_mb: int = 20_480
     demo: bool = True
     static: Path = Path(__file__).parents[1] / "static"
     allowed_hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")

@@ -108,7 +108,15 @@ class Attempts:
         render.finished_at = self.clock(session) if render.ready + render.running == 0 else None
 
     def _try_again(
-        self, session: Session, render: RenderRow, task: TaskRow, outcome: str, error: str, tries: int, *, has_failed: bool
+        self,
+        session: Session,
+        render: RenderRow,
+        task: TaskRow,
+        outcome: str,
+        error: str,
+        tries: int,
+        *,
+        has_failed: bool,
     ) -> None:
         self.end(session, render, task, "failed" if has_failed else "ready", outcome, error)
         task.not_before = self.clock(session) + min(BACK_OFF_S * 2 ** (tries - 1), MOST_BACK_OFF_S)

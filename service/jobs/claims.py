@@ -20,6 +20,8 @@ class NewRender:
         digest: of the request, so that a key that is used for another one is found out.
         shot: id of the shot.
         shot_created_at: when that shot was accepted; another one may get its id later.
+        files: hash of its files in the bucket; None where it is in the data folder alone.
+        root: its root layer.
         edits: text of its edit layer.
         revision: of these edits.
         request: the picture's settings and ``formats``, as JSON.
@@ -35,6 +37,8 @@ class NewRender:
     digest: str
     shot: str
     shot_created_at: str
+    files: str | None
+    root: str
     edits: str
     revision: str
     request: dict[str, Any]
@@ -54,6 +58,9 @@ class Claim:
         owner: id of the principal whose render it is.
         shot: id of the shot.
         shot_created_at: when that shot was accepted.
+        files: hash of its files in the bucket; None where it is in the data folder alone.
+        root: its root layer; None for a render that an earlier version took.
+        project: whose render it is.
         edits: text of its edit layer.
         request: the picture's settings and ``formats``.
     """
@@ -65,5 +72,8 @@ class Claim:
     owner: str
     shot: str
     shot_created_at: str
+    files: str | None
+    root: str | None
+    project: str
     edits: str
     request: dict[str, Any]

@@ -37,7 +37,7 @@ class RenderQueue:
         engine: of a database that `service.storage.database.connection` has opened.
         events: takes down what changes.
         clock: tells the time in a transaction, s since 1970; by default the clock that all users of the database share.
-        holder: id of what claims are held by, which stays the same over restarts.
+        holder: id of the data folder, which holds claims and is the home of renders; it stays the same over restarts.
     """
 
     def __init__(
@@ -46,6 +46,7 @@ class RenderQueue:
         self._engine = engine
         self._events = events
         self._clock = clock
+        self._holder = holder
         self._attempts = Attempts(events, clock, holder)
 
     def close(self) -> None:
@@ -87,6 +88,7 @@ class RenderQueue:
                 frames=format_frames(new.frames),
                 count=len(new.frames),
                 ready=len(new.frames),
+                home=self._holder,
                 stored_bytes=len(new.edits.encode()),
                 wanted="run",
                 created_at=self._clock(session),
@@ -157,7 +159,8 @@ class RenderQueue:
         """
         with self._writing() as session:
             self._attempts.end_lost(session)
-            task = next_task(session, self._clock(session), worker, present)
+            home = self._holder if is_shared(self._engine) else None
+            task = next_task(session, self._clock(session), worker, present, home)
             if task is None:
                 return None
             render = session.get_one(RenderRow, task.render, options=[undefer(RenderRow.edits)])
@@ -170,6 +173,9 @@ class RenderQueue:
                 render.owner,
                 render.shot,
                 render.shot_created_at,
+                render.files,
+                render.root,
+                render.project,
                 render.edits,
                 render.request,
             )
@@ -350,6 +356,20 @@ class RenderQueue:
         """Note the size of all products of a render. Raises `NotFoundError`: it was removed meanwhile."""
         with self._writing() as session:
             find_render(session, render_id).product_bytes = size_bytes
+
+    def is_at_hand(self, render: RenderRow) -> bool:
+        """Return whether the frames of a render are in the data folder of this queue, or in a bucket."""
+        return render.files is not None or not is_shared(self._engine) or render.home in (None, self._holder)
+
+    def shots_in_bucket(self) -> set[str]:
+        """Return the hashes of the shots that renders need."""
+        with self._reading() as session:
+            return set(session.scalars(select(RenderRow.files).where(RenderRow.files.is_not(None)).distinct()))
+
+    def check(self) -> None:
+        """Look at whether the database answers. Raises `OutputError`."""
+        with self._reading() as session:
+            session.scalar(select(1))
 
     def numbers(self) -> dict[TaskState, int]:
         """Return the number of tasks in each state."""

@@ -18,7 +18,9 @@ LOOKS = 16
 """Renders that are looked at together for a task."""
 
 
-def next_task(session: Session, now: float, worker: str, present: Collection[str]) -> TaskRow | None:
+def next_task(
+    session: Session, now: float, worker: str, present: Collection[str], home: str | None = None
+) -> TaskRow | None:
     """Return the task whose turn it is; None where all wait or there is none.
 
     Args:
@@ -26,22 +28,29 @@ def next_task(session: Session, now: float, worker: str, present: Collection[str
         now: the present time, s since 1970.
         worker: who claims it.
         present: all workers that there are; see `service.jobs.queue.RenderQueue.claim`.
+        home: id of the data folder: renders whose shots are in another one, and not in a bucket, are left out. None for none.
     """
-    for render_id in _waiting(session, now):
+    for render_id in _waiting(session, now, home):
         left = _left_to_others(session, render_id, worker, present)
         if left is None:
             continue
-        ready = select(TaskRow).where(TaskRow.render == render_id, TaskRow.state == "ready", _has_come(TaskRow.not_before, now))
+        ready = select(TaskRow).where(
+            TaskRow.render == render_id, TaskRow.state == "ready", _has_come(TaskRow.not_before, now)
+        )
         task = session.scalar(ready.where(TaskRow.frame.not_in(left)).order_by(TaskRow.frame).limit(1))
         if task is not None:  # else all of its frames pause
             return task
     return None
 
 
-def _waiting(session: Session, now: float) -> Iterator[str]:
+def _waiting(session: Session, now: float, home: str | None) -> Iterator[str]:
     """Yield the renders that have frames to draw, in turn. They are read some at a time: mostly the first one has a task."""
     turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
-    waiting = select(RenderRow.id).where(RenderRow.wanted == "run", RenderRow.ready > 0, _has_come(RenderRow.not_before, now))
+    waiting = select(RenderRow.id).where(
+        RenderRow.wanted == "run", RenderRow.ready > 0, _has_come(RenderRow.not_before, now)
+    )
+    if home is not None:
+        waiting = waiting.where(RenderRow.home.is_(None) | (RenderRow.home == home) | RenderRow.files.is_not(None))
     for first in count(0, LOOKS):
         found = session.scalars(waiting.order_by(*turn).offset(first).limit(LOOKS)).all()
         yield from found

@@ -28,7 +28,6 @@ from render.errors import InputError, OutputError
 from render.files import check_writable
 from service.storage.database.file import DATABASE
 from service.storage.edit_files import EDITS, HISTORY, INDEX, states_of_index
-from service.storage.folder_id import FOLDER_ID
 from service.storage.migration import layout_of
 from service.storage.restore import MANIFEST, verify
 
@@ -83,7 +82,7 @@ def _write(data: Path, part: Path) -> dict[str, str]:
 
 def _top(data: Path) -> list[Path]:
     """Return what a backup holds: all but the lock, and the files that SQLite has beside a database."""
-    left_out = {"lock", FOLDER_ID, MANIFEST, *(f"{DATABASE}-{part}" for part in ("wal", "shm", "journal"))}
+    left_out = {"lock", MANIFEST, *(f"{DATABASE}-{part}" for part in ("wal", "shm", "journal"))}
     names = sorted((path.name for path in data.iterdir()), key=lambda name: (name != DATABASE, name))
     return [data / name for name in names if name not in left_out]
 

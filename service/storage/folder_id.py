@@ -9,7 +9,7 @@ from pathlib import Path
 from render.files import read_regular_file, write_atomic
 
 FOLDER_ID = "folder-id"
-"""Name of the file. It is in no backup: a folder that is restored is another one."""
+"""Name of the file."""
 _ID = re.compile(rb"[0-9a-f]{16}\n")
 
 

@@ -20,6 +20,7 @@ from typing import Any, Literal
 from render.errors import OutputError, PullfocusError, SettingsError
 from service.http.settings import Settings
 from service.identity.issuer import Issuer
+from service.storage.bucket import Bucket
 from service.storage.database.address import address_of, name_of
 from service.storage.database.connection import revisions
 from service.storage.database.file import DATABASE, noted_database
@@ -65,6 +66,8 @@ def examine(settings: Settings) -> Iterator[Finding]:
     yield _data(settings.data)
     yield _disk(settings.data)
     yield _database(settings.data, settings.database)
+    if settings.bucket:
+        yield _bucket(settings.bucket, settings.bucket_endpoint)
     if settings.oidc_issuer:
         yield _issuer(settings.oidc_issuer)
     yield _probe("libraries", "reinstall pullfocus with its dependencies")
@@ -171,6 +174,15 @@ def _database(data: Path, setting: str) -> Finding:
         text = f"{name} has tables of revision {present}; they are brought to {known[0]} at the next start"
         return Finding("database", "warn", text, "back it up before")
     return Finding("database", "ok", f"{name} answers, and has tables of revision {present}")
+
+
+def _bucket(setting: str, endpoint: str) -> Finding:
+    try:
+        Bucket(setting, endpoint).check()
+    except PullfocusError as error:
+        remedy = "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, and see whether the server answers"
+        return Finding("bucket", "fail", str(error), remedy)
+    return Finding("bucket", "ok", f"{setting} answers")
 
 
 def _probe(what: str, remedy: str) -> Finding:

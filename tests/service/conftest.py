@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -12,6 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 import uvicorn
+from moto.server import ThreadedMotoServer
 
 from service.bench.postgresql import PostgresqlServer
 from service.http.app import create_app
@@ -95,6 +97,26 @@ def postgresql_database(postgresql) -> Iterator[str]:
     """Address of an empty database of PostgreSQL."""
     with empty_database(postgresql) as url:
         yield url
+
+
+@pytest.fixture(scope="session")
+def s3_endpoint() -> Iterator[str]:
+    """Address of a server of S3 that the tests of a process share."""
+    server = ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
+    server.start()
+    host, port = server.get_host_and_port()
+    yield f"http://{host}:{port}"
+    server.stop()
+
+
+@pytest.fixture
+def bucket(s3_endpoint, monkeypatch) -> dict[str, str]:
+    """The settings of an empty bucket, which this process may use."""
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.setenv(name, "testing")
+    name = f"pullfocus-{secrets.token_hex(4)}"
+    httpx.put(f"{s3_endpoint}/{name}").raise_for_status()
+    return {"bucket": f"s3://{name}/studio", "bucket_endpoint": s3_endpoint}
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

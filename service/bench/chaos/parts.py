@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -127,7 +128,9 @@ def small_disk(folder: Path, size_mb: int) -> Iterator[bool]:
         Whether it is one.
     """
     mount = ["mount", "-t", "tmpfs", "-o", f"size={size_mb}m,mode=755", "pullfocus-chaos", str(folder)]
-    is_own = shutil.which("mount") is not None and subprocess.run(mount, capture_output=True, check=False).returncode == 0
+    is_own = (
+        shutil.which("mount") is not None and subprocess.run(mount, capture_output=True, check=False).returncode == 0
+    )
     try:
         yield is_own
     finally:
@@ -146,6 +149,14 @@ def fill(folder: Path) -> Path:
             except OSError:
                 continue
     return path
+
+
+def free_port() -> int:
+    """Return a port of 127.0.0.1 that nothing listens on."""
+    with socket.socket() as bound:
+        bound.bind(("127.0.0.1", 0))
+        port: int = bound.getsockname()[1]
+        return port
 
 
 class MovableClock:

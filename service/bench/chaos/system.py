@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import socket
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +12,7 @@ from pathlib import Path
 import psutil
 
 from render.errors import PullfocusError
-from service.bench.chaos.parts import MovableClock, Part, faketime_library, fill, small_disk
+from service.bench.chaos.parts import MovableClock, Part, faketime_library, fill, free_port, small_disk
 from service.bench.chaos.plan import ChaosPlan
 from service.bench.chaos.strikes import JUMP_S, KINDS, Strike
 from service.bench.postgresql import PostgresqlServer, postgresql_programs
@@ -127,7 +126,7 @@ def running_system(folder: Path, plan: ChaosPlan) -> Iterator[System]:
     disk, logs = folder / "disk", folder / "logs"
     for made in (disk, logs):
         made.mkdir()
-    port, scheduler_port = _free_port(), _free_port()
+    port, scheduler_port = free_port(), free_port()
     clock = MovableClock(folder) if faketime_library() is not None else None
     shifted = clock.environment if clock is not None else {}
     with small_disk(disk, plan.disk_mb) as has_small_disk:
@@ -148,7 +147,11 @@ def running_system(folder: Path, plan: ChaosPlan) -> Iterator[System]:
             database,
             Part("scheduler", [sys.executable, "-c", _SCHEDULER.format(port=scheduler_port)], logs / "scheduler"),
             [
-                Part(name, [*pullfocus, "worker", "--dask", scheduler, "--name", name, "--folder", str(folder / name)], logs / name)
+                Part(
+                    name,
+                    [*pullfocus, "worker", "--dask", scheduler, "--name", name, "--folder", str(folder / name)],
+                    logs / name,
+                )
                 for name in (f"worker-{number}" for number in range(1, plan.workers + 1))
             ],
             Part("service", serve, logs / "service", None if database is not None else shifted),
@@ -168,10 +171,3 @@ def _postgresql(folder: Path) -> PostgresqlServer:
         raise PullfocusError("PostgreSQL is not installed (Debian's package postgresql); try --database sqlite")
     folder.mkdir()
     return PostgresqlServer(programs, folder)
-
-
-def _free_port() -> int:
-    with socket.socket() as bound:
-        bound.bind(("127.0.0.1", 0))
-        port: int = bound.getsockname()[1]
-        return port

@@ -223,6 +223,8 @@ def _submit(service: Service, shot: ShotRecord, owner: str, priority: int, count
                 digest="",
                 shot=shot.id,
                 shot_created_at=shot.created_at.isoformat(),
+                files=None,
+                root=shot.root,
                 edits="",
                 revision=revision_of(""),
                 request=picture,

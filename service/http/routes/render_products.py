@@ -11,7 +11,7 @@ from service.http.access import RENDERS
 from service.http.render_products import Product
 from service.http.routes.frames import BINARY
 from service.http.routes.parameters import SHEET, problems
-from service.http.routes.renders import RenderInPath
+from service.http.routes.renders import RenderAtHand
 from service.http.service import ServiceDep
 from service.models.base import plain_file_name
 from service.models.renders import MovieFormat
@@ -35,7 +35,7 @@ DEFAULT_RATE = 24.0
 )
 async def get_movie(
     service: ServiceDep,
-    render: RenderInPath,
+    render: RenderAtHand,
     format: Annotated[
         MovieFormat,
         Query(description="`mp4` is H.264, `mov` ProRes 422 HQ, `webm` VP9.", examples=["mp4"]),
@@ -55,7 +55,7 @@ async def get_movie(
     response_class=FileResponse,
     responses=problems(404, 409, 503) | SHEET,
 )
-async def get_contact_sheet(service: ServiceDep, render: RenderInPath) -> FileResponse:
+async def get_contact_sheet(service: ServiceDep, render: RenderAtHand) -> FileResponse:
     """Draw the frames of a render that has ended on one PNG, with their numbers; of more than 96 some at even distances."""
     product = await service.render_products.find(
         render, "sheet", "png", lambda frames, path: call(calls.write_contact_sheet, render.name, frames, path)

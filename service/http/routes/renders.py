@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Annotated, Any
 
@@ -26,6 +27,7 @@ from service.http.service import Service, ServiceDep
 from service.identity.principal import ALL_PROJECTS, Principal
 from service.jobs.claims import NewRender
 from service.jobs.frame_ranges import format_frames, parse_frames
+from service.jobs.shot_archive import ShotArchive
 from service.jobs.states import not_found, state_of
 from service.models.base import plain_file_name
 from service.models.renders import (
@@ -64,6 +66,17 @@ def _render_in_path(
 RenderInPath = Annotated[RenderRow, Depends(_render_in_path)]
 
 
+def _render_at_hand(service: ServiceDep, render: RenderInPath) -> RenderRow:
+    """Return the render of the path. Raises `ServiceError` 409: another service has its frames."""
+    if not service.renders.is_at_hand(render):
+        detail = f"Another service has the frames of render {render.id!r}; ask it, or let both share a bucket."
+        raise ServiceError(409, "other_service", detail, path="render")
+    return render
+
+
+RenderAtHand = Annotated[RenderRow, Depends(_render_at_hand)]
+
+
 @router.post(
     "", operation_id="sendRender", status_code=201, dependencies=RENDERS, responses=problems(404, 409, 423, 503)
 )
@@ -94,6 +107,8 @@ async def send_render(
         record, frames, _ = await _checked(service, principal, request)
         new = _new(record, principal, request, frames, idempotency_key)
         await run_in_threadpool(service.quotas.check_room, record.project, len(new.edits.encode()))
+        if service.shared is not None:
+            new = replace(new, files=await run_in_threadpool(_archived, service.shared.shots, record))
         row = await run_in_threadpool(service.renders.submit, new)
         service.renders_wake.set()
     response.headers["Location"] = f"/v1/renders/{row.id}"
@@ -150,7 +165,7 @@ def list_tasks(service: ServiceDep, render: RenderInPath) -> RenderTaskList:
 )
 def get_rendered_frame(
     service: ServiceDep,
-    render: RenderInPath,
+    render: RenderAtHand,
     frame: Annotated[int, Path(ge=-(10**9), le=10**9, description="One of its frames.", examples=[24])],
     format: Annotated[
         FrameFormat | None,
@@ -167,9 +182,9 @@ def get_rendered_frame(
     if task.state != "done":
         detail = f"Frame {frame} of render {render.id!r} is not drawn yet: it is {task.state}."
         raise ServiceError(409, "frame_not_done", detail, path="frame")
-    path = service.render_files.path(render.id, frame, task.attempts, suffix)
     entry = task.files.get(suffix)
-    if entry is None or not service.render_files.has(path, entry):
+    path = service.render_files.find(render.id, frame, task.attempts, suffix, entry)
+    if entry is None or path is None:
         raise frame_file_gone(render.id, frame)
     headers = {"ETag": f'"{entry["sha256"]}"', "Cache-Control": "private, no-cache"}
     name = f"{plain_file_name(render.name) or 'render'}.{frame:04d}.{suffix}"
@@ -195,17 +210,16 @@ def cancel_render(service: ServiceDep, render: RenderInPath) -> Render:
 
 
 @router.post("/{render}/retry", operation_id="retryRender", dependencies=RENDERS, responses=problems(404, 409))
-def retry_render(service: ServiceDep, render: RenderInPath) -> Render:
+def retry_render(service: ServiceDep, render: RenderAtHand) -> Render:
     """Draw those frames of a render again that have failed, were given up, or whose files are gone."""
-    tasks = [task for task, _ in service.renders.tasks(render.id)]
-    lost = [task.frame for task in tasks if task.state == "done" and not service.render_files.has_all(task)]
+    lost = service.render_files.lost(render.id, [task for task, _ in service.renders.tasks(render.id)])
     return _shown(service.renders.retry(render.id, lost))
 
 
 @router.delete(
     "/{render}", operation_id="removeRender", status_code=204, dependencies=RENDERS, responses=problems(404, 409)
 )
-def remove_render(service: ServiceDep, render: RenderInPath) -> None:
+def remove_render(service: ServiceDep, render: RenderAtHand) -> None:
     """Remove a render that has ended, and its files."""
     service.renders.remove(render.id, lambda: service.render_files.set_aside(render.id))
     service.render_files.remove_set_aside()
@@ -250,6 +264,8 @@ def _new(
         digest=_digest(request),
         shot=record.id,
         shot_created_at=record.created_at.isoformat(),
+        files=None,
+        root=record.root,
         edits=edits,
         revision=revision_of(edits),
         request=request.picture(frames[0]).model_dump(mode="json", exclude={"time", "client", "live", "format"})
@@ -257,6 +273,14 @@ def _new(
         frames=frames,
         priority=request.priority,
     )
+
+
+def _archived(archive: ShotArchive, record: ShotRecord) -> str:
+    """Store a shot in the bucket and return its hash. Raises `NotFoundError`: it was deleted meanwhile."""
+    try:
+        return archive.store(record.files)
+    except FileNotFoundError as error:
+        raise no_shot(record.id) from error
 
 
 def _digest(request: RenderRequest) -> str:

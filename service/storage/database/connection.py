@@ -27,6 +27,7 @@ from sqlalchemy.orm import Session
 from render.errors import OutputError, SettingsError
 from service.storage.database.address import address_of, name_of
 from service.storage.database.file import note_database
+from service.storage.errors import UnavailableError
 
 _READS = "reads"
 """Execution option of connections that only read."""
@@ -109,7 +110,7 @@ def transaction(engine: Engine, *, only_reads: bool = False) -> Iterator[Session
         only_reads: whether it writes nothing, so that it waits for no writer.
 
     Raises:
-        OutputError: the database cannot be used.
+        UnavailableError: the database cannot be used.
     """
     try:
         with (
@@ -119,7 +120,8 @@ def transaction(engine: Engine, *, only_reads: bool = False) -> Iterator[Session
         ):
             yield session
     except (sqlalchemy_errors.DBAPIError, sqlalchemy_errors.TimeoutError) as error:  # as of a full disk
-        raise OutputError(f"the queue of renders cannot be used now: {_cause(error)}", code="queue_unusable") from error
+        detail = f"the queue of renders cannot be used now: {_cause(error)}"
+        raise UnavailableError(detail, code="queue_unusable") from error
 
 
 def is_shared(engine: Engine) -> bool:
@@ -139,14 +141,16 @@ def _turn(engine: Engine) -> Iterator[None]:
     """Wait for the other threads that write to a file of SQLite, which would have this one sleep and look again.
 
     Raises:
-        OutputError: they take too long.
+        UnavailableError: they take too long.
     """
     lock: threading.Lock | None = engine.get_execution_options().get(_LOCK)
     if lock is None:
         yield
         return
     if not lock.acquire(timeout=BUSY_MS / 1000):
-        raise OutputError("the queue of renders cannot be used now: too many requests use it", code="queue_unusable")
+        raise UnavailableError(
+            "the queue of renders cannot be used now: too many requests use it", code="queue_unusable"
+        )
     try:
         yield
     finally:

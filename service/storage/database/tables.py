@@ -61,7 +61,11 @@ class Table(DeclarativeBase):
 
 
 class RenderRow(Table):
-    """A render. The numbers of its tasks in each state are kept with it, so that lists are quick."""
+    """A render. The numbers of its tasks in each state are kept with it, so that lists are quick.
+
+    `home` is the id of the data folder that has its shot and frames; where they are in a bucket, `files` is the hash of the shot
+    there, and `root` its root layer.
+    """
 
     __tablename__ = "renders"
     __table_args__ = (
@@ -78,6 +82,9 @@ class RenderRow(Table):
     digest: Mapped[str]
     shot: Mapped[str]
     shot_created_at: Mapped[str]
+    home: Mapped[str | None]
+    files: Mapped[str | None]
+    root: Mapped[str | None]
     edits: Mapped[str] = mapped_column(deferred=True)
     revision: Mapped[str]
     request: Mapped[dict[str, Any]] = mapped_column(JSON)

@@ -28,7 +28,7 @@ def test_a_service_draws_renders_over_postgresql(tmp_path, postgresql, postgresq
         postgresql.stop()
         try:
             answer = client.get(address)
-            assert (answer.status_code, answer.json()["code"]) == (507, "queue_unusable")
+            assert (answer.status_code, answer.json()["code"]) == (503, "queue_unusable")
             assert "pullfocus-postgresql" not in answer.text  # clients are not told where it is
             assert client.get(f"/v1/shots/{room}/frame", params={"width": 64, "rays": 4, "time": 1}).status_code == 200
         finally:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import threading
+from dataclasses import replace
 
 import pytest
 
 from render.errors import NotFoundError, OutputError
+from service.jobs.attempts import BACK_OFF_S, MOST_FAILURES, MOST_LOSSES
 from service.jobs.claims import NewRender
 from service.jobs.errors import ConflictError
-from service.jobs.attempts import BACK_OFF_S, MOST_FAILURES, MOST_LOSSES
 from service.jobs.queue import RenderQueue
 from service.jobs.states import state_of
 from service.storage.backup import back_up
@@ -18,7 +19,7 @@ from service.storage.database.connection import open_database
 from service.storage.database.file import DATABASE
 from service.storage.database.tables import FileEntry
 from service.storage.restore import restore
-from tests.service.kits.queues import Clock, opened
+from tests.service.kits.queues import Clock, new_render, opened
 
 LEASE_S = 60.0
 FILES: dict[str, FileEntry] = {"exr": {"size_bytes": 7, "sha256": "hash"}, "png": {"size_bytes": 3, "sha256": "other"}}
@@ -37,8 +38,8 @@ def queue(tmp_path, clock, database):
 
 
 def render(frames=(1, 2, 3), priority=50, key=None, name="dailies", digest="digest") -> NewRender:
-    return NewRender(
-        name, "default", "key:a", "Mara", key, digest, "demo", "2026", "#usda 1.0", "rev", {"rays": 4}, frames, priority
+    return replace(
+        new_render(frames), name=name, idempotency_key=key, digest=digest, priority=priority, request={"rays": 4}
     )
 
 

@@ -11,12 +11,11 @@ from itertools import chain
 import pytest
 
 from render.errors import OutputError
-from service.jobs.claims import NewRender
 from service.jobs.queue import RenderQueue
 from service.jobs.states import state_of
 from service.storage.database.connection import open_database, revisions, time_of, transaction
 from service.storage.events import EventLog
-from tests.service.kits.queues import opened
+from tests.service.kits.queues import new_render, opened
 
 WORKER = """
 import json, sys
@@ -43,12 +42,6 @@ print(json.dumps(frames))
 FILES = {"exr": {"size_bytes": 1, "sha256": "hash"}}
 
 
-def render(frames) -> NewRender:
-    return NewRender(
-        "dailies", "default", "key:a", "Mara", None, "digest", "demo", "2026", "#usda 1.0", "rev", {}, frames, 50
-    )
-
-
 def go_on(processes: list[subprocess.Popen]) -> None:
     """Let all of them go on once each of them waits."""
     for process in processes:
@@ -67,7 +60,7 @@ def test_processes_that_start_at_once_share_a_queue(tmp_path, database):
             processes.append(stack.enter_context(subprocess.Popen(command, **pipes)))
         go_on(processes)  # one of them makes the tables
         queue = opened(tmp_path, database)
-        sent = [queue.submit(render(frames)) for frames in (range(1, 41), range(41, 61))]
+        sent = [queue.submit(new_render(frames)) for frames in (range(1, 41), range(41, 61))]
         go_on(processes)
         claimed = [json.loads(process.communicate()[0]) for process in processes]
     assert sorted(chain.from_iterable(claimed)) == list(range(1, 61))
@@ -79,11 +72,11 @@ def test_processes_that_start_at_once_share_a_queue(tmp_path, database):
 
 def test_a_server_that_comes_back_is_used_again(tmp_path, postgresql, postgresql_database):
     queue = opened(tmp_path, postgresql_database)
-    sent = queue.submit(render([1, 2]))
+    sent = queue.submit(new_render([1, 2]))
     claim = queue.claim("one", 60.0)
     postgresql.stop()
     try:
-        for call in (queue.numbers, lambda: queue.finish(claim, FILES, 24.0), lambda: queue.submit(render([3]))):
+        for call in (queue.numbers, lambda: queue.finish(claim, FILES, 24.0), lambda: queue.submit(new_render([3]))):
             with pytest.raises(OutputError, match="its database cannot be reached") as raised:
                 call()
             assert raised.value.code == "queue_unusable"
@@ -97,7 +90,7 @@ def test_a_server_that_comes_back_is_used_again(tmp_path, postgresql, postgresql
 
 def test_a_server_that_goes_away_in_a_transaction_undoes_it(tmp_path, postgresql, postgresql_database):
     queue = opened(tmp_path, postgresql_database)
-    sent = queue.submit(render([1]))
+    sent = queue.submit(new_render([1]))
     queue.finish(queue.claim("one", 60.0), FILES, 24.0)
     try:
         with pytest.raises(OutputError, match="its database cannot be reached"):
@@ -112,7 +105,7 @@ def test_leases_go_by_the_clock_of_the_server(tmp_path, postgresql_database, mon
     engine = open_database(tmp_path, postgresql_database)
     monkeypatch.setattr("time.time", lambda: 0.0)
     queue = RenderQueue(engine, EventLog(engine))
-    queue.submit(render([1]))
+    queue.submit(new_render([1]))
     queue.claim("one", 60.0)
     with transaction(engine, only_reads=True) as session:
         now = time_of(session)

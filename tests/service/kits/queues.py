@@ -2,14 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from sqlalchemy.orm import Session
 
+from service.jobs.claims import NewRender
 from service.jobs.queue import RenderQueue
 from service.storage.database.connection import open_database, time_of
 from service.storage.events import EventLog
+
+
+def new_render(frames: Sequence[int]) -> NewRender:
+    """A render of a shot that no test draws."""
+    return NewRender(
+        name="dailies",
+        project="default",
+        owner="key:a",
+        owner_label="Mara",
+        idempotency_key=None,
+        digest="digest",
+        shot="demo",
+        shot_created_at="2026",
+        files=None,
+        root="shot.usda",
+        edits="#usda 1.0",
+        revision="rev",
+        request={},
+        frames=frames,
+        priority=50,
+    )
 
 
 class Clock:

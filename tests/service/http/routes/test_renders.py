@@ -234,8 +234,8 @@ def test_a_lost_file_is_told_and_drawn_again(service, client, room):
 def test_errors_name_no_folder_of_the_service(service, client, room, monkeypatch):
     data = service.settings.data
 
-    def refuse(path, content):
-        raise OutputError(f"cannot write {path}: the disk is full")
+    def refuse(*_):
+        raise OutputError(f"cannot write {data}/renders/1.png: the disk is full")
 
     monkeypatch.setattr(service.internal.render_files, "write", refuse)
     render = render_of(client, room, frames="1")

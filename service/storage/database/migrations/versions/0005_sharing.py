@@ -1,4 +1,4 @@
-"""Count losses of workers apart from failures of frames, and note which service holds a frame."""
+"""Let services share a database: count lost workers apart from failures, and note who holds a frame and where a shot is."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -11,3 +11,5 @@ def upgrade() -> None:
     """Add the columns."""
     op.add_column("render_tasks", sa.Column("losses", sa.Integer(), nullable=False, server_default="0"))
     op.add_column("render_tasks", sa.Column("holder", sa.Text()))
+    for name in ("home", "files", "root"):
+        op.add_column("renders", sa.Column(name, sa.Text()))

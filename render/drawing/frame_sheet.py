@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import OpenImageIO
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -16,7 +15,6 @@ from render.errors import one_line
 
 MOST_PICTURES = 96
 """Pictures on a sheet."""
-_MOST_WIDTH_PX = 240
 _MARGIN_PX, _GAP_PX, _HEAD_PX, _LABEL_PX = 22, 10, 56, 22
 _LETTER_PX = 7.0  # average width of a letter of the head line
 
@@ -31,20 +29,6 @@ def choose_frames(frames: Sequence[int]) -> list[int]:
     if count <= MOST_PICTURES:
         return list(frames)
     return [frames[round(index * (count - 1) / (MOST_PICTURES - 1))] for index in range(MOST_PICTURES)]
-
-
-def shrink_picture(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Reduce a picture to the size that it has on a sheet; a smaller one stays as it is.
-
-    Args:
-        pixels: ``(height, width, 3)`` levels.
-    """
-    height, width, _ = pixels.shape
-    if width <= _MOST_WIDTH_PX:
-        return pixels
-    wanted = OpenImageIO.ROI(0, _MOST_WIDTH_PX, 0, max(1, round(height * _MOST_WIDTH_PX / width)), 0, 1, 0, 3)
-    small = OpenImageIO.ImageBufAlgo.resize(OpenImageIO.ImageBuf(np.ascontiguousarray(pixels)), roi=wanted)
-    return np.asarray(small.get_pixels(OpenImageIO.UINT8), np.uint8)
 
 
 def draw_frame_sheet(title: str, pictures: Sequence[tuple[int, NDArray[np.uint8]]], count: int) -> bytes:

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from render.errors import InputError
 
+SMALL_WIDTH_PX = 240
+"""Width of pictures on a contact sheet, and of thumbnails."""
+
 
 @dataclass(frozen=True, eq=False)
 class Still:
@@ -23,6 +26,21 @@ class Still:
 
     pixels: NDArray[np.uint8]
     cicp: tuple[int, ...] | None
+
+
+def shrink_picture(pixels: NDArray[np.uint8], most_width: int = SMALL_WIDTH_PX) -> NDArray[np.uint8]:
+    """Reduce a picture to a width; a smaller one stays as it is.
+
+    Args:
+        pixels: ``(height, width, 3)`` levels.
+        most_width: px.
+    """
+    height, width, _ = pixels.shape
+    if width <= most_width:
+        return pixels
+    wanted = OpenImageIO.ROI(0, most_width, 0, max(1, round(height * most_width / width)), 0, 1, 0, 3)
+    small = OpenImageIO.ImageBufAlgo.resize(OpenImageIO.ImageBuf(np.ascontiguousarray(pixels)), roi=wanted)
+    return np.asarray(small.get_pixels(OpenImageIO.UINT8), np.uint8)
 
 
 def read_still(path: Path) -> Still:

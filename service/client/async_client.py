@@ -116,6 +116,10 @@ class AsyncClient:
         """End a render, as `Client.cancel` does."""
         return await self._run(operations.act(render, "cancel", self._retries))
 
+    async def accept(self, render: AnyRender) -> Render:
+        """Take a render for done, as `Client.accept` does."""
+        return await self._run(operations.act(render, "accept", self._retries))
+
     async def retry(self, render: AnyRender) -> Render:
         """Draw frames again, as `Client.retry` does."""
         return await self._run(operations.act(render, "retry", self._retries))

@@ -54,6 +54,7 @@ class Render:
     """A render and how far it is.
 
     Attributes:
+        accepted: Whether frames that failed or were given up are not wanted any more.
         canceled: Frames that were given up.
         count: Number of frames.
         done: Frames that are stored.
@@ -73,9 +74,11 @@ class Render:
         started_at: Time at which the first frame was begun.
         state: `pause-requested` and `cancel-requested` last until the frames that are drawn have ended. One of
             `queued`, `running`, `pause-requested`, `paused`, `cancel-requested`, `canceled`, `failed`, `done`.
+        waits_for: Ids of renders that have to be done before, and are not yet.
         width: Width of the pictures, px.
     """
 
+    accepted: bool
     canceled: int
     count: int
     created_at: datetime
@@ -97,6 +100,7 @@ class Render:
     shot: str
     started_at: datetime | None
     state: str
+    waits_for: list[str]
     width: int
 
 
@@ -229,6 +233,7 @@ class RenderSettings(TypedDict, total=False):
 
     Attributes:
         adaptive: More rays where the picture has more noise, so that `rays` is their mean. Default: true.
+        after: Ids of renders that have to be done before its frames are drawn. Default: [].
         camera: Prim path; the shot's default camera when left out.
         connections: Carries small bright things to the pixels of their blurred images, which leaves less noise.
             Default: true.
@@ -265,6 +270,7 @@ class RenderSettings(TypedDict, total=False):
     """
 
     adaptive: bool
+    after: list[str]
     camera: str | None
     connections: bool
     display: str | None

@@ -113,7 +113,7 @@ def tasks(wanted: AnyRender, retries: Retries) -> Steps[list[RenderTask]]:
 
 
 def act(wanted: AnyRender, action: str, retries: Retries) -> Steps[Render]:
-    """Pause, resume, cancel or retry a render. A request without an answer is not sent again: somebody else may act, too."""
+    """Change a render. A request without an answer is not sent again: somebody else may act, too."""
     call = Call("POST", f"{_address('renders', wanted)}/{action}", is_repeatable=False)
     return (yield from read(Render, call, retries))
 

@@ -137,6 +137,10 @@ class Client:
         """End a render; stored frames stay."""
         return self._run(operations.act(render, "cancel", self._retries))
 
+    def accept(self, render: AnyRender) -> Render:
+        """Take a render for done whose other frames have failed or were given up."""
+        return self._run(operations.act(render, "accept", self._retries))
+
     def retry(self, render: AnyRender) -> Render:
         """Draw those frames again that have failed, were given up, or are lost."""
         return self._run(operations.act(render, "retry", self._retries))

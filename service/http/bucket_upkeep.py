@@ -35,4 +35,4 @@ async def tidy_bucket(service: Service) -> None:
 def _tidy(shared: SharedStorage, renders: RenderQueue) -> None:
     shared.frames.remove_set_aside()  # also what another service has left
     shared.frames.forget_copies(COPIES_S)
-    shared.shots.forget(renders.shots_in_bucket())
+    shared.shots.forget(renders.totals.shots_in_bucket())

@@ -106,7 +106,7 @@ class _RenderCollector(Collector):
     def collect(self) -> Iterable[Metric]:
         frames = GaugeMetricFamily("pullfocus_render_frames", "Frames of renders by their state.", labels=["state"])
         with suppress(OutputError):  # the other counters are told, too, where the disk is full
-            for state, count in self._renders.numbers().items():
+            for state, count in self._renders.totals.numbers().items():
                 frames.add_metric([state], count)
         return (frames,)
 

@@ -144,7 +144,7 @@ class Quotas:
             name: kept for name, kept in self._edits.items() if name in {str(each.folder) for each in records}
         }
         sizes = [record.size_bytes + self._size_of_edits(record) for record in records if record.project == project]
-        return len(sizes), sum(sizes) + self._renders.stored_bytes(project)
+        return len(sizes), sum(sizes) + self._renders.totals.stored_bytes(project)
 
     def _size_of_edits(self, record: ShotRecord) -> int:
         """Return the size of the files of a shot's edits, bytes; measured anew where files have come or gone."""

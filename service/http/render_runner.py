@@ -21,7 +21,7 @@ from service.jobs.dask_executor import DaskAddress, DaskExecutor
 from service.jobs.frame_work import Executor, FrameError, FrameWork, LostFrameError, may_pass
 from service.jobs.queue import RenderQueue
 from service.models.frames import FrameQuery
-from service.picture.requests import DrawnFrame
+from service.picture.requests import THUMBNAIL, DrawnFrame
 from service.storage.store import ShotRecord
 from service.workers.errors import QueueFullError, StoppingError, WorkerError
 from service.workers.jobs import Client
@@ -231,9 +231,8 @@ async def _draw_shot(service: Service, executor: Executor, claim: Claim, record:
 
 def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame) -> None:
     """Store the files of a frame. What comes too late, as another worker has the frame by now, is thrown away."""
-    contents = {
-        suffix: drawn.files[suffix] for suffix in claim.request["formats"]
-    }  # a worker is not trusted with names
+    wanted = [*claim.request["formats"], *({THUMBNAIL} & drawn.files.keys())]
+    contents = {suffix: drawn.files[suffix] for suffix in wanted}  # a worker is not trusted with names
     service.quotas.check_room(project, sum(map(len, contents.values())))
     files, place = service.render_files, (claim.render, claim.frame)
     is_stored = False

@@ -27,6 +27,7 @@ class NewRender:
         request: the picture's settings and ``formats``, as JSON.
         frames: in rising order.
         priority: higher ones come first.
+        after: ids of renders that have to be done before its frames are drawn.
     """
 
     name: str
@@ -44,6 +45,7 @@ class NewRender:
     request: dict[str, Any]
     frames: Sequence[int]
     priority: int
+    after: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

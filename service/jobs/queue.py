@@ -10,7 +10,7 @@ import secrets
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 
-from sqlalchemy import BigInteger, Engine, cast, delete, func, insert, select, update
+from sqlalchemy import Engine, delete, func, insert, select, update
 from sqlalchemy.orm import Session, undefer
 
 from render.errors import NotFoundError
@@ -19,11 +19,11 @@ from service.jobs.claims import Claim, NewRender
 from service.jobs.errors import ConflictError
 from service.jobs.events import noted, render_event
 from service.jobs.frame_ranges import format_frames
-from service.jobs.states import find_render, find_unended, move
+from service.jobs.states import find_render, find_unended, is_done, move, state_of
+from service.jobs.totals import RenderTotals
 from service.jobs.turns import next_task
-from service.models.renders import TaskState
 from service.storage.database.connection import is_shared, time_of, transaction
-from service.storage.database.tables import AttemptRow, FileEntry, RenderRow, TaskRow
+from service.storage.database.tables import AttemptRow, FileEntry, RenderNeedRow, RenderRow, TaskRow
 from service.storage.events import EventLog
 
 MOST_UNENDED = 2000
@@ -38,6 +38,9 @@ class RenderQueue:
         events: takes down what changes.
         clock: tells the time in a transaction, s since 1970; by default the clock that all users of the database share.
         holder: id of the data folder, which holds claims and is the home of renders; it stays the same over restarts.
+
+    Attributes:
+        totals: over all renders.
     """
 
     def __init__(
@@ -48,6 +51,7 @@ class RenderQueue:
         self._clock = clock
         self._holder = holder
         self._attempts = Attempts(events, clock, holder)
+        self.totals = RenderTotals(engine)
 
     def close(self) -> None:
         """Close the connections to the database."""
@@ -70,6 +74,7 @@ class RenderQueue:
 
         Raises:
             ConflictError: the idempotency key was used for another request, or the owner has too many renders.
+            NotFoundError: one that it waits for is not there.
         """
         with self._writing() as session:
             if new.idempotency_key is not None:
@@ -84,7 +89,7 @@ class RenderQueue:
                 )
             render = RenderRow(
                 id=f"r-{secrets.token_hex(6)}",
-                **{name: value for name, value in vars(new).items() if name != "frames"},
+                **{name: value for name, value in vars(new).items() if name not in ("frames", "after")},
                 frames=format_frames(new.frames),
                 count=len(new.frames),
                 ready=len(new.frames),
@@ -95,6 +100,9 @@ class RenderQueue:
             )
             session.add(render)
             session.flush()
+            session.add_all(
+                RenderNeedRow(render=render.id, needs=find_render(session, needed).id) for needed in set(new.after)
+            )
             tasks = [{"render": render.id, "frame": frame, "state": "ready"} for frame in new.frames]
             session.connection().execute(insert(TaskRow), tasks)  # not as objects: a session takes long over thousands
             self._events.add(session, render_event(render, "render-sent"))
@@ -138,6 +146,15 @@ class RenderQueue:
                 by_frame.setdefault(attempt.frame, []).append(attempt)
             return [(task, by_frame.get(task.frame, [])) for task in tasks]
 
+    def unmet_needs(self, render_ids: Collection[str]) -> dict[str, list[str]]:
+        """Return which renders some wait for that are not done yet; those that wait for none are left out."""
+        unmet = select(RenderNeedRow).join(RenderRow, RenderRow.id == RenderNeedRow.needs).where(~is_done(RenderRow))
+        found: dict[str, list[str]] = {}
+        with self._reading() as session:
+            for row in session.scalars(unmet.where(RenderNeedRow.render.in_(render_ids)).order_by(RenderNeedRow.needs)):
+                found.setdefault(row.render, []).append(row.needs)
+        return found
+
     def task(self, render_id: str, frame: int) -> TaskRow:
         """Return a task. Raises `NotFoundError`: there is no such render, or it has no such frame."""
         with self._reading() as session:
@@ -146,6 +163,20 @@ class RenderQueue:
             if task is None:
                 detail = f"render {render_id!r} has no frame {frame}, it has {render.frames[:200]}"
                 raise NotFoundError(detail, code="frame_not_found", path="frame")
+            return task
+
+    def last_task(self, render_id: str) -> TaskRow:
+        """Return the task that was done last. Raises `NotFoundError`: there is no such render, or none of its frames is done."""
+        is_its = (AttemptRow.render == TaskRow.render) & (AttemptRow.frame == TaskRow.frame)
+        is_last = is_its & (AttemptRow.number == TaskRow.attempts)
+        done = select(TaskRow).join(AttemptRow, is_last).where(TaskRow.render == render_id, TaskRow.state == "done")
+        with self._reading() as session:
+            find_render(session, render_id)
+            task = session.scalar(done.order_by(AttemptRow.ended_at.desc(), TaskRow.frame.desc()).limit(1))
+            if task is None:
+                raise NotFoundError(
+                    f"no frame of render {render_id!r} is done yet", code="frame_not_found", path="render"
+                )
             return task
 
     def claim(self, worker: str, lease_s: float, present: Collection[str] = ()) -> Claim | None:
@@ -290,6 +321,18 @@ class RenderQueue:
             self._attempts.note_end(session, render)
             return render
 
+    def accept(self, render_id: str) -> RenderRow:
+        """Take a render for done that has failed or was canceled. Raises `NotFoundError`, `ConflictError`: it has not."""
+        with self._writing() as session:
+            render = find_render(session, render_id)
+            if state_of(render) not in ("failed", "canceled"):
+                raise ConflictError(
+                    f"render {render_id!r} is {state_of(render)}: one that failed or was canceled is accepted"
+                )
+            with noted(self._events, session, render):
+                render.accepted = True
+            return render
+
     def retry(self, render_id: str, lost: Sequence[int] = ()) -> RenderRow:
         """Try the frames again that have failed or were canceled; a paused render stays so.
 
@@ -314,6 +357,7 @@ class RenderQueue:
                     render.stored_bytes -= _size_of(task) if task.state == "done" else 0
                     move(render, task, "ready")
                     task.failures, task.losses, task.not_before = 0, 0, 0.0
+                render.accepted = False
                 render.wanted = "pause" if render.wanted == "pause" else "run"
             render.finished_at = None
             return render
@@ -345,13 +389,6 @@ class RenderQueue:
         with self._writing() as session:
             self._attempts.take_back(session, is_shared=is_shared(self._engine))
 
-    def stored_bytes(self, project: str) -> int:
-        """Return the size of what the renders of a project have stored, with their products, bytes."""
-        stored = func.sum(RenderRow.stored_bytes + RenderRow.product_bytes)
-        total = cast(func.coalesce(stored, 0), BigInteger)
-        with self._reading() as session:
-            return session.scalar(select(total).where(RenderRow.project == project)) or 0
-
     def note_products(self, render_id: str, size_bytes: int) -> None:
         """Note the size of all products of a render. Raises `NotFoundError`: it was removed meanwhile."""
         with self._writing() as session:
@@ -361,22 +398,10 @@ class RenderQueue:
         """Return whether the frames of a render are in the data folder of this queue, or in a bucket."""
         return render.files is not None or not is_shared(self._engine) or render.home in (None, self._holder)
 
-    def shots_in_bucket(self) -> set[str]:
-        """Return the hashes of the shots that renders need."""
-        with self._reading() as session:
-            return set(session.scalars(select(RenderRow.files).where(RenderRow.files.is_not(None)).distinct()))
-
     def check(self) -> None:
         """Look at whether the database answers. Raises `OutputError`."""
         with self._reading() as session:
             session.scalar(select(1))
-
-    def numbers(self) -> dict[TaskState, int]:
-        """Return the number of tasks in each state."""
-        states: tuple[TaskState, ...] = ("ready", "running", "done", "failed", "canceled")
-        sums = select(*(func.coalesce(func.sum(getattr(RenderRow, state)), 0) for state in states))
-        with self._reading() as session:
-            return dict(zip(states, session.execute(sums).one(), strict=True))
 
     def _want(self, render_id: str, wanted: str) -> RenderRow:
         with self._writing() as session:

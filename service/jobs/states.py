@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sqlalchemy import ColumnElement
 from sqlalchemy.orm import Session
 
 from render.errors import NotFoundError
@@ -13,6 +14,8 @@ from service.storage.database.tables import RenderRow, TaskRow
 def state_of(render: RenderRow) -> RenderState:
     """Return the state of a render, which follows from what is wanted and from the states of its tasks."""
     if render.ready + render.running == 0:
+        if render.accepted:
+            return "done"
         if render.canceled > 0:
             return "canceled"
         return "failed" if render.failed > 0 else "done"
@@ -21,6 +24,15 @@ def state_of(render: RenderRow) -> RenderState:
     if render.wanted == "pause":
         return "pause-requested" if render.running > 0 else "paused"
     return "queued" if render.started_at is None else "running"
+
+
+def is_done(render: type[RenderRow]) -> ColumnElement[bool]:
+    """Return the condition that a render is done, as `state_of` says it.
+
+    Args:
+        render: the table, or an alias of it.
+    """
+    return (render.ready + render.running == 0) & ((render.failed + render.canceled == 0) | render.accepted)
 
 
 def find_render(session: Session, render_id: str) -> RenderRow:

@@ -6,9 +6,10 @@ from collections.abc import Collection, Iterator
 from itertools import count
 
 from sqlalchemy import ColumnElement, select
-from sqlalchemy.orm import InstrumentedAttribute, Session
+from sqlalchemy.orm import InstrumentedAttribute, Session, aliased
 
-from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
+from service.jobs.states import is_done
+from service.storage.database.tables import AttemptRow, RenderNeedRow, RenderRow, TaskRow
 
 MOST_FAILED_EACH = 3
 """Frames of a render that one worker may fail before the others draw the rest."""
@@ -49,6 +50,9 @@ def _waiting(session: Session, now: float, home: str | None) -> Iterator[str]:
     waiting = select(RenderRow.id).where(
         RenderRow.wanted == "run", RenderRow.ready > 0, _has_come(RenderRow.not_before, now)
     )
+    needed = aliased(RenderRow)
+    unmet = select(RenderNeedRow).join(needed, needed.id == RenderNeedRow.needs).where(~is_done(needed))
+    waiting = waiting.where(~unmet.where(RenderNeedRow.render == RenderRow.id).exists())
     if home is not None:
         waiting = waiting.where(RenderRow.home.is_(None) | (RenderRow.home == home) | RenderRow.files.is_not(None))
     for first in count(0, LOOKS):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 from pydantic.config import JsonDict
@@ -37,6 +37,8 @@ RENDER_EXAMPLE: JsonDict = {
     "done": 25,
     "failed": 0,
     "canceled": 0,
+    "accepted": False,
+    "waitsFor": [],
     "createdAt": "2026-11-27T08:00:00Z",
     "startedAt": "2026-11-27T08:00:01Z",
     "finishedAt": None,
@@ -98,6 +100,12 @@ class RenderRequest(PictureOptions):
         json_schema_extra={"uniqueItems": True},
     )
     priority: int = Field(default=50, ge=0, le=100, description="Renders of a higher one come first.")
+    after: list[Annotated[str, Field(max_length=80)]] = Field(
+        default=[],
+        max_length=16,
+        description="Ids of renders that have to be done before its frames are drawn.",
+        json_schema_extra={"uniqueItems": True},
+    )
 
     @field_validator("formats")
     @classmethod
@@ -109,7 +117,7 @@ class RenderRequest(PictureOptions):
 
     def picture(self, frame: float) -> FrameQuery:
         """Return the request of one of its frames."""
-        own = {"shot", "name", "frames", "formats", "priority"}
+        own = {"shot", "name", "frames", "formats", "priority", "after"}
         return FrameQuery.model_validate(self.model_dump(exclude=own) | {"time": frame})
 
 
@@ -148,6 +156,8 @@ class Render(Model):
     done: int = Field(description="Frames that are stored.")
     failed: int = Field(description="Frames that could not be drawn.")
     canceled: int = Field(description="Frames that were given up.")
+    accepted: bool = Field(description="Whether frames that failed or were given up are not wanted any more.")
+    waits_for: list[str] = Field(description="Ids of renders that have to be done before, and are not yet.")
     created_at: datetime
     started_at: datetime | None = Field(description="Time at which the first frame was begun.")
     finished_at: datetime | None

@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from render.film import GradeChoice
 from render.frame import FrameSettings
 from render.frame import Pick as SurfacePick
 from render.output import encode
+from render.output.encode import encode_jpeg, to_8_bit
+from render.output.stills import shrink_picture
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import Picture, make_picture
 from render.pictures.picture_height import picture_height
@@ -16,7 +20,7 @@ from render.shot import Shot
 from render.steps import step
 from service.models.focus import Anchor, Pick
 from service.models.shots import PickRequest
-from service.picture.requests import DrawnFrame, FrameRequest
+from service.picture.requests import THUMBNAIL, DrawnFrame, FrameRequest
 from service.picture.state import PictureWorkerState, picture_function
 from service.storage.store import ShotRecord
 
@@ -50,7 +54,7 @@ def render_frame(state: PictureWorkerState, request: FrameRequest, file_format: 
 
 @picture_function
 def render_files(state: PictureWorkerState, request: FrameRequest, formats: Sequence[str]) -> DrawnFrame:
-    """Render one frame, and encode it in several formats; each file is the one that `pullfocus record` writes.
+    """Render one frame, and encode it in several formats and small; each file is the one that `pullfocus record` writes.
 
     Args:
         state: the worker's state.
@@ -63,6 +67,8 @@ def render_files(state: PictureWorkerState, request: FrameRequest, formats: Sequ
     picture = _make_picture(state, request, None)
     with step("encode"):
         files = {name: encode(name, picture.frame, picture.graded, picture.metadata) for name in formats}
+        small = shrink_picture(to_8_bit(picture.graded)).astype(np.float32) / 255
+        files[THUMBNAIL] = encode_jpeg(small, picture.metadata)
     with state.opened.use(request.record, request.edits) as shot:
         return DrawnFrame(files, shot.stage.GetTimeCodesPerSecond())
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from render.files import write_atomic
 from render.output.movie import MovieDescription, movie_colours, movie_rate, open_movie, time_code_of
-from render.output.stills import read_still
+from render.output.stills import read_still, shrink_picture
 from service.picture.state import PictureWorkerState, picture_function
 
 Frames = Sequence[tuple[int, Path]]
@@ -53,7 +53,7 @@ def write_contact_sheet(state: PictureWorkerState, title: str, frames: Frames, o
         InputError: a picture cannot be read.
         OutputError: the sheet cannot be written.
     """
-    from render.drawing.frame_sheet import choose_frames, draw_frame_sheet, shrink_picture  # matplotlib takes a second
+    from render.drawing.frame_sheet import choose_frames, draw_frame_sheet  # matplotlib takes a second
 
     paths = dict(frames)
     pictures = [(frame, shrink_picture(read_still(paths[frame]).pixels)) for frame in choose_frames(list(paths))]

@@ -12,6 +12,9 @@ from service.models.live import Stage
 from service.models.picture_limits import PictureLimits
 from service.storage.store import ShotRecord
 
+THUMBNAIL = "thumbnail"
+"""Name, among the files of a frame, of a small picture of it."""
+
 
 @dataclass(frozen=True)
 class FrameRequest:
@@ -107,7 +110,7 @@ class DrawnFrame:
     """A frame of a render.
 
     Attributes:
-        files: content of its files by format.
+        files: content of its files by format, with a small JPEG as `THUMBNAIL`.
         time_codes_per_second: of the shot.
     """
 

@@ -19,6 +19,7 @@ _CHANGES = {
     "pause": "begin no more of its frames; those under way are finished",
     "resume": "go on with a render that was paused",
     "cancel": "end it; frames that are stored stay",
+    "accept": "take it for done, though frames have failed or were given up",
     "retry": "draw those frames again that have failed, were given up, or are lost",
     "remove": "remove a render that has ended, and its files",
 }

@@ -11,6 +11,8 @@ from service.bench.chaos.plan import ChaosPlan
 from service.bench.chaos.strikes import Strike
 from service.bench.results import Machine
 from service.client.models import RenderTask
+from service.jobs.files import name_of
+from service.picture.requests import THUMBNAIL
 
 
 @dataclass(frozen=True)
@@ -94,13 +96,14 @@ def count_frames(
         suffix: of the files.
     """
     outcomes = Counter(attempt.outcome or "none" for task in tasks for attempt in task.attempts)
-    names = {task.frame: f"{task.frame}.{task.attempts[-1].number}.{suffix}" for task in tasks if task.attempts}
+    names = {task.frame: name_of(task.frame, task.attempts[-1].number, suffix) for task in tasks if task.attempts}
+    small = {name_of(task.frame, task.attempts[-1].number, THUMBNAIL) for task in tasks if task.attempts}
     told = {task.frame: {file.sha256 for file in task.files} for task in tasks}
     return FrameCounts(
         sum(task.state == "done" for task in tasks),
         sum([attempt.outcome for attempt in task.attempts].count("done") > 1 for task in tasks),
         sum(told[task.frame] != {stored.get(names.get(task.frame, ""))} for task in tasks),
-        len(stored.keys() - set(names.values())),
+        len(stored.keys() - set(names.values()) - small),
         sum(told[task.frame] != {recorded.get(task.frame)} for task in tasks),
         outcomes["none"],
         dict(outcomes),

@@ -1,4 +1,4 @@
-"""Routes of what is made of the frames of a render: movies and contact sheets."""
+"""Routes of what is made of the frames of a render: movies, contact sheets and small pictures."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from service.http.access import RENDERS
 from service.http.render_products import Product
 from service.http.routes.frames import BINARY
 from service.http.routes.parameters import SHEET, problems
-from service.http.routes.renders import RenderAtHand
-from service.http.service import ServiceDep
+from service.http.routes.renders import FrameInPath, RenderAtHand, file_of
+from service.http.service import Service, ServiceDep
 from service.models.base import plain_file_name
 from service.models.renders import MovieFormat
 from service.picture.calls import render_products as calls
-from service.storage.database.tables import RenderRow
+from service.picture.requests import THUMBNAIL
+from service.storage.database.tables import RenderRow, TaskRow
 from service.workers.calls import call
 
 router = APIRouter(tags=["renders"], prefix="/renders", dependencies=RENDERS)
@@ -61,6 +62,33 @@ async def get_contact_sheet(service: ServiceDep, render: RenderAtHand) -> FileRe
         render, "sheet", "png", lambda frames, path: call(calls.write_contact_sheet, render.name, frames, path)
     )
     return _answer(render, product, "image/png")
+
+
+@router.get(
+    "/{render}/frames/{frame}/thumbnail",
+    operation_id="getRenderedThumbnail",
+    response_class=FileResponse,
+    responses=problems(404, 409) | {200: {"content": {"image/jpeg": BINARY}, "description": "The small picture."}},
+)
+def get_thumbnail(service: ServiceDep, render: RenderAtHand, frame: FrameInPath) -> FileResponse:
+    """Take a small picture, 240 px wide at most, of a frame that a render has drawn, in whatever formats it is."""
+    return _thumbnail(service, render, service.renders.task(render.id, frame))
+
+
+@router.get(
+    "/{render}/thumbnail",
+    operation_id="getLastThumbnail",
+    response_class=FileResponse,
+    responses=problems(404, 409) | {200: {"content": {"image/jpeg": BINARY}, "description": "The small picture."}},
+)
+def get_last_thumbnail(service: ServiceDep, render: RenderAtHand) -> FileResponse:
+    """Take a small picture of the frame that a render has drawn last."""
+    return _thumbnail(service, render, service.renders.last_task(render.id))
+
+
+def _thumbnail(service: Service, render: RenderRow, task: TaskRow) -> FileResponse:
+    path, headers = file_of(service, render, task, THUMBNAIL)
+    return FileResponse(path, media_type="image/jpeg", filename=f"{task.frame:04d}.jpeg", headers=headers)
 
 
 def _answer(render: RenderRow, product: Product, media_type: str) -> FileResponse:

@@ -8,9 +8,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Header, Path, Query, Response
+from fastapi import APIRouter, Depends, Header, Query, Response
+from fastapi import Path as PathParameter
 from fastapi.responses import FileResponse
 from starlette.concurrency import run_in_threadpool
 
@@ -40,6 +42,7 @@ from service.models.renders import (
     RenderTask,
     RenderTaskList,
 )
+from service.picture.requests import THUMBNAIL
 from service.stage.calls import shots as shot_calls
 from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
 from service.storage.store import ShotRecord
@@ -52,7 +55,7 @@ MOST_LISTED = 200
 
 
 def _render_in_path(
-    render: Annotated[str, Path(description="A render's id.", examples=["r-5f0c1d2e3a4b"], max_length=80)],
+    render: Annotated[str, PathParameter(description="A render's id.", examples=["r-5f0c1d2e3a4b"], max_length=80)],
     service: ServiceDep,
     principal: PrincipalDep,
 ) -> RenderRow:
@@ -75,6 +78,7 @@ def _render_at_hand(service: ServiceDep, render: RenderInPath) -> RenderRow:
 
 
 RenderAtHand = Annotated[RenderRow, Depends(_render_at_hand)]
+FrameInPath = Annotated[int, PathParameter(ge=-(10**9), le=10**9, description="One of its frames.", examples=[24])]
 
 
 @router.post(
@@ -112,7 +116,7 @@ async def send_render(
         row = await run_in_threadpool(service.renders.submit, new)
         service.renders_wake.set()
     response.headers["Location"] = f"/v1/renders/{row.id}"
-    return _shown(row)
+    return await run_in_threadpool(_told, service, row)
 
 
 @plans.post("", operation_id="planRender", responses=problems(404, 423, 503))
@@ -140,14 +144,15 @@ async def list_renders(
         start = (last.created_at, last.id)
     project = None if principal.project == ALL_PROJECTS else principal.project
     rows = await run_in_threadpool(service.renders.list, project, most + 1, start)
-    shown = [_shown(row) for row in rows[:most]]
+    needs = await run_in_threadpool(service.renders.unmet_needs, [row.id for row in rows[:most] if row.ready > 0])
+    shown = [_shown(row, needs.get(row.id, ())) for row in rows[:most]]
     return RenderList(renders=shown, next=shown[-1].id if len(rows) > most else None)
 
 
 @router.get("/{render}", operation_id="getRender", responses=problems(404))
-def get_render(render: RenderInPath) -> Render:
+def get_render(service: ServiceDep, render: RenderInPath) -> Render:
     """Tell how far a render is."""
-    return _shown(render)
+    return _told(service, render)
 
 
 @router.get("/{render}/tasks", operation_id="listRenderTasks", responses=problems(404))
@@ -166,7 +171,7 @@ def list_tasks(service: ServiceDep, render: RenderInPath) -> RenderTaskList:
 def get_rendered_frame(
     service: ServiceDep,
     render: RenderAtHand,
-    frame: Annotated[int, Path(ge=-(10**9), le=10**9, description="One of its frames.", examples=[24])],
+    frame: FrameInPath,
     format: Annotated[
         FrameFormat | None,
         Query(description="One of the render's formats; the first of them when left out.", examples=["png"]),
@@ -175,45 +180,65 @@ def get_rendered_frame(
     """Take a frame that a render has drawn."""
     formats = render.request["formats"]
     suffix = format or formats[0]
-    task = service.renders.task(render.id, frame)
     if suffix not in formats:
         detail = f"Render {render.id!r} has no {suffix} files, it has {', '.join(formats)}."
         raise ServiceError(404, "format_not_rendered", detail, path="format")
-    if task.state != "done":
-        detail = f"Frame {frame} of render {render.id!r} is not drawn yet: it is {task.state}."
-        raise ServiceError(409, "frame_not_done", detail, path="frame")
-    entry = task.files.get(suffix)
-    path = service.render_files.find(render.id, frame, task.attempts, suffix, entry)
-    if entry is None or path is None:
-        raise frame_file_gone(render.id, frame)
-    headers = {"ETag": f'"{entry["sha256"]}"', "Cache-Control": "private, no-cache"}
+    path, headers = file_of(service, render, service.renders.task(render.id, frame), suffix)
     name = f"{plain_file_name(render.name) or 'render'}.{frame:04d}.{suffix}"
     return FileResponse(path, media_type=MEDIA_TYPES[suffix], filename=name, headers=headers)
+
+
+def file_of(service: Service, render: RenderRow, task: TaskRow, suffix: str) -> tuple[Path, dict[str, str]]:
+    """Return a stored file of a frame, and the headers of an answer with it.
+
+    Args:
+        service: that has it.
+        render: the render.
+        task: its frame.
+        suffix: of the file.
+
+    Raises:
+        ServiceError: 409, the frame is not drawn yet; 404, the file is gone or damaged.
+    """
+    if task.state != "done":
+        detail = f"Frame {task.frame} of render {render.id!r} is not drawn yet: it is {task.state}."
+        raise ServiceError(409, "frame_not_done", detail, path="frame")
+    entry = task.files.get(suffix)
+    path = service.render_files.find(render.id, task.frame, task.attempts, suffix, entry)
+    if entry is None or path is None:
+        raise frame_file_gone(render.id, task.frame)
+    return path, {"ETag": f'"{entry["sha256"]}"', "Cache-Control": "private, no-cache"}
 
 
 @router.post("/{render}/pause", operation_id="pauseRender", dependencies=RENDERS, responses=problems(404, 409))
 def pause_render(service: ServiceDep, render: RenderInPath) -> Render:
     """Begin no more frames of a render; those that are drawn are finished."""
-    return _shown(service.renders.pause(render.id))
+    return _told(service, service.renders.pause(render.id))
 
 
 @router.post("/{render}/resume", operation_id="resumeRender", dependencies=RENDERS, responses=problems(404, 409))
 def resume_render(service: ServiceDep, render: RenderInPath) -> Render:
     """Go on with a render that was paused."""
-    return _shown(service.renders.resume(render.id))
+    return _told(service, service.renders.resume(render.id))
 
 
 @router.post("/{render}/cancel", operation_id="cancelRender", dependencies=RENDERS, responses=problems(404, 409))
 def cancel_render(service: ServiceDep, render: RenderInPath) -> Render:
     """End a render. Frames that are stored stay, and what is drawn is given up within a minute."""
-    return _shown(service.renders.cancel(render.id))
+    return _told(service, service.renders.cancel(render.id))
+
+
+@router.post("/{render}/accept", operation_id="acceptRender", dependencies=RENDERS, responses=problems(404, 409))
+def accept_render(service: ServiceDep, render: RenderInPath) -> Render:
+    """Take a render for done whose other frames have failed or were given up, as they are not wanted any more."""
+    return _told(service, service.renders.accept(render.id))
 
 
 @router.post("/{render}/retry", operation_id="retryRender", dependencies=RENDERS, responses=problems(404, 409))
 def retry_render(service: ServiceDep, render: RenderAtHand) -> Render:
     """Draw those frames of a render again that have failed, were given up, or whose files are gone."""
     lost = service.render_files.lost(render.id, [task for task, _ in service.renders.tasks(render.id)])
-    return _shown(service.renders.retry(render.id, lost))
+    return _told(service, service.renders.retry(render.id, lost))
 
 
 @router.delete(
@@ -231,12 +256,14 @@ async def _checked(
     """Return the shot of a render, its frames, and the processor time that each is expected to take, s.
 
     Raises:
-        NotFoundError: there is no such shot, as far as the sender may know.
+        NotFoundError: there is no such shot, or no render that it waits for, as far as the sender may know.
         SettingsError: the frames are no range, or each is beyond a limit.
     """
     record = service.store.get(request.shot)
     if not principal.sees(record.project):
         raise no_shot(request.shot)
+    for needed in request.after:
+        await run_in_threadpool(_render_in_path, needed, service, principal)
     frames = await _frames_of(service, record, request)
     cost, _ = service.admission.check(record.id, request.picture(frames[0]), "body")
     return record, frames, cost.expected_s
@@ -272,6 +299,7 @@ def _new(
         | {"formats": request.formats},
         frames=frames,
         priority=request.priority,
+        after=request.after,
     )
 
 
@@ -287,20 +315,30 @@ def _digest(request: RenderRequest) -> str:
     return hashlib.sha256(json.dumps(request.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
 
 
-def _shown(row: RenderRow) -> Render:
+def _told(service: Service, row: RenderRow) -> Render:
+    """Return a render with what it waits for."""
+    needs = service.renders.unmet_needs([row.id]) if row.ready > 0 else {}
+    return _shown(row, needs.get(row.id, ()))
+
+
+def _shown(row: RenderRow, needs: Sequence[str]) -> Render:
     seconds_left = None
     if row.done > 0 and row.ready + row.running > 0:
         seconds_left = round(row.busy_s / row.done * (row.ready + row.running), 1)
     told = {name: getattr(row, name) for name in Render.model_fields if hasattr(row, name)}
     told |= {name: row.request[name] for name in ("width", "rays", "formats")}
-    told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left}
+    told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left, "waits_for": needs}
     told |= {"created_at": _time(row.created_at), "started_at": _time(row.started_at)}
     return Render.model_validate(told | {"finished_at": _time(row.finished_at)})
 
 
 def _shown_task(task: TaskRow, attempts: Sequence[AttemptRow]) -> RenderTask:
     told: dict[str, Any] = {"frame": task.frame, "state": task.state}
-    told["files"] = [{"format": suffix, **entry} for suffix, entry in task.files.items() if task.state == "done"]
+    told["files"] = [
+        {"format": suffix, **entry}
+        for suffix, entry in task.files.items()
+        if task.state == "done" and suffix != THUMBNAIL
+    ]
     return RenderTask.model_validate(told | {"attempts": [_shown_attempt(attempt) for attempt in attempts]})
 
 

@@ -64,7 +64,7 @@ class RenderRow(Table):
     """A render. The numbers of its tasks in each state are kept with it, so that lists are quick.
 
     `home` is the id of the data folder that has its shot and frames; where they are in a bucket, `files` is the hash of the shot
-    there, and `root` its root layer.
+    there, and `root` its root layer. `accepted` says that its frames which failed or were canceled are not wanted any more.
     """
 
     __tablename__ = "renders"
@@ -105,6 +105,16 @@ class RenderRow(Table):
     done: Mapped[int] = mapped_column(default=0)
     failed: Mapped[int] = mapped_column(default=0)
     canceled: Mapped[int] = mapped_column(default=0)
+    accepted: Mapped[bool] = mapped_column(default=False)
+
+
+class RenderNeedRow(Table):
+    """A render that has to be done before another one begins."""
+
+    __tablename__ = "render_needs"
+
+    render: Mapped[str] = mapped_column(ForeignKey("renders.id", ondelete="CASCADE"), primary_key=True)
+    needs: Mapped[str] = mapped_column(ForeignKey("renders.id", ondelete="CASCADE"), primary_key=True, index=True)
 
 
 class TaskRow(Table):

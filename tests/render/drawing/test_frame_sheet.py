@@ -8,9 +8,9 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from render.drawing.frame_sheet import MOST_PICTURES, choose_frames, draw_frame_sheet, shrink_picture
+from render.drawing.frame_sheet import MOST_PICTURES, choose_frames, draw_frame_sheet
 from render.errors import InputError
-from render.output.stills import read_still
+from render.output.stills import read_still, shrink_picture
 
 
 def plain(level: int | tuple[int, int, int], width: int = 64, height: int = 36) -> np.ndarray:

@@ -149,6 +149,48 @@ def test_a_clock_that_is_set_back_holds_nothing_up(queue, clock):
     assert queue.get(sent.id).running == 1
 
 
+def test_a_render_waits_for_those_before_it(queue, clock):
+    first = queue.submit(render([1]))
+    clock.now += 1
+    second = queue.submit(render([2]))
+    third = queue.submit(replace(render([3], priority=90), after=[first.id, second.id, first.id]))
+    assert queue.unmet_needs([first.id, third.id]) == {third.id: sorted((first.id, second.id))}
+    assert drawn(queue)[1] == 1
+    queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
+    assert queue.unmet_needs([third.id]) == {third.id: [second.id]}
+    assert drawn(queue) is None
+    queue.accept(second.id)
+    assert queue.unmet_needs([third.id]) == {}
+    assert drawn(queue)[1] == 3
+
+
+def test_a_render_that_is_removed_holds_nothing_up(queue):
+    first = queue.submit(render([1]))
+    queue.submit(replace(render([2]), after=[first.id]))
+    queue.cancel(first.id)
+    assert drawn(queue) is None
+    queue.remove(first.id, lambda: None)
+    assert drawn(queue)[1] == 2
+    with pytest.raises(NotFoundError):
+        queue.submit(replace(render([3]), after=[first.id]))
+    assert drawn(queue) is None
+
+
+def test_a_failed_render_is_accepted_until_it_is_tried_again(queue):
+    sent = queue.submit(render([1, 2]))
+    with pytest.raises(ConflictError, match="is queued"):
+        queue.accept(sent.id)
+    queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
+    drawn(queue)
+    accepted = queue.accept(sent.id)
+    assert (state_of(accepted), accepted.failed) == ("done", 1)
+    with pytest.raises(ConflictError, match="is done"):
+        queue.accept(sent.id)
+    assert state_of(queue.retry(sent.id)) == "running"
+    queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
+    assert state_of(queue.get(sent.id)) == "failed"
+
+
 def test_an_error_that_stays_fails_the_frame_alone(queue):
     sent = queue.submit(render([1, 2]))
     queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
@@ -205,8 +247,8 @@ def test_a_cancellation_is_not_taken_back(queue):
 def test_what_a_project_has_stored_is_summed(queue):
     queue.submit(render([1]))
     drawn(queue)
-    assert queue.stored_bytes("default") == 10 + len("#usda 1.0")
-    assert queue.stored_bytes("another") == 0
+    assert queue.totals.stored_bytes("default") == 10 + len("#usda 1.0")
+    assert queue.totals.stored_bytes("another") == 0
 
 
 def test_sizes_beyond_four_gigabytes_are_exact(queue):
@@ -214,7 +256,7 @@ def test_sizes_beyond_four_gigabytes_are_exact(queue):
     large = {"exr": {"size_bytes": 2**32 + 1, "sha256": "hash"}}
     for _ in range(2):
         assert queue.finish(queue.claim("one", LEASE_S), large, 24)
-    assert json.dumps(queue.stored_bytes("default")) == str(2 * (2**32 + 1) + len("#usda 1.0"))
+    assert json.dumps(queue.totals.stored_bytes("default")) == str(2 * (2**32 + 1) + len("#usda 1.0"))
     assert [task.files for task, _ in queue.tasks(sent.id)] == [large] * 2
 
 
@@ -328,7 +370,7 @@ def test_everything_is_there_after_a_restart(tmp_path, clock, database):
     assert [drawn(after)[1] for _ in range(2)] == [2, 3]
     _, (_, attempts), _ = after.tasks(sent.id)
     assert [attempt.outcome for attempt in attempts] == ["given-back", "done"]
-    assert after.numbers() == {"ready": 0, "running": 0, "done": 3, "failed": 0, "canceled": 0}
+    assert after.totals.numbers() == {"ready": 0, "running": 0, "done": 3, "failed": 0, "canceled": 0}
     after.close()
 
 

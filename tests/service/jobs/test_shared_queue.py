@@ -76,7 +76,11 @@ def test_a_server_that_comes_back_is_used_again(tmp_path, postgresql, postgresql
     claim = queue.claim("one", 60.0)
     postgresql.stop()
     try:
-        for call in (queue.numbers, lambda: queue.finish(claim, FILES, 24.0), lambda: queue.submit(new_render([3]))):
+        for call in (
+            queue.totals.numbers,
+            lambda: queue.finish(claim, FILES, 24.0),
+            lambda: queue.submit(new_render([3])),
+        ):
             with pytest.raises(OutputError, match="its database cannot be reached") as raised:
                 call()
             assert raised.value.code == "queue_unusable"

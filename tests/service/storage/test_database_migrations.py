@@ -81,8 +81,8 @@ def test_a_frame_with_one_file_keeps_it_and_its_attempts(tmp_path: Path) -> None
         assert claim is not None
         assert queue.finish(claim, {"png": {"size_bytes": 8, "sha256": "def"}}, 25)
         assert queue.get("r-1").time_codes_per_second == 25
-        assert queue.stored_bytes("x") == 20
+        assert queue.totals.stored_bytes("x") == 20
         queue.note_products("r-1", 100)
-        assert queue.stored_bytes("x") == 120
+        assert queue.totals.stored_bytes("x") == 120
     finally:
         queue.close()

@@ -75,6 +75,13 @@ def test_the_settings_of_a_file_are_checked(capsys, tmp_path, monkeypatch):
     assert str(tmp_path / "studio") in found["data"]["text"]
 
 
+def test_a_bucket_is_looked_at(bucket):
+    assert doctor_module._bucket(bucket["bucket"], bucket["bucket_endpoint"]).state == "ok"
+    gone = doctor_module._bucket(bucket["bucket"], "http://127.0.0.1:1")
+    assert (gone.state, "AWS_ACCESS_KEY_ID" in gone.remedy) == ("fail", True)
+    assert doctor_module._bucket("renders", "").state == "fail"
+
+
 def test_a_library_that_kills_its_process_is_a_finding(monkeypatch):
     monkeypatch.setattr(doctor_module.sys, "executable", "/bin/false")
     finding = doctor_module._probe("gl", "mend it")

@@ -8,7 +8,7 @@ export type RenderPlan = components["schemas"]["RenderPlan"];
 export type RenderTask = components["schemas"]["RenderTask"];
 export type TaskState = RenderTask["state"];
 
-export const RENDER_ACTIONS = ["pause", "resume", "retry", "cancel", "remove"] as const;
+export const RENDER_ACTIONS = ["pause", "resume", "accept", "retry", "cancel", "remove"] as const;
 export type RenderAction = (typeof RENDER_ACTIONS)[number];
 
 /** A page of a list of renders, the newest first. */
@@ -31,6 +31,8 @@ export function isTaken(action: RenderAction, render: Render): boolean {
       return state === "queued" || state === "running";
     case "resume":
       return state === "paused" || state === "pause-requested";
+    case "accept":
+      return state === "failed" || state === "canceled";
     case "retry":
       return failed + canceled > 0;
     case "cancel":
@@ -41,10 +43,10 @@ export function isTaken(action: RenderAction, render: Render): boolean {
 }
 
 /** The state of a render for people. */
-export function stateInWords({ state, running }: Pick<Render, "state" | "running">): string {
+export function stateInWords({ state, running, waitsFor, accepted }: Render): string {
   switch (state) {
     case "queued":
-      return "Waits for its turn";
+      return waitsFor.length > 0 ? `Waits for ${plural(waitsFor.length, "other render")}` : "Waits for its turn";
     case "running":
       return running > 0 ? "Drawing" : "Waits to go on";
     case "pause-requested":
@@ -58,7 +60,7 @@ export function stateInWords({ state, running }: Pick<Render, "state" | "running
     case "failed":
       return "Ended with failures";
     case "done":
-      return "Done";
+      return accepted ? "Accepted as it is" : "Done";
   }
 }
 

@@ -19,6 +19,8 @@ export interface RenderService {
   tasks(render: string): Promise<readonly RenderTask[]>;
   /** Address of a frame that is drawn, in a format of its render. */
   frameAddress(render: string, frame: number, format: string): string;
+  /** Address of a small picture of a frame that is drawn. */
+  thumbnailAddress(render: string, frame: number): string;
   /** Follows what the service tells of renders and their frames. */
   changes(): EventSource;
   /** Address of the movie or the contact sheet of a render that has ended. */
@@ -63,6 +65,10 @@ export class HttpRenders implements RenderService {
 
   frameAddress(render: string, frame: number, format: string): string {
     return `${this.#base}/v1/renders/${encodeURIComponent(render)}/frames/${frame}?format=${format}`;
+  }
+
+  thumbnailAddress(render: string, frame: number): string {
+    return `${this.#base}/v1/renders/${encodeURIComponent(render)}/frames/${frame}/thumbnail`;
   }
 
   changes(): EventSource {

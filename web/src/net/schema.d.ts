@@ -387,6 +387,26 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/renders/{render}/accept": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Accept Render
+         * @description Take a render for done whose other frames have failed or were given up, as they are not wanted any more.
+         */
+        readonly post: operations["acceptRender"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/renders/{render}/cancel": {
         readonly parameters: {
             readonly query?: never;
@@ -439,6 +459,26 @@ export interface paths {
          * @description Take a frame that a render has drawn.
          */
         readonly get: operations["getRenderedFrame"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/frames/{frame}/thumbnail": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Thumbnail
+         * @description Take a small picture, 240 px wide at most, of a frame that a render has drawn, in whatever formats it is.
+         */
+        readonly get: operations["getRenderedThumbnail"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -539,6 +579,26 @@ export interface paths {
          * @description List the frames of a render, with the attempts at each.
          */
         readonly get: operations["listRenderTasks"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/thumbnail": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Last Thumbnail
+         * @description Take a small picture of the frame that a render has drawn last.
+         */
+        readonly get: operations["getLastThumbnail"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -7813,6 +7873,7 @@ export interface components {
          * Render
          * @description A render and how far it is.
          * @example {
+         *       "accepted": false,
          *       "canceled": 0,
          *       "count": 96,
          *       "createdAt": "2026-11-27T08:00:00Z",
@@ -7836,10 +7897,16 @@ export interface components {
          *       "shot": "demo",
          *       "startedAt": "2026-11-27T08:00:01Z",
          *       "state": "running",
+         *       "waitsFor": [],
          *       "width": 480
          *     }
          */
         readonly Render: {
+            /**
+             * Accepted
+             * @description Whether frames that failed or were given up are not wanted any more.
+             */
+            readonly accepted: boolean;
             /**
              * Canceled
              * @description Frames that were given up.
@@ -7938,6 +8005,11 @@ export interface components {
              */
             readonly state: "queued" | "running" | "pause-requested" | "paused" | "cancel-requested" | "canceled" | "failed" | "done";
             /**
+             * Waitsfor
+             * @description Ids of renders that have to be done before, and are not yet.
+             */
+            readonly waitsFor: readonly string[];
+            /**
              * Width
              * @description Width of the pictures, px.
              */
@@ -7970,6 +8042,7 @@ export interface components {
          * @example {
          *       "renders": [
          *         {
+         *           "accepted": false,
          *           "canceled": 0,
          *           "count": 96,
          *           "createdAt": "2026-11-27T08:00:00Z",
@@ -7993,6 +8066,7 @@ export interface components {
          *           "shot": "demo",
          *           "startedAt": "2026-11-27T08:00:01Z",
          *           "state": "running",
+         *           "waitsFor": [],
          *           "width": 480
          *         }
          *       ]
@@ -8056,6 +8130,12 @@ export interface components {
              * @example true
              */
             readonly adaptive?: boolean;
+            /**
+             * After
+             * @description Ids of renders that have to be done before its frames are drawn.
+             * @default []
+             */
+            readonly after?: readonly string[];
             /**
              * Camera
              * @description Prim path; the shot's default camera when left out.
@@ -10637,6 +10717,83 @@ export interface operations {
             };
         };
     };
+    readonly acceptRender: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Render"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly cancelRender: {
         readonly parameters: {
             readonly query?: never;
@@ -10826,6 +10983,85 @@ export interface operations {
                     readonly "image/jpeg": string;
                     readonly "image/png": string;
                     readonly "image/x-exr": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getRenderedThumbnail: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description One of its frames. */
+                readonly frame: number;
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The small picture. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "image/jpeg": string;
                 };
             };
             /** @description A key or token is missing, wrong or expired. */
@@ -11247,6 +11483,83 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getLastThumbnail: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The small picture. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "image/jpeg": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
+            readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

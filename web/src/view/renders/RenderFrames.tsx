@@ -26,9 +26,11 @@ interface RenderFramesProps {
   /** Null until they are known. */
   readonly tasks: readonly RenderTask[] | null;
   readonly address: (frame: number, format: string) => string;
+  /** Address of a small picture of a frame. */
+  readonly thumbnail: (frame: number) => string;
 }
 
-export function RenderFrames({ render, tasks, address }: RenderFramesProps): JSX.Element {
+export function RenderFrames({ render, tasks, address, thumbnail }: RenderFramesProps): JSX.Element {
   const [chosen, setChosen] = useState<number | null>(null);
   if (tasks === null) return <p class="muted">Reading the frames…</p>;
   const groups = groupsOf(tasks, MOST_CELLS);
@@ -36,15 +38,16 @@ export function RenderFrames({ render, tasks, address }: RenderFramesProps): JSX
   const task = group?.tasks.find(({ frame }) => frame === chosen) ?? null;
   const pictured = task?.state === "done" ? task : lastDrawn(tasks);
   const format = shownFormat(render.formats);
+  const shown = pictured && (format ? address(pictured.frame, format) : thumbnail(pictured.frame));
   const choose = ({ tasks: [first] }: FrameGroup): void => {
     setChosen(first?.frame ?? null);
   };
   return (
     <>
-      {format && pictured && (
+      {pictured && shown && (
         <Picture
           key={pictured.files[0]?.sha256}
-          address={address(pictured.frame, format)}
+          address={shown}
           label={`Frame ${pictured.frame} of ${render.name}`}
         />
       )}

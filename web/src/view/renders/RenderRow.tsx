@@ -23,10 +23,12 @@ interface RenderRowProps {
   /** Why the person may change no render; null where they may. */
   readonly refusal: string | null;
   readonly frameAddress: (frame: number, format: string) => string;
+  readonly thumbnailAddress: (frame: number) => string;
   readonly productAddress: (product: "movie" | "contact-sheet") => string;
 }
 
-export function RenderRow({ renders, render, refusal, frameAddress, productAddress }: RenderRowProps): JSX.Element {
+export function RenderRow(props: RenderRowProps): JSX.Element {
+  const { renders, render, refusal, frameAddress, thumbnailAddress, productAddress } = props;
   const [asked, setAsked] = useState<RenderAction | null>(null);
   const frames = useId();
   const head = useRef<HTMLButtonElement>(null);
@@ -85,7 +87,12 @@ export function RenderRow({ renders, render, refusal, frameAddress, productAddre
       {isOpen && (
         <div id={frames} class="render-frames">
           <Products render={render} address={productAddress} />
-          <RenderFrames render={render} tasks={renders.tasks.value} address={frameAddress} />
+          <RenderFrames
+            render={render}
+            tasks={renders.tasks.value}
+            address={frameAddress}
+            thumbnail={thumbnailAddress}
+          />
         </div>
       )}
     </li>
@@ -149,6 +156,7 @@ function Progress({ render }: { render: Render }): JSX.Element {
 const ACTION_NAMES: Readonly<Record<RenderAction, string>> = {
   pause: "Pause",
   resume: "Resume",
+  accept: "Accept",
   retry: "Retry",
   cancel: "Cancel",
   remove: "Remove",
@@ -157,6 +165,7 @@ const ACTION_NAMES: Readonly<Record<RenderAction, string>> = {
 const ACTION_TITLES: Readonly<Record<RenderAction, string>> = {
   pause: "Begin no more frames; those under way are finished",
   resume: "Go on with the frames that wait",
+  accept: "Take it as it is, without the frames that have failed or were given up",
   retry: "Draw the frames again that have failed or were given up",
   cancel: "Give up the frames that are not drawn yet",
   remove: "Remove the render and its files",

@@ -112,6 +112,7 @@ function List({ renders, editor, shot }: ListProps): JSX.Element {
             render={render}
             refusal={refusal}
             frameAddress={(frame, format) => editor.service.renders.frameAddress(render.id, frame, format)}
+            thumbnailAddress={(frame) => editor.service.renders.thumbnailAddress(render.id, frame)}
             productAddress={(product) => editor.service.renders.productAddress(render.id, product)}
           />
         ))}

@@ -104,7 +104,6 @@ class RenderRequest(PictureOptions):
         default=[],
         max_length=16,
         description="Ids of renders that have to be done before its frames are drawn.",
-        json_schema_extra={"uniqueItems": True},
     )
 
     @field_validator("formats")

@@ -134,10 +134,11 @@ def prepare_render(demo: httpx.Client, name: str) -> None:
     wanted = {"shot": "demo", "frames": "24-96", "width": 16, "engine": "pinhole", "formats": ["exr", "png"]}
     sent = demo.post("/v1/renders", json=wanted)
     address = sent.headers["location"]
-    if name in ("retryRender", "removeRender"):
+    if name in ("acceptRender", "retryRender", "removeRender"):
         demo.post(f"{address}/cancel")
         until(lambda: demo.get(address).json()["running"] == 0)
-    if name in ("getRenderedFrame", "getRenderMovie", "getRenderContactSheet"):
+    of_frames = ("getRenderedFrame", "getRenderedThumbnail", "getLastThumbnail")
+    if name in (*of_frames, "getRenderMovie", "getRenderContactSheet"):
         until(lambda: demo.get(address).json()["done"] > 0)
     if name in ("getRenderMovie", "getRenderContactSheet"):
         demo.post(f"{address}/cancel")

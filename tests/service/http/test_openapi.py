@@ -48,6 +48,7 @@ GET /livez, GET /readyz, GET /metrics, GET /version,
 GET /v1/renders, POST /v1/renders, POST /v1/render-plans, GET /v1/renders/{render}, DELETE /v1/renders/{render},
 GET /v1/renders/{render}/tasks, GET /v1/renders/{render}/frames/{frame}, POST /v1/renders/{render}/pause,
 POST /v1/renders/{render}/resume, POST /v1/renders/{render}/cancel, POST /v1/renders/{render}/retry,
+POST /v1/renders/{render}/accept, GET /v1/renders/{render}/frames/{frame}/thumbnail, GET /v1/renders/{render}/thumbnail,
 GET /v1/renders/{render}/movie, GET /v1/renders/{render}/contact-sheet, GET /v1/events,
 GET /v1/webhooks, POST /v1/webhooks, DELETE /v1/webhooks/{webhook}, POST /v1/webhooks/{webhook}/test,
 POST /v1/webhooks/{webhook}/enable

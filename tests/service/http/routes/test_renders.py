@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import re
 
 import httpx
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+from PIL import Image
 
 from render.errors import OutputError
 from service.http.errors import ServiceError
@@ -75,7 +77,51 @@ def test_all_formats_of_a_frame_are_of_one_drawing(service, client, room):
             assert len(answer.content) == file["sizeBytes"]
             assert (stored / f"{task['frame']}.1.{file['format']}").read_bytes() == answer.content
     first = client.get(f"{address}/frames/1")
-    assert (first.headers["content-type"], len(list(stored.iterdir()))) == ("image/x-exr", 6)
+    assert (first.headers["content-type"], len(list(stored.glob("*.[!t]*")))) == ("image/x-exr", 6)
+
+
+def test_small_pictures_show_frames_of_any_format(client, room):
+    render = render_of(client, room, frames="1-2", width=480, height=270)
+    address = f"/v1/renders/{render['id']}"
+    early = client.get(f"{address}/frames/2/thumbnail")
+    assert early.status_code in (200, 409)
+    ended(client, render)
+    small, last = client.get(f"{address}/frames/2/thumbnail"), client.get(f"{address}/thumbnail")
+    assert small.headers["content-type"] == "image/jpeg"
+    assert (small.content, small.headers["etag"]) == (last.content, last.headers["etag"])
+    graded = client.get(f"/v1/shots/{room}/frame", params=SMALL | {"time": 2, "width": 480, "height": 270})
+    pixels = [np.asarray(Image.open(io.BytesIO(answer.content)), float) for answer in (small, graded)]
+    assert pixels[0].shape == (135, 240, 3)
+    np.testing.assert_allclose(pixels[0].mean((0, 1)), pixels[1].mean((0, 1)), atol=2)
+    assert client.get(f"{address}/frames/3/thumbnail").status_code == 404
+
+
+def test_a_render_without_a_frame_has_no_picture(client, room):
+    render = render_of(client, room, frames="1", camera="/World/none")
+    assert ended(client, render)["state"] == "failed"
+    answer = client.get(f"/v1/renders/{render['id']}/thumbnail")
+    assert (answer.status_code, answer.json()["code"]) == (404, "frame_not_found")
+
+
+def test_a_render_waits_until_another_is_done_or_accepted(client, room):
+    first = render_of(client, room, frames="1-2", camera="/World/none")
+    second = render_of(client, room, frames="1", after=[first["id"]])
+    assert second["waitsFor"] == [first["id"]]
+    assert ended(client, first)["state"] == "failed"
+    listed = {each["id"]: each["waitsFor"] for each in client.get("/v1/renders").json()["renders"]}
+    assert (listed[second["id"]], listed[first["id"]]) == ([first["id"]], [])
+    assert client.get(f"/v1/renders/{second['id']}").json()["state"] == "queued"
+    accepted = client.post(f"/v1/renders/{first['id']}/accept").json()
+    assert (accepted["state"], accepted["failed"], accepted["accepted"]) == ("done", 2, True)
+    assert ended(client, second)["state"] == "done"
+    again = client.post(f"/v1/renders/{first['id']}/accept")
+    assert (again.status_code, again.json()["code"]) == (409, "render_conflict")
+
+
+@pytest.mark.parametrize("after", [["r-000000000000"], ["\0"], ["r-1"] * 17, "r-1"])
+def test_a_render_that_waits_for_none_that_is_there_is_refused(client, room, after):
+    answer = client.post("/v1/renders", json=SMALL | {"shot": room, "frames": "1", "after": after})
+    assert answer.status_code in (404, 422)
 
 
 def test_a_format_that_was_not_rendered_is_told(client, room):
@@ -99,8 +145,9 @@ def test_a_lost_file_of_any_format_is_drawn_again(service, client, room):
     assert ended(client, render)["done"] == 2
     assert client.get(f"{address}/frames/2", params={"format": "png"}).status_code == 200
     # The files of the first attempt are gone: nothing is stored that is not counted.
-    assert sorted(path.name for path in folder.iterdir()) == ["1.1.exr", "1.1.png", "2.2.exr", "2.2.png"]
-    stored = sum(path.stat().st_size for path in folder.iterdir())
+    files = [path for path in folder.iterdir() if path.suffix != ".thumbnail"]
+    assert sorted(path.name for path in files) == ["1.1.exr", "1.1.png", "2.2.exr", "2.2.png"]
+    stored = sum(path.stat().st_size for path in files)
     now = service.internal.renders.get(render["id"]).stored_bytes
     assert now == before
     assert stored == sum(

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import shutil
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from datetime import datetime
+from typing import ParamSpec, TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
@@ -16,15 +18,22 @@ from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.lane_executor import LaneExecutor
 from service.http.service import Service
+from service.http.settings import MEBIBYTE
 from service.jobs.claims import Claim
 from service.jobs.dask_executor import DaskAddress, DaskExecutor
+from service.jobs.files import FrameFiles
 from service.jobs.frame_work import Executor, FrameError, FrameWork, LostFrameError, may_pass
 from service.jobs.queue import RenderQueue
 from service.models.frames import FrameQuery
 from service.picture.requests import THUMBNAIL, DrawnFrame
+from service.storage.database.tables import FileEntry
+from service.storage.errors import UnavailableError
 from service.storage.store import ShotRecord
 from service.workers.errors import QueueFullError, StoppingError, WorkerError
 from service.workers.jobs import Client
+
+Arguments = ParamSpec("Arguments")
+Reply = TypeVar("Reply")
 
 log = logging.getLogger("pullfocus.service")
 
@@ -34,6 +43,10 @@ PAUSE_S = 1.0
 """Longest time between two looks for frames."""
 BUSY_PAUSE_S = 15.0
 """Pause of a render that the service has no room for, or whose owner has used up the processor time of a day."""
+NOTE_PAUSE_S = 1.0
+"""Time until something is noted again that could not be, as the database was gone."""
+STORE_S = 15.0
+"""Time in which a frame that is drawn is still stored once nobody waits for it."""
 STOPPING = "the service stops"
 
 
@@ -66,6 +79,7 @@ class RenderRunner:
         self._service = service
         self._executor = executor
         self._drawing: dict[asyncio.Task[None], str] = {}
+        self._has_room = True
 
     async def run(self) -> None:
         """Keep every worker busy until this is cancelled; what is drawn then is given back."""
@@ -90,6 +104,8 @@ class RenderRunner:
 
     async def _begin_one(self) -> bool:
         """Begin the next frame, if a worker is free and there is one. Returns whether it was so."""
+        if not self._look_for_room():
+            return False
         places = self._executor.places()
         counts = Counter(self._drawing.values())
         free = sorted((name for name in places if counts[name] < places[name]), key=lambda name: counts[name])
@@ -101,6 +117,18 @@ class RenderRunner:
                 task.add_done_callback(self._end)
                 return True
         return False
+
+    def _look_for_room(self) -> bool:
+        """Return whether the disk has room for a frame. What is drawn while it has none is drawn in vain."""
+        settings = self._service.settings
+        free_mb = shutil.disk_usage(settings.data).free // MEBIBYTE
+        has_room = free_mb >= settings.min_free_mb
+        if self._has_room and not has_room:
+            log.warning(
+                "renders wait: the disk has %d MiB free, less than min_free_mb (%d)", free_mb, settings.min_free_mb
+            )
+        self._has_room = has_room
+        return has_room
 
     def _end(self, task: asyncio.Task[None]) -> None:
         del self._drawing[task]
@@ -157,22 +185,42 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
             await asyncio.wait((drawing,))
             queue.give_back(claim, STOPPING)  # here, as nothing that is awaited may be finished before the service is
             raise
-        await run_in_threadpool(queue.give_back, claim, "the render was canceled")
+        await _note(queue.give_back, claim, "the render was canceled")
     except LostFrameError as error:
         log.warning("frame %d of render %s is lost: %s", claim.frame, claim.render, error)
-        await run_in_threadpool(queue.lose, claim, str(error))
+        await _note(queue.lose, claim, str(error))
+    except _NoRoomError as error:
+        log.warning("frame %d of render %s cannot be stored now: %s", claim.frame, claim.render, error)
+        await _note(queue.put_off, claim, BUSY_PAUSE_S)
     except (PullfocusError, WorkerError, ServiceError, FrameError, OSError) as error:
         if _comes_too_early(error):
             is_of_owner = isinstance(error, ServiceError)  # who has used up the processor time of a day
-            await run_in_threadpool(queue.put_off, claim, BUSY_PAUSE_S, is_of_owner=is_of_owner)
+            await _note(queue.put_off, claim, BUSY_PAUSE_S, is_of_owner=is_of_owner)
         else:
             log.warning("frame %d of render %s could not be drawn: %s", claim.frame, claim.render, error)
-            await run_in_threadpool(queue.fail, claim, str(error), may_pass=_may_pass(error))
+            await _note(queue.fail, claim, str(error), may_pass=_may_pass(error))
     except Exception as error:
         log.exception("frame %d of render %s could not be drawn", claim.frame, claim.render)
-        await run_in_threadpool(queue.fail, claim, repr(error), may_pass=False)
+        await _note(queue.fail, claim, repr(error), may_pass=False)
     finally:
         holding.cancel()
+
+
+class _NoRoomError(Exception):
+    """A frame is drawn, and what it goes to is full or gone for now."""
+
+
+async def _note(note: Callable[Arguments, Reply], *args: Arguments.args, **kwargs: Arguments.kwargs) -> Reply:
+    """Note something in the queue, again while its database cannot be used: what was drawn is worth waiting for."""
+    is_told = False
+    while True:
+        try:
+            return await run_in_threadpool(note, *args, **kwargs)
+        except UnavailableError as error:
+            if not is_told:
+                log.warning("what became of a frame cannot be noted yet: %s", error)
+            is_told = True
+        await asyncio.sleep(NOTE_PAUSE_S)
 
 
 def _comes_too_early(error: Exception) -> bool:
@@ -221,27 +269,52 @@ async def _draw_shot(service: Service, executor: Executor, claim: Claim, record:
     request = frame_request(record, claim.edits, query, limits)
     key = f"{claim.render}/{claim.frame}/{claim.attempt}"
     drawn = await executor.draw(claim.worker, FrameWork(key, request, tuple(formats), client, cost.ordinary_s))
-    storing = asyncio.ensure_future(run_in_threadpool(_store, service, claim, record.project, drawn))
+    storing = asyncio.create_task(_store(service, claim, record.project, drawn))
     try:
         await asyncio.shield(storing)
     except asyncio.CancelledError:
-        await storing  # the render may be removed once the frame is given back
+        await asyncio.wait((storing,), timeout=STORE_S)  # the render may be removed once the frame is given back
+        storing.cancel()
         raise
 
 
-def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame) -> None:
-    """Store the files of a frame. What comes too late, as another worker has the frame by now, is thrown away."""
+async def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame) -> None:
+    """Store the files of a frame. What comes too late, as another worker has the frame by now, is thrown away.
+
+    Raises:
+        ServiceError: the project has no room for them.
+        _NoRoomError: the disk is full, or the bucket cannot be used.
+        OutputError: they cannot be written.
+    """
     wanted = [*claim.request["formats"], *({THUMBNAIL} & drawn.files.keys())]
     contents = {suffix: drawn.files[suffix] for suffix in wanted}  # a worker is not trusted with names
-    service.quotas.check_room(project, sum(map(len, contents.values())))
-    files, place = service.render_files, (claim.render, claim.frame)
-    is_stored = False
+    await _note(service.quotas.check_room, project, sum(map(len, contents.values())))
+    entries = await run_in_threadpool(_write, service.render_files, claim, contents)
+    is_stored = await _note(service.renders.finish, claim, entries, drawn.time_codes_per_second)
+    before = range(1, claim.attempt) if is_stored else (claim.attempt,)
+    await run_in_threadpool(_remove_attempts, service.render_files, claim, before)
+
+
+def _write(files: FrameFiles, claim: Claim, contents: Mapping[str, bytes]) -> dict[str, FileEntry]:
+    """Write the files of a frame, all or none. Raises `_NoRoomError`, `OutputError`, `OSError`."""
+    place = claim.render, claim.frame, claim.attempt
     try:
-        entries = {suffix: files.write(*place, claim.attempt, suffix, content) for suffix, content in contents.items()}
-        is_stored = service.renders.finish(claim, entries, drawn.time_codes_per_second)
-    finally:
-        for attempt in range(1, claim.attempt) if is_stored else (claim.attempt,):
-            files.remove_attempt(*place, attempt, tuple(contents))
+        return {suffix: files.write(*place, suffix, content) for suffix, content in contents.items()}
+    except (OutputError, OSError) as error:
+        with suppress(OutputError, OSError):
+            files.remove_attempt(*place, tuple(contents))
+        if isinstance(error, UnavailableError) or getattr(error, "code", "") == "disk_full":
+            raise _NoRoomError(str(error)) from error
+        raise
+
+
+def _remove_attempts(files: FrameFiles, claim: Claim, attempts: Iterable[int]) -> None:
+    """Remove what attempts at a frame have left. What cannot be removed is no harm, and is removed with the render."""
+    try:
+        for attempt in attempts:
+            files.remove_attempt(claim.render, claim.frame, attempt, (*claim.request["formats"], THUMBNAIL))
+    except (OutputError, OSError) as error:
+        log.warning("files of frame %d of render %s cannot be removed: %s", claim.frame, claim.render, error)
 
 
 async def _shot_of(service: Service, claim: Claim, stack: ExitStack) -> ShotRecord:

@@ -229,12 +229,14 @@ class RenderQueue:
             time_codes_per_second: of the shot, for movies.
 
         Returns:
-            Whether the task was still the worker's.
+            Whether the task was still the worker's, or this was noted before, by a commit whose answer was lost.
         """
         with self._writing() as session:
             held = self._held(session, claim)
             if held is None:
-                return False
+                task = session.get(TaskRow, (claim.render, claim.frame))
+                state = task and (task.state, task.attempts, task.files)
+                return state == ("done", claim.attempt, dict(files))
             render, task = held
             task.files = dict(files)
             render.time_codes_per_second = time_codes_per_second

@@ -60,7 +60,7 @@ def test_either_service_draws_and_shows_the_frames_of_both(tmp_path, shared, roo
         assert second.client.get(f"/v1/shots/{shot}").status_code == 404  # shots are each service's own
 
         opened = Bucket(shared["bucket"], shared["bucket_endpoint"])
-        assert len(opened.sizes("renders")) == 6
+        assert len(opened.sizes("renders")) == 9  # three files of each frame
         opened.delete(f"renders/{render}/{name}" for name in opened.sizes(f"renders/{render}") if name.startswith("3."))
         assert second.client.post(f"/v1/renders/{render}/retry").json()["ready"] == 1
         until(lambda: done(second.client, render))

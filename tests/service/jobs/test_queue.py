@@ -124,6 +124,17 @@ def test_an_error_that_may_pass_is_tried_three_times(queue, clock):
     assert [attempt.error for attempt in attempts] == ["the disk is full"] * MOST_FAILURES
 
 
+def test_a_frame_that_is_finished_twice_is_done_once(queue):
+    sent = queue.submit(render([1]))
+    claim = queue.claim("one", LEASE_S)
+    assert queue.finish(claim, FILES, 24)
+    assert queue.finish(claim, FILES, 24)  # the answer to the first one was lost
+    assert not queue.finish(claim, {"exr": FILES["exr"]}, 24)
+    assert not queue.finish(replace(claim, attempt=2), FILES, 24)
+    ended = queue.get(sent.id)
+    assert (ended.done, ended.stored_bytes) == (1, 10 + len("#usda 1.0"))
+
+
 def test_a_lost_worker_is_no_failure_of_the_frame(queue, clock):
     sent = queue.submit(render([1]))
     for number in range(1, MOST_LOSSES + 1):

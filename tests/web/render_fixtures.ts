@@ -22,6 +22,8 @@ const RENDER: Render = {
   done: 0,
   failed: 0,
   canceled: 0,
+  accepted: false,
+  waitsFor: [],
   createdAt: "2026-11-27T08:00:00Z",
   startedAt: null,
   finishedAt: null,

@@ -23,8 +23,9 @@ describe("what the service takes", () => {
     ["pause-requested", { ready: 3, running: 1 }, ["resume", "cancel"]],
     ["paused", { ready: 3, done: 1 }, ["resume", "cancel"]],
     ["cancel-requested", { ready: 0, running: 1, canceled: 3 }, ["retry"]],
-    ["canceled", { ready: 0, done: 1, canceled: 3 }, ["retry", "remove"]],
-    ["failed", { ready: 0, done: 3, failed: 1 }, ["retry", "remove"]],
+    ["canceled", { ready: 0, done: 1, canceled: 3 }, ["accept", "retry", "remove"]],
+    ["failed", { ready: 0, done: 3, failed: 1 }, ["accept", "retry", "remove"]],
+    ["done", { ready: 0, done: 3, failed: 1, accepted: true }, ["retry", "remove"]],
     ["done", { ready: 0, done: 4 }, ["remove"]],
   ])("of a render that is %s with %o: %j", (state, counts, taken) => {
     const now = render({ ...counts, state: state as Render["state"] });
@@ -58,6 +59,9 @@ describe("in words", () => {
     expect(progressInWords(ended)).toBe("2 of 4 frames, 1 failed, 1 given up");
     expect(stateInWords(ended)).toBe("Ended with failures");
     expect(progressInWords(render())).toBe("0 of 4 frames");
+    expect(stateInWords(render({ ...ended, state: "done", accepted: true }))).toBe("Accepted as it is");
+    expect(stateInWords(render({ state: "queued" }))).toBe("Waits for its turn");
+    expect(stateInWords(render({ state: "queued", waitsFor: ["r-1", "r-2"] }))).toBe("Waits for 2 other renders");
   });
 
   it("frames are runs", () => {

@@ -78,7 +78,8 @@ class RenderRunner:
     def __init__(self, service: Service, executor: Executor) -> None:
         self._service = service
         self._executor = executor
-        self._drawing: dict[asyncio.Task[None], str] = {}
+        self._drawing: dict[asyncio.Task[None], Claim] = {}
+        self._is_sure = True
         self._has_room = True
 
     async def run(self) -> None:
@@ -95,6 +96,7 @@ class RenderRunner:
                     if not has_failed:
                         log.exception("renders cannot go on now")
                     has_failed, is_busy = True, False
+                    self._is_sure = False  # a frame may be claimed by a commit whose answer was lost
                 if not is_busy:
                     await self._wait()
         finally:
@@ -106,14 +108,17 @@ class RenderRunner:
         """Begin the next frame, if a worker is free and there is one. Returns whether it was so."""
         if not self._look_for_room():
             return False
+        if not self._is_sure:
+            await run_in_threadpool(self._service.renders.take_back_left, tuple(self._drawing.values()))
+            self._is_sure = True
         places = self._executor.places()
-        counts = Counter(self._drawing.values())
+        counts = Counter(claim.worker for claim in self._drawing.values())
         free = sorted((name for name in places if counts[name] < places[name]), key=lambda name: counts[name])
         for worker in free:
             claim = await _claim(self._service.renders, worker, tuple(places))
             if claim is not None:
                 task = asyncio.create_task(work_on(self._service, self._executor, claim))
-                self._drawing[task] = worker
+                self._drawing[task] = claim
                 task.add_done_callback(self._end)
                 return True
         return False

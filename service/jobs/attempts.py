@@ -7,7 +7,7 @@ A frame that was *lost* says nothing about itself: its worker, its scheduler or 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 from sqlalchemy import select
@@ -91,15 +91,18 @@ class Attempts:
         for task in session.scalars(select(TaskRow).where(TaskRow.state == "running", is_over)).all():
             self.lose(session, session.get_one(RenderRow, task.render), task, "the worker is gone")
 
-    def take_back(self, session: Session, *, is_shared: bool) -> None:
-        """Take back what an earlier service of this holder has left; it counts as no loss.
+    def take_back(self, session: Session, kept: Collection[tuple[str, int, int]], *, is_shared: bool) -> None:
+        """Take back what this holder does not work on any more; it counts as no loss.
 
         Args:
             session: the transaction.
+            kept: render, frame and attempt of what it works on.
             is_shared: whether others hold leases, too.
         """
         left = select(TaskRow).where(TaskRow.state == "running")
         for task in session.scalars(left.where(TaskRow.holder == self.holder) if is_shared else left).all():
+            if (task.render, task.frame, task.attempts) in kept:
+                continue
             render = session.get_one(RenderRow, task.render)
             self.end(session, render, task, "ready", "given-back", "the service ended")
 

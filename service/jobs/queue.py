@@ -383,13 +383,15 @@ class RenderQueue:
             self._events.add(session, render_event(render, "render-removed"))
             session.execute(delete(RenderRow).where(RenderRow.id == render_id))
 
-    def take_back_left(self) -> None:
-        """Take back the frames that an earlier service of the same holder has left; it counts as no loss.
+    def take_back_left(self, kept: Collection[Claim] = ()) -> None:
+        """Take back the frames that this holder does not work on any more; it counts as no loss.
 
-        In a database that no other service uses these are all that are held.
+        Args:
+            kept: claims that it works on: none when a service starts.
         """
+        keys = {(claim.render, claim.frame, claim.attempt) for claim in kept}
         with self._writing() as session:
-            self._attempts.take_back(session, is_shared=is_shared(self._engine))
+            self._attempts.take_back(session, keys, is_shared=is_shared(self._engine))
 
     def note_products(self, render_id: str, size_bytes: int) -> None:
         """Note the size of all products of a render. Raises `NotFoundError`: it was removed meanwhile."""

@@ -385,6 +385,14 @@ def test_everything_is_there_after_a_restart(tmp_path, clock, database):
     after.close()
 
 
+def test_frames_that_are_worked_on_are_not_taken_back(queue):
+    sent = queue.submit(render())
+    held = [queue.claim("one", LEASE_S) for _ in range(2)]
+    queue.take_back_left(held[1:])
+    assert states(queue, sent.id) == ["ready", "running", "ready"]
+    assert queue.finish(held[1], FILES, 24)
+
+
 def test_frames_of_another_service_are_not_taken_back(tmp_path, clock, postgresql_database):
     first, second = (opened(tmp_path, postgresql_database, clock, holder) for holder in ("first", "second"))
     sent = first.submit(render())

@@ -318,6 +318,24 @@ def test_a_drawn_frame_waits_for_a_database_that_is_gone(service, client, room, 
     assert client.get(f"/v1/renders/{render['id']}/frames/1").status_code == 200
 
 
+def test_a_claim_whose_answer_was_lost_is_taken_back(service, client, room, monkeypatch):
+    queue, lost = service.internal.renders, []
+    claim = queue.claim
+
+    def flaky(*arguments):
+        claimed = claim(*arguments)
+        if claimed is not None and not lost:
+            lost.append(claimed)
+            raise UnavailableError("its database cannot be reached", code="queue_unusable")
+        return claimed
+
+    monkeypatch.setattr(queue, "claim", flaky)
+    render = render_of(client, room, frames="1")
+    assert ended(client, render)["state"] == "done"
+    (task,) = client.get(f"/v1/renders/{render['id']}/tasks").json()["tasks"]
+    assert [attempt["outcome"] for attempt in task["attempts"]] == ["given-back", "done"]
+
+
 def test_a_full_disk_is_waited_for(service, client, room, monkeypatch):
     monkeypatch.setattr(render_runner, "BUSY_PAUSE_S", 0.01)
     write, fulls = service.internal.render_files.write, []

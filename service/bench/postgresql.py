@@ -66,7 +66,7 @@ class PostgresqlServer:
         return f"postgresql://{OWNER}@/{database}?host={self._folder}"
 
     def _run(self, program: str, *arguments: str) -> None:
-        command = [self._programs / program, f"--pgdata={self._folder / 'data'}", *arguments]
+        command = [str(self._programs / program), f"--pgdata={self._folder / 'data'}", *arguments]
         environment = {"PATH": os.defpath, "LC_ALL": "C.UTF-8"}
         ran = subprocess.run(
             command, env=environment, cwd=self._folder, capture_output=True, text=True, check=False, **self.who()

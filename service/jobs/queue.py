@@ -7,6 +7,7 @@ gone. See `service.jobs.attempts` for when a task is tried again.
 from __future__ import annotations
 
 import secrets
+from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 
@@ -146,14 +147,14 @@ class RenderQueue:
                 by_frame.setdefault(attempt.frame, []).append(attempt)
             return [(task, by_frame.get(task.frame, [])) for task in tasks]
 
-    def unmet_needs(self, render_ids: Collection[str]) -> dict[str, list[str]]:
+    def unmet_needs(self, render_ids: Collection[str]) -> Mapping[str, Sequence[str]]:
         """Return which renders some wait for that are not done yet; those that wait for none are left out."""
         unmet = select(RenderNeedRow).join(RenderRow, RenderRow.id == RenderNeedRow.needs).where(~is_done(RenderRow))
-        found: dict[str, list[str]] = {}
+        found: defaultdict[str, set[str]] = defaultdict(set)
         with self._reading() as session:
-            for row in session.scalars(unmet.where(RenderNeedRow.render.in_(render_ids)).order_by(RenderNeedRow.needs)):
-                found.setdefault(row.render, []).append(row.needs)
-        return found
+            for row in session.scalars(unmet.where(RenderNeedRow.render.in_(render_ids))):
+                found[row.render].add(row.needs)
+        return {render: sorted(needs) for render, needs in found.items()}
 
     def task(self, render_id: str, frame: int) -> TaskRow:
         """Return a task. Raises `NotFoundError`: there is no such render, or it has no such frame."""

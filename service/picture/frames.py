@@ -67,7 +67,7 @@ def render_files(state: PictureWorkerState, request: FrameRequest, formats: Sequ
     picture = _make_picture(state, request, None)
     with step("encode"):
         files = {name: encode(name, picture.frame, picture.graded, picture.metadata) for name in formats}
-        small = shrink_picture(to_8_bit(picture.graded)).astype(np.float32) / 255
+        small = shrink_picture(to_8_bit(picture.graded)).astype(np.float32) / np.float32(255)
         files[THUMBNAIL] = encode_jpeg(small, picture.metadata)
     with state.opened.use(request.record, request.edits) as shot:
         return DrawnFrame(files, shot.stage.GetTimeCodesPerSecond())

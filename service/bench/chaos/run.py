@@ -16,7 +16,7 @@ import uuid
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from render.demo.shot import write_demo
 from render.errors import PullfocusError
@@ -45,7 +45,7 @@ FULL_S = 5.0
 """Time for which the disk stays full."""
 ORPHANS_S = 30.0
 """Time for the processes of a part that was killed to end."""
-SUFFIX = "png"
+SUFFIX: Literal["png"] = "png"
 ONCE = Retries(tries=1)
 
 

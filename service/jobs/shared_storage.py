@@ -15,7 +15,7 @@ _FETCHED = "fetched"
 
 @dataclass(frozen=True)
 class SharedStorage:
-    """What is in a bucket.
+    """Contents of a bucket.
 
     Attributes:
         bucket: that has it.

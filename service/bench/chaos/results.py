@@ -34,7 +34,7 @@ class StrikeRow:
 
 @dataclass(frozen=True)
 class FrameCounts:
-    """What became of the frames.
+    """Counts of the frames of a render.
 
     Attributes:
         done: that are drawn.

@@ -47,6 +47,8 @@ NOTE_PAUSE_S = 1.0
 """Time until something is noted again that could not be, as the database was gone."""
 STORE_S = 15.0
 """Time in which a frame that is drawn is still stored once nobody waits for it."""
+ROOM_PAUSE_S = 5.0
+"""Pause of a render whose frames cannot be stored."""
 STOPPING = "the service stops"
 
 
@@ -196,7 +198,7 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
         await _note(queue.lose, claim, str(error))
     except _NoRoomError as error:
         log.warning("frame %d of render %s cannot be stored now: %s", claim.frame, claim.render, error)
-        await _note(queue.put_off, claim, BUSY_PAUSE_S)
+        await _note(queue.put_off, claim, ROOM_PAUSE_S)
     except (PullfocusError, WorkerError, ServiceError, FrameError, OSError) as error:
         if _comes_too_early(error):
             is_of_owner = isinstance(error, ServiceError)  # who has used up the processor time of a day

@@ -97,13 +97,14 @@ class DaskExecutor:
         self._workers: dict[str, str] = {}
         self._greeted: dict[str, bool] = {}
         self._silent: set[str] = set()
+        self._doubtful: set[str] = set()
         self._sending: defaultdict[tuple[str, str], asyncio.Lock] = defaultdict(asyncio.Lock)
         self._lists: dict[tuple[str, str], FileList] = {}
         self._looking = asyncio.create_task(self._look_for_workers())
 
     def places(self) -> Mapping[str, int]:
         """Return the workers of this version of the program, and how many frames may be with each."""
-        return dict.fromkeys(self._workers, PLACES)
+        return {name: PLACES for name, address in self._workers.items() if address not in self._doubtful}
 
     async def draw(self, worker: str, work: FrameWork) -> DrawnFrame:
         """Have a worker draw a frame. Raises `FrameError`, `LostFrameError`, `OSError`: its shot cannot be read."""
@@ -145,6 +146,7 @@ class DaskExecutor:
                     del self._sending[gone]
                 await asyncio.gather(*(self._greet(address) for address in found if address not in self._greeted))
                 self._workers = {name: address for name, address in known.items() if self._greeted.get(address)}
+                self._doubtful.clear()
                 has_failed = False
             except Exception as error:
                 if not has_failed:
@@ -199,7 +201,10 @@ class DaskExecutor:
         address, client = self._workers.get(worker), self._client
         if address is None or client is None:
             raise LostFrameError(f"worker {worker} is gone")
-        future = client.submit(dask_worker.draw, work, files, key=work.key, pure=False, retries=0, workers=[address])
+        try:
+            future = client.submit(dask_worker.draw, work, files, key=work.key, pure=False, retries=0, workers=[address])
+        except Exception as error:  # of a client that has lost its scheduler
+            raise self._lost(worker, address, error) from error
         waiting = asyncio.ensure_future(future.result())
         try:
             while not (await asyncio.wait((waiting,), timeout=LOOK_PAUSE_S))[0]:
@@ -214,12 +219,17 @@ class DaskExecutor:
                 with suppress(Exception):  # it is gone, or ends by itself
                     await asyncio.shield(self._call(address, dask_worker.stop, work.key))
                 raise
-            raise LostFrameError(f"worker {worker} has lost the frame") from None
+            raise self._lost(worker, address, "it was cancelled") from None
         except Exception as error:  # of Dask: the function itself answers with what is wrong
-            raise LostFrameError(f"worker {worker} has lost the frame: {error}") from error
+            raise self._lost(worker, address, error) from error
         finally:
             waiting.cancel()
             future.release()
+
+    def _lost(self, worker: str, address: str, reason: object) -> LostFrameError:
+        """Return the error that a worker has lost a frame; it gets no other one before the scheduler is looked at again."""
+        self._doubtful.add(address)
+        return LostFrameError(f"worker {worker} has lost the frame: {reason}")
 
     async def _call(self, address: str, function: Callable[..., Any], *arguments: object) -> Any:
         """Call a function on a worker, beside its frames."""

@@ -171,6 +171,7 @@ def _patiently(system: System, ask: Callable[[], Reply]) -> Reply:
 
 def _record(stage: Path, folder: Path, plan: ChaosPlan) -> dict[int, str]:
     """Draw the frames by the command line, and return their hashes. Raises `PullfocusError`."""
+    folder.mkdir()
     command = [sys.executable, "-m", "render.cli", "record", str(stage), str(folder / f"####.{SUFFIX}")]
     options = ["--frames", f"1:{plan.frames}", "--imageWidth", str(plan.width), "--rays", str(plan.rays)]
     ran = subprocess.run([*command, *options], capture_output=True, text=True, check=False)

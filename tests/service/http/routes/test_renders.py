@@ -337,7 +337,7 @@ def test_a_claim_whose_answer_was_lost_is_taken_back(service, client, room, monk
 
 
 def test_a_full_disk_is_waited_for(service, client, room, monkeypatch):
-    monkeypatch.setattr(render_runner, "BUSY_PAUSE_S", 0.01)
+    monkeypatch.setattr(render_runner, "ROOM_PAUSE_S", 0.01)
     write, fulls = service.internal.render_files.write, []
 
     def full(*arguments):

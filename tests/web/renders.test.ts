@@ -136,6 +136,13 @@ describe("a draft", () => {
     const typed = { ...draft, width: "wide", rays: "", priority: "1.5" };
     expect(faultsIn(typed).map(({ field }) => field)).toEqual(["width", "rays", "priority"]);
     expect(faultsIn(draft)).toEqual([]);
+    const beyond = faultsIn({ ...draft, width: "9000", rays: "0", priority: "101", frames: "[" });
+    expect(beyond.map(({ message }) => message)).toEqual([
+      "Type frames such as 1-10:2,15.",
+      "Type 8192 or less.",
+      "Type 1 or more.",
+      "Type 100 or less.",
+    ]);
     expect(["body.width", "frames", "body", "shot", null].map(fieldOf)).toEqual(["width", "frames", null, null, null]);
   });
 });

@@ -32,6 +32,8 @@ RENDER: dict[str, Any] = {
     "rays": 16,
     "formats": ["exr"],
     "canceled": 0,
+    "accepted": False,
+    "waitsFor": [],
     "createdAt": "2026-11-27T08:00:00Z",
     "startedAt": None,
     "finishedAt": None,

@@ -1,5 +1,6 @@
 /** A render as it is typed, before it is sent. */
 
+import { faultOfFrames } from "./frame_range";
 import type { RenderRequest } from "./renders";
 import type { FrameRange } from "./time";
 
@@ -54,17 +55,32 @@ export function framesOf({ start, end }: FrameRange): string {
   return first < last ? `${first}-${last}` : `${first}`;
 }
 
-const WHOLE_NUMBERS: readonly (readonly [DraftField, string])[] = [
-  ["width", "1920"],
-  ["rays", "100"],
-  ["priority", "50"],
+/** Whole numbers, each with an example and the service's limits. */
+const WHOLE_NUMBERS: readonly (readonly [DraftField, string, number, number])[] = [
+  ["width", "1920", 1, 8192],
+  ["rays", "100", 1, Infinity],
+  ["priority", "50", 0, 100],
 ];
 
-/** Faults that the page sees by itself; ranges and limits are the service's. */
+/** Faults that the page sees by itself; what a picture may cost is the service's. */
 export function faultsIn(draft: RenderDraft): readonly DraftFault[] {
-  return WHOLE_NUMBERS.flatMap(([field, example]) =>
-    /^\s*\d{1,9}\s*$/.test(draft[field]) ? [] : [{ field, message: `Type a whole number, such as ${example}.` }],
-  );
+  const range = draft.frames.trim();
+  const fault = range === "" ? null : faultOfFrames(range);
+  const frames: DraftFault[] = fault === null ? [] : [{ field: "frames", message: fault }];
+  return [...frames, ...WHOLE_NUMBERS.flatMap((number) => faultOfNumber(draft, ...number))];
+}
+
+function faultOfNumber(
+  draft: RenderDraft,
+  field: DraftField,
+  example: string,
+  least: number,
+  most: number,
+): DraftFault[] {
+  const text = draft[field];
+  if (!/^\s*\d{1,9}\s*$/.test(text)) return [{ field, message: `Type a whole number, such as ${example}.` }];
+  if (Number(text) < least) return [{ field, message: `Type ${least} or more.` }];
+  return Number(text) > most ? [{ field, message: `Type ${most} or less.` }] : [];
 }
 
 /** The request of a draft without faults: the picture that the page shows, in other frames, size and files. */

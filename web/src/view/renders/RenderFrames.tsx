@@ -45,11 +45,7 @@ export function RenderFrames({ render, tasks, address, thumbnail }: RenderFrames
   return (
     <>
       {pictured && shown && (
-        <Picture
-          key={pictured.files[0]?.sha256}
-          address={shown}
-          label={`Frame ${pictured.frame} of ${render.name}`}
-        />
+        <Picture key={pictured.files[0]?.sha256} address={shown} label={`Frame ${pictured.frame} of ${render.name}`} />
       )}
       <div class="render-cells">
         <FrameCells label={`Frames of ${render.name}`} groups={groups} chosen={group} onChoose={choose} />

@@ -100,6 +100,10 @@ export class FakeRenders implements RenderService {
     return `${id}/${frame}.${format}`;
   }
 
+  thumbnailAddress(id: string, frame: number): string {
+    return `${id}/${frame}/thumbnail`;
+  }
+
   changes(): EventSource {
     throw new Error("tests give their own changes");
   }

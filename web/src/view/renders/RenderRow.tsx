@@ -28,7 +28,7 @@ interface RenderRowProps {
 }
 
 export function RenderRow(props: RenderRowProps): JSX.Element {
-  const { renders, render, refusal, frameAddress, thumbnailAddress, productAddress } = props;
+  const { renders, render, refusal } = props;
   const [asked, setAsked] = useState<RenderAction | null>(null);
   const frames = useId();
   const head = useRef<HTMLButtonElement>(null);
@@ -84,18 +84,19 @@ export function RenderRow(props: RenderRowProps): JSX.Element {
           }}
         />
       )}
-      {isOpen && (
-        <div id={frames} class="render-frames">
-          <Products render={render} address={productAddress} />
-          <RenderFrames
-            render={render}
-            tasks={renders.tasks.value}
-            address={frameAddress}
-            thumbnail={thumbnailAddress}
-          />
-        </div>
-      )}
+      {isOpen && <Opened id={frames} {...props} />}
     </li>
+  );
+}
+
+/** What is shown below the row of a render that is looked at. */
+function Opened(props: RenderRowProps & { readonly id: string }): JSX.Element {
+  const { id, renders, render, frameAddress, thumbnailAddress, productAddress } = props;
+  return (
+    <div id={id} class="render-frames">
+      <Products render={render} address={productAddress} />
+      <RenderFrames render={render} tasks={renders.tasks.value} address={frameAddress} thumbnail={thumbnailAddress} />
+    </div>
   );
 }
 

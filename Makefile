@@ -28,7 +28,7 @@ docs:    ## build the documentation site into build/docs
 bench:   ## measure the engines: quality and seconds
 	@scripts/bench
 
-schema:  ## write what derives from the declared settings: the USD schema, the OpenAPI document, the page's tables
+schema:  ## write what derives from the declared settings: the USD schema, the OpenAPI document and contract, the page's tables
 	@scripts/environment
 	@.venv/bin/python -m usd_schemas.generate
 	@.venv/bin/python -m service.http.openapi >web/openapi.json
@@ -36,6 +36,7 @@ schema:  ## write what derives from the declared settings: the USD schema, the O
 	@.venv/bin/python -m service.http.client_models >service/client/models.py
 	@scripts/web install
 	@scripts/node npm --prefix web run --silent types
+	@.venv/bin/python -m service.http.contract
 
 lock:    ## write the lock files anew from pyproject.toml
 	@scripts/lock

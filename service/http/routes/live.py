@@ -62,6 +62,7 @@ _TO_CLIENT: tuple[type[BaseModel], ...] = (
     Event,
     EventGap,
 )
+_REFERENCE = "#/components/schemas/{model}"
 
 
 def describe_messages(app: FastAPI) -> None:
@@ -72,11 +73,17 @@ def describe_messages(app: FastAPI) -> None:
     """
     build = app.openapi
     models = [*((model, "validation") for model in _FROM_CLIENT), *((model, "serialization") for model in _TO_CLIENT)]
-    _, definitions = models_json_schema(models, ref_template="#/components/schemas/{model}")  # type: ignore[arg-type]
+    _, definitions = models_json_schema(models, ref_template=_REFERENCE)  # type: ignore[arg-type]
+    by_sender = {"fromClient": _FROM_CLIENT, "toClient": _TO_CLIENT}
+    messages = {
+        sender: [{"$ref": _REFERENCE.format(model=model.__name__)} for model in models]
+        for sender, models in by_sender.items()
+    }
 
     def described() -> dict[str, Any]:
         document = build()
         document["components"]["schemas"] = definitions["$defs"] | document["components"]["schemas"]
+        document["x-websocket-messages"] = messages
         return document
 
     app.openapi = described  # type: ignore[method-assign]

@@ -122,9 +122,8 @@ class _Comparison:
             yield from _others(content, present, ("schema", "itemSchema"), f"{place} as {media_type}")
 
     def _compare_security(self, before: Json, now: Json) -> Iterator[Finding]:
-        """Compare what lets a client in: one of some alternatives, each of which is schemes with scopes."""
-        allowed = [_needs(one) for one in now.get("security", self._now.get("security", ())) or ({},)]
-        for one in before.get("security", self._before.get("security", ())) or ({},):
+        allowed = [_needs(one) for one in _alternatives(now, self._now)]
+        for one in _alternatives(before, self._before):
             if not any(needs <= _needs(one) for needs in allowed):
                 shown = ", ".join(f"`{scheme}` ({', '.join(scopes)})" for scheme, scopes in one.items()) or "no key"
                 yield Finding("security", f"{shown} is not enough any longer")
@@ -154,6 +153,11 @@ class _Comparison:
 def _parameter_place(parameter: Json) -> str:
     place, name = parameter["in"], parameter["name"]
     return f"{place} `{name.lower() if place == 'header' else name}`"
+
+
+def _alternatives(operation: Json, document: Json) -> Sequence[Mapping[str, Sequence[str]]]:
+    """Return what lets a client in: one of some alternatives, each of which is schemes with scopes."""
+    return operation.get("security", document.get("security", ())) or ({},)
 
 
 def _needs(alternative: Mapping[str, Sequence[str]]) -> set[tuple[str, str]]:

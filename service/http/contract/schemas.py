@@ -209,7 +209,7 @@ def _bound(schema: Json, keyword: str, sign: int) -> tuple[float, bool] | None:
 
 
 def _show_bound(schema: Json, keyword: str) -> str:
-    exclusive = _EXCLUSIVE.get(keyword)
+    exclusive = _EXCLUSIVE.get(keyword, "")
     return f"{schema[exclusive]} (exclusive)" if exclusive in schema else _show(schema, keyword)
 
 

@@ -16,7 +16,7 @@ from .connecting import DEFAULT_URL, http_arguments
 from .errors import AnswerError
 from .models import Render, RenderPlan, RenderSettings, RenderTask, Shot, ShotSummary
 from .operations import ENDED, AnyRender, AnyShot, Download, Watch
-from .steps import CHUNK_BYTES, Answer, Exchange, Pause, Receiver, Retries, Steps, Work
+from .steps import Answer, Exchange, Pause, Receiver, Retries, Steps, Work
 from .sync_client import AnyPath
 
 T = TypeVar("T")
@@ -226,6 +226,8 @@ class AsyncClient:
     async def _exchange(self, exchange: Exchange) -> Answer:
         async with self._http.stream(**exchange.call.arguments()) as response:
             receiver = Receiver(response, exchange.sink)
-            async for chunk in response.aiter_raw(CHUNK_BYTES):
+            async for chunk in response.aiter_raw(exchange.chunk_bytes):
                 await asyncio.to_thread(receiver.write, chunk)
+                if exchange.is_over():
+                    break
             return receiver.answer()

@@ -14,6 +14,7 @@ from urllib.parse import quote
 from .decoding import camel_case
 from .errors import AnswerError, SettingError, WaitTimeoutError
 from .frame_files import SUFFIXES, FetchedFile, StoredFile, file_name, files_of, find_fetched
+from .listening import LISTEN_S, Listener
 from .models import Render, RenderList, RenderPlan, RenderTask, RenderTaskList, Shot, ShotList, ShotSummary
 from .packing import open_package
 from .steps import PATIENT, Call, Pause, Retries, Steps, Upload, Work, perform, read
@@ -137,21 +138,37 @@ class Watch:
         self._timeout_s = timeout_s
         self._end = None if timeout_s is None else time.monotonic() + timeout_s
         self._retries = retries
+        self._listener = Listener()
         self._before: Render | None = None
+        self._looked_s = 0.0
 
     def next_change(self) -> Steps[Render]:
-        """Read the render at first, and then wait until it has changed: it is looked at every few seconds."""
+        """Read the render at first, and then wait until it has changed.
+
+        It is looked at after each of its events, and every 15 s without one. Where the service tells no events, it is looked at
+        every few seconds.
+        """
         before, pause_s = self._before, _FIRST_LOOK_S
         if before is None:
             self._before = yield from get(self._render, self._retries)
             return self._before
         while True:
-            yield Pause(self._within_time(pause_s, before))
+            if (yield from self._listener.listen(before.id, self._within_time(LISTEN_S, before))):
+                yield from self._pause_since_look(before)
+            else:
+                yield Pause(self._within_time(pause_s, before))
+                pause_s = min(pause_s * 1.5, _LONGEST_LOOK_S)
             now = yield from self._get_in_time(before)
+            self._looked_s = time.monotonic()
             if now != before:
                 self._before = now
                 return now
-            pause_s = min(pause_s * 1.5, _LONGEST_LOOK_S)
+
+    def _pause_since_look(self, now: Render) -> Steps[None]:
+        """Wait until some time has passed since the look before, so that many events at once are one."""
+        pause_s = self._looked_s + _FIRST_LOOK_S - time.monotonic()
+        if pause_s > 0:
+            yield Pause(self._within_time(pause_s, now))
 
     def _get_in_time(self, before: Render) -> Steps[Render]:
         """Read the render; the pauses between its tries end in time, too."""

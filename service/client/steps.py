@@ -181,10 +181,22 @@ class Exchange:
     Attributes:
         call: the request.
         sink: for the body of a success; None keeps it in the answer.
+        is_enough: asked after each part of the body, which comes as the network has it then; True ends the exchange. None
+            receives the whole body.
     """
 
     call: Call
     sink: Sink | None = None
+    is_enough: Callable[[], bool] | None = None
+
+    @property
+    def chunk_bytes(self) -> int | None:
+        """Length of the parts that the body is received by; None for those of the network."""
+        return CHUNK_BYTES if self.is_enough is None else None
+
+    def is_over(self) -> bool:
+        """Whether the rest of the body is not needed."""
+        return self.is_enough is not None and self.is_enough()
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from .connecting import DEFAULT_URL, http_arguments
 from .errors import AnswerError, ClientError
 from .models import Render, RenderPlan, RenderSettings, RenderTask, Shot, ShotSummary
 from .operations import ENDED, AnyRender, AnyShot, Download, Watch
-from .steps import CHUNK_BYTES, Answer, Exchange, Pause, Receiver, Retries, Steps, Work
+from .steps import Answer, Exchange, Pause, Receiver, Retries, Steps, Work
 
 T = TypeVar("T")
 AnyPath = str | os.PathLike[str]
@@ -262,9 +262,11 @@ class Client:
     def _exchange(self, exchange: Exchange, stop: threading.Event | None) -> Answer:
         with self._http.stream(**exchange.call.arguments()) as response:
             receiver = Receiver(response, exchange.sink)
-            for chunk in response.iter_raw(CHUNK_BYTES):
+            for chunk in response.iter_raw(exchange.chunk_bytes):
                 _check(stop)
                 receiver.write(chunk)
+                if exchange.is_over():
+                    break
             return receiver.answer()
 
 

@@ -7,7 +7,7 @@ import asyncio
 import av
 import pytest
 
-from service.client import AsyncClient, Client, RefusedError, SettingError
+from service.client import AsyncClient, Client, RefusedError, SettingError, sync_client
 from service.http.settings import Settings
 from tests.service.conftest import running
 
@@ -60,6 +60,32 @@ def test_an_event_loop_goes_all_the_way(service, room, tmp_path):
             return sorted(path.name for path in paths), [task.attempts[0].outcome for task in tasks]
 
     assert asyncio.run(go()) == (["room.usda.0001.exr", "room.usda.0002.exr"], ["done", "done"])
+
+
+def test_a_render_is_waited_for_by_its_events(service, room, monkeypatch):
+    pauses, streams = [], []
+    pause = sync_client._pause
+    monkeypatch.setattr(sync_client, "_pause", lambda seconds, stop: (pauses.append(seconds), pause(seconds, stop)))
+    monkeypatch.setattr("service.client.operations.LISTEN_S", 300.0)  # no look comes by itself
+
+    def note(response):
+        if response.url.path == "/v1/events":
+            streams.append((response.status_code, "after" in response.url.params))
+
+    def resume(now):
+        if now.state == "paused":
+            client.resume(now)
+
+    with Client(str(service.client.base_url)) as client:
+        client._http.event_hooks = {"response": [note]}
+        render = client.render(room, frames="1-24", **SMALL)
+        client.pause(render)
+        assert client.wait(render, on_progress=resume).state == "done"
+        client.remove(render)
+    assert streams[0] == (200, False)
+    assert streams[1:] == [(200, True)] * len(streams[1:])
+    assert len(streams) > 1
+    assert max(pauses, default=0) <= 0.25, "nothing was looked at without an event"
 
 
 def test_a_render_is_listed_over_several_pages_and_canceled(service, room, monkeypatch):

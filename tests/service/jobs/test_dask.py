@@ -130,7 +130,7 @@ def test_a_killed_worker_loses_no_frame(farm, service, room):
     wait_for(service, render, is_done)
     attempts = attempts_of(service, render)
     assert all(tries[-1][1] == "done" for tries in attempts)
-    assert any(tries[0] == ("one", "failed") and tries[-1][0] == "two" for tries in attempts)
+    assert any(tries[0] == ("one", "lost") and tries[-1][0] == "two" for tries in attempts)
     until(lambda: not any(one.is_running() and one.status() != psutil.STATUS_ZOMBIE for one in family))
 
 

@@ -16,7 +16,16 @@ from service.http.configuration import read_configuration
 from service.http.settings import Settings
 from service.workers.sandbox import environment as sandbox_environment
 from tests.docker.kits.commands import parse
-from tests.docker.kits.files import KUBERNETES, exec_form, inherited, last, pods, read_compose, read_resources, read_stages
+from tests.docker.kits.files import (
+    KUBERNETES,
+    exec_form,
+    inherited,
+    last,
+    pods,
+    read_compose,
+    read_resources,
+    read_stages,
+)
 
 RESOURCES = read_resources()
 PODS = dict(pods(RESOURCES))
@@ -55,7 +64,7 @@ def is_selected(selector: dict[str, Any], labels: dict[str, str]) -> bool:
 
 def selected(selector: dict[str, Any]) -> set[str]:
     """Return the pods that a selector takes."""
-    return {name for name, pod in PODS.items() if is_selected(selector, pod["metadata"].get("labels", {}))}
+    return {name for name, pod in PODS.items() if is_selected(selector, pod["metadata"]["labels"])}
 
 
 @pytest.mark.parametrize("resource", RESOURCES, ids=lambda one: f"{one['kind']}-{one['metadata']['name']}")
@@ -227,9 +236,17 @@ def test_those_who_talk_are_let_out_and_in() -> None:
 def may_talk(one: str, other: str) -> bool:
     """Whether a pod may connect to another one: both the way out and the way in have to be open."""
     policies = of_kind("NetworkPolicy").values()
-    out = [rule.get("to", ()) for policy in policies if one in selected_by(policy) for rule in policy["spec"].get("egress", ())]
+    out = [
+        rule.get("to", ())
+        for policy in policies
+        if one in selected_by(policy)
+        for rule in policy["spec"].get("egress", ())
+    ]
     into = [
-        rule["from"] for policy in policies if other in selected_by(policy) for rule in policy["spec"].get("ingress", ())
+        rule["from"]
+        for policy in policies
+        if other in selected_by(policy)
+        for rule in policy["spec"].get("ingress", ())
     ]
     return names(out, other) and names(into, one)
 

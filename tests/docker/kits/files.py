@@ -34,20 +34,14 @@ class Stage:
 
 
 def read_stages() -> dict[str, Stage]:
-    """Read the stages of the Dockerfile by their names; those that a build argument chooses are read for its default."""
+    """Read the stages of the Dockerfile by their names."""
     text = re.sub(r"^\s*#.*\n", "", (DOCKER / "Dockerfile").read_text(), flags=re.MULTILINE)
     stages: dict[str, Stage] = {}
-    arguments: dict[str, str] = {}
-    for line in re.sub(r"\\\n\s*", "", text).splitlines():
-        if not line:
-            continue
+    for line in filter(None, re.sub(r"\\\n\s*", "", text).splitlines()):
         word, argument = line.split(maxsplit=1)
         if word == "FROM":
             base, name = re.fullmatch(r"(\S+) AS (\S+)", argument).groups()
-            stages[name] = stage = Stage(name, re.sub(r"\$\{(\w+)\}", lambda used: arguments[used[1]], base))
-        elif not stages:
-            assert word == "ARG"
-            arguments |= [argument.split("=")]
+            stages[name] = stage = Stage(name, base)
         else:
             stage.instructions.append((word, argument))
     return stages

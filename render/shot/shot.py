@@ -23,6 +23,7 @@ from render.shot.exposure.readout import with_exposure
 from render.shot.exposure.shot_exposure import ShotExposure
 from render.shot.film.shot_film import ShotFilm
 from render.shot.findings.shot_findings import ShotFindings
+from render.shot.focus.report import ReportedFrame, report_frames
 from render.shot.focus.shot_focus import ShotFocus
 from render.shot.focus.solver import FocusSolver
 from render.shot.focus.tracker import FocusTracker
@@ -241,6 +242,22 @@ class Shot:
         focused, framing = self._solver.solve(camera_path, time), self._framing
         fitted = self._solver.fit_to_picture(focused, time, framing.aspect(width, height), framing.conform)
         return framing.apply(with_exposure(self.stage, fitted, time), width, height)
+
+    def report_focus(
+        self, camera_path: str | None, times: Sequence[float], width: int, height: int | None = None
+    ) -> list[ReportedFrame]:
+        """Report the lens and the sharpness of each focus point in the pictures of a camera.
+
+        Args:
+            camera_path: prim path of a camera.
+            times: rising USD time codes, at least one.
+            width: of the pictures in pixels.
+            height: of the pictures in pixels; None for that of the film gate.
+
+        Raises:
+            SettingsError: the width is out of range.
+        """
+        return report_frames(self._solver, self.stage, camera_path, times, (width, height))
 
     @contextmanager
     def framed(self, framing: Framing) -> Iterator[None]:

@@ -181,6 +181,16 @@ class AsyncClient:
         """Fetch the contact sheet of a render that has ended, as `Client.contact_sheet` does."""
         return await self._run(operations.fetch_contact_sheet(render, Path(path), self._retries))
 
+    async def focus_report(self, render: AnyRender, path: AnyPath, *, frames: str | None = None) -> Path:
+        """Fetch the focus report of a render, whether it has ended or not.
+
+        Args:
+            render: the render.
+            path: file to write; its ending is the kind of the report: .csv or .json.
+            frames: those of the report, as a range of frames of the render; all of them when left out.
+        """
+        return await self._run(operations.fetch_focus_report(render, Path(path), frames, self._retries))
+
     async def _run_all(self, all_steps: Sequence[Steps[T]], note: Callable[[T], None], at_once: int) -> None:
         """Carry out operations, some at once. Where one fails, the others are given up."""
         turns = asyncio.Semaphore(at_once)

@@ -55,6 +55,7 @@ class Render:
 
     Attributes:
         accepted: Whether frames that failed or were given up are not wanted any more.
+        aovs: AOVs in the EXR files.
         canceled: Frames that were given up.
         count: Number of frames.
         done: Frames that are stored.
@@ -79,6 +80,7 @@ class Render:
     """
 
     accepted: bool
+    aovs: list[str]
     canceled: int
     count: int
     created_at: datetime
@@ -234,6 +236,8 @@ class RenderSettings(TypedDict, total=False):
     Attributes:
         adaptive: More rays where the picture has more noise, so that `rays` is their mean. Default: true.
         after: Ids of renders that have to be done before its frames are drawn. Default: [].
+        aovs: AOVs in the EXR files beside the colour, each a part of its own, such as `depth`, `coc` or `primvars:st`.
+            Default: [].
         camera: Prim path; the shot's default camera when left out.
         connections: Carries small bright things to the pixels of their blurred images, which leaves less noise.
             Default: true.
@@ -271,6 +275,7 @@ class RenderSettings(TypedDict, total=False):
 
     adaptive: bool
     after: list[str]
+    aovs: list[str]
     camera: str | None
     connections: bool
     display: str | None

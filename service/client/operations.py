@@ -23,6 +23,8 @@ ENDED = ("done", "failed", "canceled")
 """States of a render that has ended."""
 MOVIES = ("mp4", "mov", "webm")
 """Kinds of movies."""
+REPORTS = ("csv", "json")
+"""Kinds of focus reports."""
 MOST_LISTED = 200
 """Renders of one answer."""
 _FIRST_LOOK_S, _LONGEST_LOOK_S = 0.25, 3.0
@@ -241,25 +243,35 @@ def fetch_movie(render: AnyRender, path: Path, retries: Retries) -> Steps[Path]:
     ending = path.suffix.lower().removeprefix(".")
     if ending not in MOVIES:
         raise SettingError(f"a movie is a .{', .'.join(MOVIES)} file, got {path.name!r}")
-    return _fetch_product(render, "movie", {"format": ending}, path, retries)
+    return _fetch_product(render, "movie", {"format": ending}, path, "video/", retries)
 
 
 def fetch_contact_sheet(render: AnyRender, path: Path, retries: Retries) -> Steps[Path]:
     """Fetch the contact sheet of a render, a PNG. Raises `SettingError`: the path has another ending."""
     if path.suffix.lower() != ".png":
         raise SettingError(f"a contact sheet is a .png file, got {path.name!r}")
-    return _fetch_product(render, "contact-sheet", {}, path, retries)
+    return _fetch_product(render, "contact-sheet", {}, path, "image/png", retries)
+
+
+def fetch_focus_report(render: AnyRender, path: Path, frames: str | None, retries: Retries) -> Steps[Path]:
+    """Fetch the focus report of a render, whose kind is the ending of the path. Raises `SettingError`: it is no report's."""
+    ending = path.suffix.lower().removeprefix(".")
+    if ending not in REPORTS:
+        raise SettingError(f"a focus report is a .{' or .'.join(REPORTS)} file, got {path.name!r}")
+    query = {"format": ending} | ({} if frames is None else {"frames": frames})
+    kind = "text/csv" if ending == "csv" else "application/json"
+    return _fetch_product(render, "focus-report", query, path, kind, retries)
 
 
 def _fetch_product(
-    render: AnyRender, product: str, query: Mapping[str, str | int], path: Path, retries: Retries
+    render: AnyRender, product: str, query: Mapping[str, str | int], path: Path, expected: str, retries: Retries
 ) -> Steps[Path]:
     with FetchedFile(path.parent, product, None) as file:
         call = Call("GET", f"{_address('renders', render)}/{product}", query, answer_s=_LONG_S)  # it may be made now
         answer = yield from perform(call, retries, file)
         kind = answer.headers.get("Content-Type", "")
-        if not kind.lower().startswith(("video/", "image/png")):
-            raise AnswerError(f"the {product} comes as {kind[:80]!r}, expected a movie or a picture")
+        if not kind.lower().startswith(expected):
+            raise AnswerError(f"the {product} comes as {kind[:80]!r}, expected {expected.removesuffix('/')}")
         kept: Path = yield Work(lambda: file.keep(path.name))
         return kept
 

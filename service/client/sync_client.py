@@ -221,6 +221,16 @@ class Client:
         """Fetch the contact sheet of a render that has ended, a PNG."""
         return self._run(operations.fetch_contact_sheet(render, Path(path), self._retries))
 
+    def focus_report(self, render: AnyRender, path: AnyPath, *, frames: str | None = None) -> Path:
+        """Fetch the focus report of a render, whether it has ended or not.
+
+        Args:
+            render: the render.
+            path: file to write; its ending is the kind of the report: .csv or .json.
+            frames: those of the report, as a range of frames of the render; all of them when left out.
+        """
+        return self._run(operations.fetch_focus_report(render, Path(path), frames, self._retries))
+
     def _run_all(self, all_steps: Sequence[Steps[T]], note: Callable[[T], None], at_once: int) -> None:
         """Carry out operations by some threads. Where one fails, or Ctrl-C comes, the others are given up."""
         stop = threading.Event()

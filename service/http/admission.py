@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from service.models.long_exposure import LongExposureBegin
@@ -48,13 +49,16 @@ class Admission:
         self._factors: OrderedDict[str, float] = OrderedDict()
         self._lock = threading.Lock()
 
-    def check(self, shot_id: str, picture: PictureSettings, path: str | None = None) -> Admitted:
+    def check(
+        self, shot_id: str, picture: PictureSettings, path: str | None = None, aovs: Sequence[str] = ()
+    ) -> Admitted:
         """Admit a picture.
 
         Args:
             shot_id: the shot.
             picture: its settings. One without a height is judged as 16:9 here, and in the shape of its film gate by the worker.
             path: part of the request that errors name; by default where such settings are sent.
+            aovs: measured beside the colour.
 
         Raises:
             SettingsError: the picture has too many pixels, or is expected to take too long.
@@ -63,7 +67,7 @@ class Admission:
         check_pixels(picture.width, picture.height, self._max_px, path)
         with self._lock:
             factor = self._factors.get(shot_id, 1.0)
-        cost = PictureCost.of(picture, factor)
+        cost = PictureCost.of(picture, factor, aovs)
         check_cost(cost, self._max_s, path)
         return Admitted(cost, PictureLimits(self._max_px, self._max_s, cost, path))
 

@@ -43,6 +43,7 @@ from service.http.routes import (
     photography,
     quarantine,
     render_products,
+    render_reports,
     renders,
     shots,
     solving,
@@ -135,6 +136,7 @@ def create_app(settings: Settings) -> FastAPI:
         renders,
         events,
         render_products,
+        render_reports,
         webhooks,
         keys,
     ):

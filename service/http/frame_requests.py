@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from render.model.edit_history import revision_of
 from service.http.frame_cache import frame_tag
 from service.http.service import Service
@@ -34,7 +36,9 @@ def _inputs(service: Service, record: ShotRecord, edits: str) -> dict[str, str]:
     return {"shot": record.id, "created": created, "edits": revision_of(edits), "run": service.run_id}
 
 
-def frame_request(record: ShotRecord, edits: str, query: PictureQuery, limits: PictureLimits) -> FrameRequest:
+def frame_request(
+    record: ShotRecord, edits: str, query: PictureQuery, limits: PictureLimits, aovs: Sequence[str] = ()
+) -> FrameRequest:
     """Return a query as the picture process takes it.
 
     Args:
@@ -42,7 +46,9 @@ def frame_request(record: ShotRecord, edits: str, query: PictureQuery, limits: P
         edits: text of its edit layer.
         query: what is asked for.
         limits: what the picture may have.
+        aovs: measured beside the colour, for EXR files.
     """
+    settings = query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH})
     return FrameRequest(
         record=record,
         edits=edits,
@@ -50,6 +56,6 @@ def frame_request(record: ShotRecord, edits: str, query: PictureQuery, limits: P
         time=query.time,
         height=query.height,
         limits=limits,
-        settings=query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH}),
+        settings=settings | {"aovs": ("color", *aovs)},
         finish=query.model_dump(include=FINISH),
     )

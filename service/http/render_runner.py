@@ -8,15 +8,15 @@ import shutil
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import ExitStack, suppress
-from datetime import datetime
 from typing import ParamSpec, TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
-from render.errors import InputError, NotFoundError, OutputError, PullfocusError
+from render.errors import OutputError, PullfocusError
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.lane_executor import LaneExecutor
+from service.http.render_shots import shot_of
 from service.http.service import Service
 from service.http.settings import MEBIBYTE
 from service.jobs.claims import Claim
@@ -260,20 +260,20 @@ async def _hold(service: Service, claim: Claim, drawing: asyncio.Task[None]) -> 
 async def _draw(service: Service, executor: Executor, claim: Claim) -> None:
     """Have a frame drawn and store it."""
     with ExitStack() as stack:
-        record = await _shot_of(service, claim, stack)
+        record = await shot_of(service, claim, stack)
         await _draw_shot(service, executor, claim, record)
 
 
 async def _draw_shot(service: Service, executor: Executor, claim: Claim, record: ShotRecord) -> None:
     """Have a frame of a shot drawn and store it."""
     service.quarantine.check(record)
-    formats = claim.request["formats"]
-    picture = {name: value for name, value in claim.request.items() if name != "formats"}
+    formats, aovs = claim.request["formats"], claim.request.get("aovs", [])  # an earlier version kept no AOVs
+    picture = {name: value for name, value in claim.request.items() if name not in ("formats", "aovs")}
     query = FrameQuery.model_validate(picture | {"time": claim.frame})
-    cost, limits = service.admission.check(record.id, query)
+    cost, limits = service.admission.check(record.id, query, aovs=aovs)
     client = Client(claim.owner, claim.render)
     service.quotas.check_work(client)
-    request = frame_request(record, claim.edits, query, limits)
+    request = frame_request(record, claim.edits, query, limits, aovs)
     key = f"{claim.render}/{claim.frame}/{claim.attempt}"
     drawn = await executor.draw(claim.worker, FrameWork(key, request, tuple(formats), client, cost.ordinary_s))
     storing = asyncio.create_task(_store(service, claim, record.project, drawn))
@@ -322,38 +322,6 @@ def _remove_attempts(files: FrameFiles, claim: Claim, attempts: Iterable[int]) -
             files.remove_attempt(claim.render, claim.frame, attempt, (*claim.request["formats"], THUMBNAIL))
     except (OutputError, OSError) as error:
         log.warning("files of frame %d of render %s cannot be removed: %s", claim.frame, claim.render, error)
-
-
-async def _shot_of(service: Service, claim: Claim, stack: ExitStack) -> ShotRecord:
-    """Return the shot of a render, of this service or from the bucket.
-
-    Args:
-        service: that draws it.
-        claim: the frame.
-        stack: keeps what was fetched from the bucket.
-
-    Raises:
-        InputError: it was deleted, or another one has its id now.
-        UnavailableError: the bucket cannot be used.
-    """
-    try:
-        record = service.store.get(claim.shot)
-        if record.created_at.isoformat() == claim.shot_created_at:
-            return record
-        if claim.files is None:
-            raise InputError(f"shot {claim.shot!r} is another one than when the render was sent", code="shot_replaced")
-    except NotFoundError:
-        if claim.files is None:
-            raise
-    if service.shared is None:
-        raise InputError("the shot of the render is in a bucket, which this service does not have", code="no_bucket")
-    shots = service.shared.shots
-    await run_in_threadpool(shots.fetch, claim.files)
-    folder = stack.enter_context(shots.use(claim.files))
-    if folder is None:
-        raise FrameError("the shot was removed by others while it was fetched: raise fetched_mb", may_pass=True)
-    created_at = datetime.fromisoformat(claim.shot_created_at)
-    return ShotRecord(claim.shot, claim.shot, folder, claim.root or "", created_at, 0, 0, claim.project)
 
 
 def _may_pass(error: Exception) -> bool:

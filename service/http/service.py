@@ -255,6 +255,28 @@ class Service:
             PullfocusError: the function raised it; and the other errors of `call_stage`.
         """
         edits = await run_in_threadpool(record.edit_text)
+        return await self.call_reader_at(function, record, edits, *args, **kwargs)
+
+    async def call_reader_at(
+        self,
+        function: Callable[Concatenate[stage.opened.OpenedShot, ShotRecord, str, Arguments], Reply],
+        record: ShotRecord,
+        edits: str,
+        *args: Arguments.args,
+        **kwargs: Arguments.kwargs,
+    ) -> Reply:
+        """Call a function as `call_reader` does, on a shot with other edits than the present ones.
+
+        Args:
+            function: one of a module of `service.stage.calls`.
+            record: the shot.
+            edits: text of the edit layer.
+            *args: its other arguments.
+            **kwargs: its keyword arguments.
+
+        Raises:
+            PullfocusError: the function raised it; and the other errors of `call_stage`.
+        """
         wanted = call(function, record, edits, *args, **kwargs)
         return await self.lanes.read.result(wanted, self.place_of(record), present_client())
 

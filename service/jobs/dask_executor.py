@@ -202,7 +202,9 @@ class DaskExecutor:
         if address is None or client is None:
             raise LostFrameError(f"worker {worker} is gone")
         try:
-            future = client.submit(dask_worker.draw, work, files, key=work.key, pure=False, retries=0, workers=[address])
+            future = client.submit(
+                dask_worker.draw, work, files, key=work.key, pure=False, retries=0, workers=[address]
+            )
         except Exception as error:  # of a client that has lost its scheduler
             raise self._lost(worker, address, error) from error
         waiting = asyncio.ensure_future(future.result())

@@ -114,6 +114,11 @@ class RenderQueue:
         with self._reading() as session:
             return find_render(session, render_id)
 
+    def edits(self, render_id: str) -> str:
+        """Return the text of the edit layer that a render keeps. Raises `NotFoundError`."""
+        with self._reading() as session:
+            return find_render(session, render_id).edits
+
     def list(self, project: str | None, most: int, before: tuple[float, str] | None = None) -> Sequence[RenderRow]:
         """Return renders, the newest first.
 

@@ -6,10 +6,11 @@ The HTTP process checks them before work begins. The worker checks them once mor
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from render.engines import all_engines
-from render.engines.shared.cost import PictureWork
+from render.engines.shared.cost import PictureWork, aovs_cost_s
 from render.errors import SettingsError
 from render.model.shutter_intervals import MAX_MOMENTS, MIN_RAYS
 from service.models.frames import PictureQuery
@@ -36,7 +37,7 @@ class PictureCost:
     factor: float = 1.0
 
     @classmethod
-    def of(cls, picture: PictureSettings, factor: float = 1.0) -> PictureCost:
+    def of(cls, picture: PictureSettings, factor: float = 1.0, aovs: Sequence[str] = ()) -> PictureCost:
         """Return the cost of a picture; of 16:9, where its camera gives it the height.
 
         An interval of a long exposure that chooses its moments counts as one of the most moments, with the rays that they take.
@@ -44,6 +45,7 @@ class PictureCost:
         Args:
             picture: its settings.
             factor: as the attribute.
+            aovs: measured beside the colour.
         """
         motion, rays = picture.motion, picture.rays
         if isinstance(picture, LongExposureBegin) and motion == 1:
@@ -58,6 +60,7 @@ class PictureCost:
             wavelengths=picture.wavelengths,
             motion=motion,
             motion_by=picture.motion_by,
+            aovs=tuple(aovs),
         )
         return cls(picture.engine, work, factor)
 
@@ -73,7 +76,7 @@ class PictureCost:
         """Processor time if the shot costs as much as most, s; infinite where it is beyond all numbers."""
         engine = next(engine for engine in all_engines() if engine.name == self.engine)
         try:
-            return engine.cost_s(self.work)
+            return engine.cost_s(self.work) + aovs_cost_s(self.work, engine.cost_s(replace(self.work, motion=1)))
         except OverflowError:
             return math.inf
 

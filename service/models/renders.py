@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator
 from pydantic.config import JsonDict
 
+from render.engines import check_settings
+from render.errors import SettingsError
+from render.model.aovs import AOVS, PRIMVAR_PREFIX
+from render.model.frame_settings import FrameSettings
 from service.models.base import Model, PrimPath, shown_as
 from service.models.frames import FrameQuery, PictureOptions
 
@@ -17,6 +22,22 @@ RenderState = Literal[
 FrameFormat = Literal["exr", "png", "jpeg"]
 MovieFormat = Literal["mp4", "mov", "webm"]
 TaskState = Literal["ready", "running", "done", "failed", "canceled"]
+
+AOV_PATTERN = rf"^({'|'.join(aov.name for aov in AOVS)}|{PRIMVAR_PREFIX}[^\s,\x00-\x1f\x7f]+)$"
+MOST_AOVS = 32
+"""AOVs of one render."""
+
+
+def _check_aov_name(name: str) -> str:
+    if not re.fullmatch(AOV_PATTERN, name):
+        known = ", ".join(aov.name for aov in AOVS)
+        raise ValueError(f"an AOV is one of {known}, {PRIMVAR_PREFIX}NAME")
+    return name
+
+
+AovName = Annotated[
+    str, AfterValidator(_check_aov_name), Field(max_length=200, json_schema_extra={"pattern": AOV_PATTERN})
+]
 
 RENDER_EXAMPLE: JsonDict = {
     "id": "r-5f0c1d2e3a4b",
@@ -31,6 +52,7 @@ RENDER_EXAMPLE: JsonDict = {
     "width": 480,
     "rays": 16,
     "formats": ["exr", "png"],
+    "aovs": ["depth", "coc"],
     "count": 96,
     "ready": 70,
     "running": 1,
@@ -51,6 +73,7 @@ REQUEST_EXAMPLE: JsonDict = {
     "width": 480,
     "rays": 16,
     "formats": ["exr", "png"],
+    "aovs": ["depth", "coc"],
 }
 TASK_EXAMPLE: JsonDict = {
     "frame": 25,
@@ -99,6 +122,12 @@ class RenderRequest(PictureOptions):
         description="Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture.",
         json_schema_extra={"uniqueItems": True},
     )
+    aovs: list[AovName] = Field(
+        default=[],
+        max_length=MOST_AOVS,
+        description="AOVs in the EXR files beside the colour, each a part of its own, such as `depth`, `coc` or `primvars:st`.",
+        json_schema_extra={"uniqueItems": True},
+    )
     priority: int = Field(default=50, ge=0, le=100, description="Renders of a higher one come first.")
     after: list[Annotated[str, Field(max_length=80)]] = Field(
         default=[],
@@ -114,9 +143,24 @@ class RenderRequest(PictureOptions):
             raise ValueError("each format may come once")
         return formats
 
+    @field_validator("aovs")
+    @classmethod
+    def check_aovs(cls, aovs: list[str], info: ValidationInfo) -> list[str]:
+        """Refuse AOVs that come twice, that no file holds, or that the engine does not draw."""
+        if len(set(aovs)) < len(aovs):
+            raise ValueError("each AOV may come once")
+        if aovs and "exr" not in info.data.get("formats", ["exr"]):
+            raise ValueError("AOVs are parts of EXR files: add exr to the formats, or leave them out")
+        if "engine" in info.data:
+            try:
+                check_settings(FrameSettings(engine=info.data["engine"], aovs=tuple(aovs)))
+            except SettingsError as error:
+                raise ValueError(error.detail) from error
+        return aovs
+
     def picture(self, frame: float) -> FrameQuery:
         """Return the request of one of its frames."""
-        own = {"shot", "name", "frames", "formats", "priority", "after"}
+        own = {"shot", "name", "frames", "formats", "aovs", "priority", "after"}
         return FrameQuery.model_validate(self.model_dump(exclude=own) | {"time": frame})
 
 
@@ -149,6 +193,7 @@ class Render(Model):
     width: int = Field(description="Width of the pictures, px.")
     rays: int = Field(description="Lens rays for each pixel.")
     formats: list[FrameFormat] = Field(description="Files of each frame.")
+    aovs: list[str] = Field(description="AOVs in the EXR files.")
     count: int = Field(description="Number of frames.")
     ready: int = Field(description="Frames that wait.")
     running: int = Field(description="Frames that are drawn.")

@@ -17,6 +17,7 @@ from service.stage import (  # noqa: E402, F401
     edits,
     exposure,
     focus_points,
+    focus_reports,
     lenses,
     libraries,
     photography,

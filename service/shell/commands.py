@@ -127,8 +127,8 @@ def _run(client: Client, typed: argparse.Namespace) -> int:
 
 
 def _fetch(client: Client, typed: argparse.Namespace) -> int:
-    if typed.out is None and typed.movie is None and typed.contact_sheet is None:
-        raise SettingsError("fetch needs --out, --movie or --contact-sheet, which say what goes where")
+    if all(wanted is None for wanted in (typed.out, typed.movie, typed.contact_sheet, typed.focus_report)):
+        raise SettingsError("fetch needs --out, --movie, --contact-sheet or --focus-report, which say what goes where")
     is_complete = True
     if typed.out is not None:
         paths = client.download(typed.id, typed.out, on_file=lambda path: print_message(str(path)))
@@ -140,6 +140,8 @@ def _fetch(client: Client, typed: argparse.Namespace) -> int:
         print_message(str(client.movie(typed.id, typed.movie)))
     if typed.contact_sheet is not None:
         print_message(str(client.contact_sheet(typed.id, typed.contact_sheet)))
+    if typed.focus_report is not None:
+        print_message(str(client.focus_report(typed.id, typed.focus_report)))
     return 0 if is_complete else 1
 
 
@@ -172,7 +174,7 @@ def _jobs_parser() -> argparse.ArgumentParser:
     show = actions.add_parser("show", help="show one with its frames, and what went wrong with them")
     watching = actions.add_parser("watch", help="show the progress of one until its end")
     fetch = actions.add_parser(
-        "fetch", help="fetch the frames that are done, those that are there left out, or a movie of them"
+        "fetch", help="fetch the frames that are done, those that are there left out, or what is made of them"
     )
     watching.add_argument("--out", metavar="DIR", type=Path, help="fetch each frame into this folder when it is done")
     fetch.add_argument("--out", metavar="DIR", type=Path, help="folder for the frames")
@@ -180,6 +182,12 @@ def _jobs_parser() -> argparse.ArgumentParser:
         "--movie", metavar="FILE", type=Path, help="write the movie of a render that has ended: .mp4, .mov, .webm"
     )
     fetch.add_argument("--contact-sheet", metavar="FILE.png", type=Path, help="write a sheet of its frames")
+    fetch.add_argument(
+        "--focus-report",
+        metavar="FILE",
+        type=Path,
+        help="write how sharp its focus points are, frame by frame: .csv, .json; it need not have ended",
+    )
     changes = [actions.add_parser(action, help=purpose) for action, purpose in _CHANGES.items()]
     for action in (show, watching, fetch, *changes):
         action.add_argument("id", metavar="ID", help="id of the render")

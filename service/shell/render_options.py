@@ -13,7 +13,7 @@ from service.client import RenderSettings
 from service.jobs.frame_ranges import parse_frames
 from service.models.renders import RenderRequest
 
-_FIRST = ("frames", "name", "priority", "camera", "width", "height", "formats")
+_FIRST = ("frames", "name", "priority", "camera", "width", "height", "formats", "aovs")
 _SETTINGS = [name for name in RenderRequest.model_fields if name != "shot"]
 _METAVARS = {"frames": "RANGE", "camera": "PATH", "width": "PX", "height": "PX"}
 _OPTIONS = {"formats": "format"}
@@ -33,7 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         if kind is bool:
             arguments["action"] = argparse.BooleanOptionalAction
         elif get_origin(kind) is list:
-            arguments |= {"choices": get_args(_plain(get_args(kind)[0])), "nargs": "+", "dest": name}
+            choices = get_args(_plain(get_args(kind)[0]))
+            arguments |= {"nargs": "+", "dest": name} | ({"choices": choices} if choices else {"metavar": "NAME"})
         elif get_origin(kind) is Literal:
             arguments["choices"] = get_args(kind)
         else:
@@ -79,7 +80,7 @@ def _plain(annotation: Any) -> Any:
 
 def _help(described: str, default: Any) -> str:
     text = described.rstrip(".").replace("%", "%%")
-    if default in (None, ""):
+    if default in (None, "", []):
         return text
     shown = (
         " ".join(default)

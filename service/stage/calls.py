@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         edits,
         exposure,
         focus_points,
+        focus_reports,
         lenses,
         libraries,
         opened,
@@ -30,6 +31,7 @@ else:
     edits = RemoteModule("service.stage.edits")
     exposure = RemoteModule("service.stage.exposure")
     focus_points = RemoteModule("service.stage.focus_points")
+    focus_reports = RemoteModule("service.stage.focus_reports")
     lenses = RemoteModule("service.stage.lenses")
     libraries = RemoteModule("service.stage.libraries")
     opened = RemoteModule("service.stage.opened")
@@ -44,6 +46,7 @@ __all__ = [
     "edits",
     "exposure",
     "focus_points",
+    "focus_reports",
     "lenses",
     "libraries",
     "opened",

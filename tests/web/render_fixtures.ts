@@ -16,6 +16,7 @@ const RENDER: Render = {
   width: 480,
   rays: 16,
   formats: ["png"],
+  aovs: [],
   count: 4,
   ready: 4,
   running: 0,

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from render.engines.shared.layer_scale import blurred_scale, traced_scale
 from render.model.limits import MAX_RAYS
+from render.model.mattes import MATTES
 
 SCENE_S = 0.8
 """Reading, loading and drawing the scene once, whatever the size of the picture, s."""
@@ -26,6 +27,12 @@ NOISE_RAYS, NOISE = 256, 0.01
 """Mean rays of a pixel for a wanted noise; half the noise takes about twice as many, since more pixels then need them at all."""
 COMMON_WAVELENGTHS = 3
 """Wavelengths up to which they are not counted: most lenses are traced at one."""
+AOV_PIXEL_S = 1e-7
+"""One pixel of one AOV that is measured along chief rays, s."""
+MATTE_PIXEL_S = 5e-6
+"""One pixel of mattes, s."""
+UNLIT_SHARE = 0.9
+"""Cost of a picture without light, as the albedo is, relative to one with light."""
 MOVED_SHARE = 0.9
 """Cost of moving the layers to one moment, relative to drawing them."""
 
@@ -44,6 +51,7 @@ class PictureWork:
     wavelengths: int
     motion: int
     motion_by: str
+    aovs: tuple[str, ...] = ()
 
     @property
     def pixels(self) -> float:
@@ -59,6 +67,20 @@ class PictureWork:
     def moments(self) -> int:
         """Number of times that the scene is loaded."""
         return 1 if self.is_swept else self.motion
+
+
+def aovs_cost_s(work: PictureWork, drawn_s: float) -> float:
+    """Estimate what AOVs take beside a picture, s.
+
+    Args:
+        work: the picture.
+        drawn_s: what the picture takes at one moment, as often as the albedo draws it, s.
+    """
+    measured = sum(aov not in ("color", "albedo", *MATTES) for aov in work.aovs)
+    cost_s = VIEW_S + (LAYER_PIXEL_S + AOV_PIXEL_S * measured) * work.pixels if measured else 0.0
+    if any(aov in MATTES for aov in work.aovs):
+        cost_s += MATTE_PIXEL_S * work.pixels
+    return cost_s + (UNLIT_SHARE * (drawn_s - SCENE_S) if "albedo" in work.aovs else 0.0)
 
 
 def traced_cost_s(work: PictureWork, layers: int) -> float:

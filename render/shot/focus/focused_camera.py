@@ -117,8 +117,17 @@ class FocusedCamera:
         Args:
             slope: of the place in object space, x right and y up.
         """
-        w_f = float(self._sharpness(np.array(slope))[0])
-        return 1 / w_f if w_f > 0 else math.inf
+        return float(self.focused_m_at_all(np.array([slope]))[0])
+
+    def focused_m_at_all(self, slopes: DoubleArray) -> DoubleArray:
+        """``(k,)`` depths of the focal surface at k places of the picture, as `focused_m_at`.
+
+        Args:
+            slopes: ``(k, 2)``.
+        """
+        w_f = self._sharpness(slopes)[0]
+        with np.errstate(divide="ignore", over="ignore"):
+            return np.where(w_f > 0, 1 / w_f, math.inf)
 
     def coc_mm(self, depth_m: float, slope: tuple[float, float] = (0.0, 0.0)) -> float:
         """Diameter on the film of the circle of confusion of a point; NaN where it is not in front of the camera.

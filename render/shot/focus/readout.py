@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from render.focus.solve import PointState
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
@@ -98,14 +100,20 @@ def place_points(focused: FocusedCamera, picture: Camera) -> list[PlacedPoint]:
         picture: the same camera, its gate conformed to the picture's shape.
     """
     projected = project_points(picture, focused.positions_m)
-    return [_place_point(focused, picture, projected, i) for i in range(len(focused.points))]
+    cocs_mm = focused.cocs_mm(projected.depths_m, projected.slopes)
+    is_ahead = projected.depths_m > 0
+    focused_m = focused.focused_m_at_all(np.where(is_ahead[:, None], projected.slopes, 0.0))
+    return [
+        _place_point(focused, picture, projected, i, float(cocs_mm[i]), float(focused_m[i]))
+        for i in range(len(focused.points))
+    ]
 
 
-def _place_point(focused: FocusedCamera, picture: Camera, projected: ProjectedPoints, i: int) -> PlacedPoint:
+def _place_point(
+    focused: FocusedCamera, picture: Camera, projected: ProjectedPoints, i: int, coc_mm: float, focused_m: float
+) -> PlacedPoint:
     point, depth_m = focused.points[i], float(projected.depths_m[i])
     is_ahead = depth_m > 0
-    slope = float(projected.slopes[i, 0]), float(projected.slopes[i, 1])
-    coc_mm = focused.coc_mm(depth_m, slope)
     return PlacedPoint(
         point=point,
         state=focused.solution.states[i],
@@ -115,7 +123,7 @@ def _place_point(focused: FocusedCamera, picture: Camera, projected: ProjectedPo
         screen=(float(projected.screens[i, 0]), float(projected.screens[i, 1])) if is_ahead else None,
         visible_in_frame=bool(projected.inside[i]),
         coc_mm=coc_mm,
-        focus_distance_m=focused.focused_m_at(slope) - picture.set_back_m if is_ahead else math.nan,
+        focus_distance_m=focused_m - picture.set_back_m if is_ahead else math.nan,
         is_sharp=coc_mm <= focused.coc_limit_mm,
         problem=focused.problems.get(point.name, ""),
     )

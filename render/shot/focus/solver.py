@@ -81,6 +81,21 @@ class FocusSolver:
             self._observer.note_points(focused)
         return over
 
+    def solve_all(self, camera_path: str | None, times: Sequence[float]) -> list[FocusedCamera]:
+        """Solve the focus of a camera at rising times, as `solve` does at each of them.
+
+        Args:
+            camera_path: of a camera; None for the default one, which may be a framing camera.
+            times: rising USD time codes, at least one.
+
+        Raises:
+            CameraError: there is no such camera, or its numbers are impossible.
+        """
+        choice = self._cameras.default(times[0]) if camera_path is None else None
+        if choice is not None and choice.framing is not None:
+            return [self.solve(None, time) for time in times]
+        return self.solve_over(self._cameras.path(camera_path), times)
+
     def fit_to_picture(
         self, focused: FocusedCamera, time: float, aspect: float | None, conform: str | None = None
     ) -> Camera:

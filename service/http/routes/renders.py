@@ -265,7 +265,7 @@ async def _checked(
     for needed in request.after:
         await run_in_threadpool(_render_in_path, needed, service, principal)
     frames = await _frames_of(service, record, request)
-    cost, _ = service.admission.check(record.id, request.picture(frames[0]), "body")
+    cost, _ = service.admission.check(record.id, request.picture(frames[0]), "body", request.aovs)
     return record, frames, cost.expected_s
 
 
@@ -296,7 +296,7 @@ def _new(
         edits=edits,
         revision=revision_of(edits),
         request=request.picture(frames[0]).model_dump(mode="json", exclude={"time", "client", "live", "format"})
-        | {"formats": request.formats},
+        | {"formats": request.formats, "aovs": request.aovs},
         frames=frames,
         priority=request.priority,
         after=request.after,
@@ -327,6 +327,7 @@ def _shown(row: RenderRow, needs: Sequence[str]) -> Render:
         seconds_left = round(row.busy_s / row.done * (row.ready + row.running), 1)
     told = {name: getattr(row, name) for name in Render.model_fields if hasattr(row, name)}
     told |= {name: row.request[name] for name in ("width", "rays", "formats")}
+    told["aovs"] = row.request.get("aovs", [])  # an earlier version kept none
     told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left, "waits_for": needs}
     told |= {"created_at": _time(row.created_at), "started_at": _time(row.started_at)}
     return Render.model_validate(told | {"finished_at": _time(row.finished_at)})

@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from render.engines import all_engines
-from render.engines.shared.cost import PictureWork
+from render.engines.shared.cost import PictureWork, aovs_cost_s
+from render.model.aovs import AOVS
 from render.model.frame_settings import FrameSettings
+from render.model.mattes import MATTES
 
 ENGINES = {engine.name: engine for engine in all_engines()}
 MEASURED = [  # engine, width, other settings, processor time in s: frame 64, llvmpipe, 2 cores (tests/bench/RESULTS.md)
@@ -49,20 +51,35 @@ MEASURED = [  # engine, width, other settings, processor time in s: frame 64, ll
     ("gather", 480, {}, 24.42),
     ("gather", 240, {"supersample": 4.0}, 23.67),
 ]
+MEASURED_AOVS = tuple(aov.name for aov in AOVS if aov.name not in ("albedo", *MATTES))
 WITHIN = 1.6
 """Factor by which an estimate may miss what was measured: the formulas have few constants, to be understood."""
 
 
 def estimate_s(engine: str, width: int, **changed: object) -> float:
+    return ENGINES[engine].cost_s(picture_work(width, **changed))
+
+
+def picture_work(width: int, **changed: object) -> PictureWork:
     plain = FrameSettings()
     names = ["rays", "layers", "supersample", "noise", "wavelengths", "motion", "motion_by"]
     settings = {name: getattr(plain, name) for name in names} | changed
-    return ENGINES[engine].cost_s(PictureWork(width=width, height=width * 9 / 16, **settings))
+    return PictureWork(width=width, height=width * 9 / 16, **settings)
 
 
 @pytest.mark.parametrize(("engine", "width", "changed", "measured_s"), MEASURED)
 def test_estimates_are_near_what_was_measured(engine, width, changed, measured_s):
     assert 1 / WITHIN < estimate_s(engine, width, **changed) / measured_s < WITHIN
+
+
+@pytest.mark.parametrize(
+    ("aovs", "measured_s"),  # beside a picture of the engine lens, 320 pixels wide: frame 64, llvmpipe, 2 cores
+    [(("depth", "coc"), 0.23), (MEASURED_AOVS, 0.23), (("cryptoObject",), 0.43), (MATTES, 0.29), (("albedo",), 2.06)],
+    ids=lambda value: "-".join(value)[:40] if isinstance(value, tuple) else None,
+)
+def test_estimates_of_aovs_are_near_what_was_measured(aovs, measured_s):
+    work = picture_work(320, aovs=aovs)
+    assert 1 / WITHIN < aovs_cost_s(work, ENGINES["lens"].cost_s(work)) / measured_s < WITHIN
 
 
 @pytest.mark.parametrize("engine", sorted(ENGINES))

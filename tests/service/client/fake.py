@@ -31,6 +31,7 @@ RENDER: dict[str, Any] = {
     "width": 480,
     "rays": 16,
     "formats": ["exr"],
+    "aovs": [],
     "canceled": 0,
     "accepted": False,
     "waitsFor": [],

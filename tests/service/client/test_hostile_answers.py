@@ -51,6 +51,8 @@ def test_a_page_is_no_movie(tmp_path):
     page = httpx.Response(200, text="<html>", headers={"Content-Type": "text/html"})
     with in_turn(page).client() as client, pytest.raises(ClientError, match="text/html"):
         client.movie("r-1", tmp_path / "shot.mp4")
+    with in_turn(page).client() as client, pytest.raises(ClientError, match="expected text/csv"):
+        client.focus_report("r-1", tmp_path / "focus.csv")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 
 import av
 import pytest
@@ -36,8 +37,12 @@ def test_a_shot_goes_all_the_way(service, room_file, tmp_path):
         with av.open(str(client.movie(render, tmp_path / "dailies.mp4"))) as movie:
             assert sum(1 for _ in movie.decode(video=0)) == 2
         assert client.contact_sheet(render, tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")
+        report = json.loads(client.focus_report(render, tmp_path / "focus.json", frames="2").read_text())
+        assert (report["render"], [sample["frame"] for sample in report["samples"]]) == (render.id, [2])
         with pytest.raises(SettingError, match=r"\.mp4"):
             client.movie(render, tmp_path / "dailies.gif")
+        with pytest.raises(SettingError, match=r"\.csv or \.json"):
+            client.focus_report(render, tmp_path / "focus.xls")
         with pytest.raises(RefusedError) as refused:
             client.pause(render)
         assert refused.value.status == 409
@@ -56,6 +61,8 @@ def test_an_event_loop_goes_all_the_way(service, room, tmp_path):
             assert again.id == render.id
             paths = await client.download(render, tmp_path, follow=True)
             tasks = await client.tasks(render)
+            report = await client.focus_report(render, tmp_path / "report" / "focus.csv")
+            assert report.read_text().count("\n") == 3
             await client.remove(render)
             return sorted(path.name for path in paths), [task.attempts[0].outcome for task in tasks]
 

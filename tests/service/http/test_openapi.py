@@ -14,6 +14,8 @@ from service.http.app import create_app
 from service.http.openapi import openapi_text
 from service.http.settings import Settings
 from service.models.focus import POINT_EXAMPLE, FocusPoint
+from service.models.focus_reports import REPORT_EXAMPLE, FocusReport
+from service.models.renders import RENDER_EXAMPLE, Render
 
 DOCUMENT = create_app(Settings(data=Path("unused"))).openapi()
 CALLS = [(f"{m.upper()} {p}", call) for p, calls in DOCUMENT["paths"].items() for m, call in calls.items()]
@@ -49,7 +51,8 @@ GET /v1/renders, POST /v1/renders, POST /v1/render-plans, GET /v1/renders/{rende
 GET /v1/renders/{render}/tasks, GET /v1/renders/{render}/frames/{frame}, POST /v1/renders/{render}/pause,
 POST /v1/renders/{render}/resume, POST /v1/renders/{render}/cancel, POST /v1/renders/{render}/retry,
 POST /v1/renders/{render}/accept, GET /v1/renders/{render}/frames/{frame}/thumbnail, GET /v1/renders/{render}/thumbnail,
-GET /v1/renders/{render}/movie, GET /v1/renders/{render}/contact-sheet, GET /v1/events,
+GET /v1/renders/{render}/movie, GET /v1/renders/{render}/contact-sheet, GET /v1/renders/{render}/focus-report,
+GET /v1/events,
 GET /v1/webhooks, POST /v1/webhooks, DELETE /v1/webhooks/{webhook}, POST /v1/webhooks/{webhook}/test,
 POST /v1/webhooks/{webhook}/enable
 """
@@ -94,8 +97,11 @@ def test_names_are_camel_case():
         assert not [key for key in schema.get("properties", ()) if "_" in key], name
 
 
-def test_examples_are_true_to_their_models():
-    assert FocusPoint.model_validate(POINT_EXAMPLE).model_dump(by_alias=True, mode="json") == POINT_EXAMPLE
+@pytest.mark.parametrize(
+    ("model", "example"), [(FocusPoint, POINT_EXAMPLE), (FocusReport, REPORT_EXAMPLE), (Render, RENDER_EXAMPLE)]
+)
+def test_examples_are_true_to_their_models(model, example):
+    assert model.model_validate(example).model_dump(by_alias=True, mode="json") == example
 
 
 def test_the_document_is_the_same_every_time():

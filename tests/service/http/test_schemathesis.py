@@ -33,7 +33,9 @@ ONLY_DECLARED = "[phases.stateful.inference]\nalgorithms = []\n"
 HOOKS = "tests.service.http.stateful_hooks"
 ROOT = Path(__file__).parents[3]
 JUDGED = [*ACCEPTED, 413, 415, 422]
-"""Answers to valid data of operations that take a camera, a file or a body: no schema says what fits a shot."""
+"""Answers to valid data of operations that take a camera, frames, a file or a body: no schema says what fits a shot."""
+OF_SHOTS = ("camera", "frames")
+"""Parameters that the schema does not judge."""
 
 
 def configuration(document: dict) -> str:
@@ -43,7 +45,7 @@ def configuration(document: dict) -> str:
         for methods in document["paths"].values()
         for operation in methods.values()
         if operation["operationId"] != "signIn"
-        and ("requestBody" in operation or any(given["name"] == "camera" for given in operation.get("parameters", ())))
+        and ("requestBody" in operation or any(given["name"] in OF_SHOTS for given in operation.get("parameters", ())))
     ]
     return f"""
 [checks.positive_data_acceptance]

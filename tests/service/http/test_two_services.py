@@ -53,9 +53,11 @@ def test_either_service_draws_and_shows_the_frames_of_both(tmp_path, shared, roo
         until(lambda: done(first.client, render))
         tasks = second.client.get(f"/v1/renders/{render}/tasks").json()["tasks"]
         own = first.client.get(f"/v1/shots/{shot}/frame", params=SMALL | {"time": 2})
+        report = first.client.get(f"/v1/renders/{render}/focus-report").json()
         for service in (first, second):
             assert service.client.get(f"/v1/renders/{render}/frames/2?format=png").content == own.content
             assert service.client.get(f"/v1/renders/{render}/contact-sheet").status_code == 200
+            assert service.client.get(f"/v1/renders/{render}/focus-report").json() == report
         assert {attempt["outcome"] for task in tasks for attempt in task["attempts"]} == {"done"}
         assert second.client.get(f"/v1/shots/{shot}").status_code == 404  # shots are each service's own
 

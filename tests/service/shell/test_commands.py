@@ -191,6 +191,24 @@ def test_frames_are_fetched_later(sent, tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["dailies.0001.exr", "dailies.0002.exr"]
 
 
+def test_a_focus_report_is_fetched_before_the_end(service, room, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(service.internal.renders, "claim", lambda *_: None)
+    assert commands.render([room, "--detach", "--frames", "3-5", "--aovs", "depth", "coc", *SMALL]) == 0
+    render_id = result(capsys)
+    path = tmp_path / "focus.csv"
+    assert commands.jobs(["fetch", render_id, "--focus-report", str(path)]) == 0
+    assert [line.split(",")[0] for line in path.read_text().splitlines()] == ["frame", "3", "4", "5"]
+    assert service.client.get(f"/v1/renders/{render_id}").json()["aovs"] == ["depth", "coc"]
+    commands.jobs(["cancel", render_id])
+
+
+def test_what_is_no_aov_is_refused(room):
+    with pytest.raises(SettingsError, match=r"--aovs: .* an AOV is one of depth"):
+        commands.render([room, "--aovs", "depths", *SMALL])
+    with pytest.raises(SettingsError, match=r"--aovs: .* add exr to the formats"):
+        commands.render([room, "--format", "png", "--aovs", "depth", *SMALL])
+
+
 @pytest.mark.gl
 def test_a_render_is_paused_resumed_canceled_and_removed(room, client, capsys):
     assert commands.render([room, "--detach", *SMALL]) == 0

@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
 from render.errors import StageError
 from service.stage.opened import OpenedShot
-from service.storage.store import ShotRecord
-from tests.service.conftest import ROOM
-
-
-@pytest.fixture
-def record(tmp_path) -> ShotRecord:
-    made = ShotRecord("room", "room.usda", tmp_path, "room.usda", datetime.now(UTC), 0, 0)
-    made.files.mkdir()
-    made.root_path.write_text(ROOM)
-    return made
 
 
 def test_what_usd_raises_is_an_error_of_the_shot_and_logged(record, caplog):

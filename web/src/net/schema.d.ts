@@ -447,6 +447,28 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/renders/{render}/focus-report": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Focus Report
+         * @description Report the lens and the sharpness of each focus point in each frame of a render, with the edits that the render keeps.
+         *
+         *     It needs no picture, so that it is there before the first frame is drawn.
+         */
+        readonly get: operations["getRenderFocusReport"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/renders/{render}/frames/{frame}": {
         readonly parameters: {
             readonly query?: never;
@@ -5114,6 +5136,134 @@ export interface components {
             readonly focusPoints: readonly components["schemas"]["FocusPoint"][];
         };
         /**
+         * FocusReport
+         * @description Focus report of a render.
+         * @example {
+         *       "camera": "/World/main_cam",
+         *       "count": 73,
+         *       "frames": "24-96",
+         *       "lensName": "Planar 50 mm f/1.4",
+         *       "render": "r-5f0c1d2e3a4b",
+         *       "revision": "5a302e56c1d04f7b",
+         *       "samples": [
+         *         {
+         *           "cocLimitMm": 0.019,
+         *           "fStop": 2,
+         *           "farM": 3.58,
+         *           "focalLengthMm": 50,
+         *           "focusDistanceM": 3.42,
+         *           "focusMode": "points",
+         *           "frame": 24,
+         *           "hyperfocalM": 65.7,
+         *           "nearM": 3.28,
+         *           "note": "",
+         *           "points": [
+         *             {
+         *               "depthM": 3.42,
+         *               "enabled": true,
+         *               "focusDistanceM": 3.4,
+         *               "judged": true,
+         *               "kind": "sharp",
+         *               "name": "pip",
+         *               "sharp": true,
+         *               "signedCocMm": 0.0021,
+         *               "signedCocPx": 0.04,
+         *               "state": "used",
+         *               "visibleInFrame": true,
+         *               "weight": 1
+         *             }
+         *           ],
+         *           "source": "points",
+         *           "swingDeg": 0,
+         *           "tStop": 2.1,
+         *           "tiltDeg": 0
+         *         }
+         *       ],
+         *       "shot": "demo",
+         *       "summary": {
+         *         "points": [
+         *           {
+         *             "judgedCount": 73,
+         *             "name": "pip",
+         *             "softFrames": [
+         *               30,
+         *               31,
+         *               32
+         *             ],
+         *             "softest": {
+         *               "frame": 31,
+         *               "point": "pip",
+         *               "sharp": false,
+         *               "signedCocMm": -0.0312,
+         *               "signedCocPx": -0.6
+         *             }
+         *           }
+         *         ],
+         *         "softFrames": [
+         *           30,
+         *           31,
+         *           32
+         *         ],
+         *         "softest": {
+         *           "frame": 31,
+         *           "point": "pip",
+         *           "sharp": false,
+         *           "signedCocMm": -0.0312,
+         *           "signedCocPx": -0.6
+         *         }
+         *       },
+         *       "width": 480
+         *     }
+         */
+        readonly FocusReport: {
+            /**
+             * Camera
+             * @description Prim path; null for the camera that frames a shot which has none.
+             */
+            readonly camera: string | null;
+            /**
+             * Count
+             * @description Number of frames.
+             */
+            readonly count: number;
+            /**
+             * Frames
+             * @description All frames of the report, as a range.
+             */
+            readonly frames: string;
+            /**
+             * Lensname
+             * @description Engraving of the lens; may be empty.
+             */
+            readonly lensName: string;
+            /**
+             * Render
+             * @description Id of the render.
+             */
+            readonly render: string;
+            /**
+             * Revision
+             * @description Revision of the edits that are rendered.
+             */
+            readonly revision: string;
+            /**
+             * Samples
+             * @description The frames in rising order.
+             */
+            readonly samples: readonly components["schemas"]["ReportSample"][];
+            /**
+             * Shot
+             * @description Id of the shot.
+             */
+            readonly shot: string;
+            readonly summary: components["schemas"]["ReportSummary"];
+            /**
+             * Width
+             * @description Width of the pictures, px.
+             */
+            readonly width: number;
+        };
+        /**
          * FocusSettings
          * @description Focus settings of a camera at one time.
          * @example {
@@ -7581,6 +7731,26 @@ export interface components {
             readonly sharp: boolean;
         };
         /**
+         * PointSummary
+         * @description A focus point over the frames of a render.
+         */
+        readonly PointSummary: {
+            /**
+             * Judgedcount
+             * @description Number of frames in which it has to be sharp.
+             */
+            readonly judgedCount: number;
+            /** Name */
+            readonly name: string;
+            /** @description Its softest frame; null where it never has to be sharp. */
+            readonly softest: components["schemas"]["SoftestPoint"] | null;
+            /**
+             * Softframes
+             * @description Frames in which it has to be sharp and is not.
+             */
+            readonly softFrames: readonly number[];
+        };
+        /**
          * Problem
          * @description Body of every error.
          */
@@ -7874,6 +8044,10 @@ export interface components {
          * @description A render and how far it is.
          * @example {
          *       "accepted": false,
+         *       "aovs": [
+         *         "depth",
+         *         "coc"
+         *       ],
          *       "canceled": 0,
          *       "count": 96,
          *       "createdAt": "2026-11-27T08:00:00Z",
@@ -7907,6 +8081,11 @@ export interface components {
              * @description Whether frames that failed or were given up are not wanted any more.
              */
             readonly accepted: boolean;
+            /**
+             * Aovs
+             * @description AOVs in the EXR files.
+             */
+            readonly aovs: readonly string[];
             /**
              * Canceled
              * @description Frames that were given up.
@@ -8043,6 +8222,10 @@ export interface components {
          *       "renders": [
          *         {
          *           "accepted": false,
+         *           "aovs": [
+         *             "depth",
+         *             "coc"
+         *           ],
          *           "canceled": 0,
          *           "count": 96,
          *           "createdAt": "2026-11-27T08:00:00Z",
@@ -8111,6 +8294,10 @@ export interface components {
          * RenderRequest
          * @description A render: which frames of a shot, how, and into what files. It keeps the edits that the shot has when it is sent.
          * @example {
+         *       "aovs": [
+         *         "depth",
+         *         "coc"
+         *       ],
          *       "formats": [
          *         "exr",
          *         "png"
@@ -8136,6 +8323,12 @@ export interface components {
              * @default []
              */
             readonly after?: readonly string[];
+            /**
+             * Aovs
+             * @description AOVs in the EXR files beside the colour, each a part of its own, such as `depth`, `coc` or `primvars:st`.
+             * @default []
+             */
+            readonly aovs?: readonly string[];
             /**
              * Camera
              * @description Prim path; the shot's default camera when left out.
@@ -8361,6 +8554,150 @@ export interface components {
         readonly RenderTaskList: {
             /** Tasks */
             readonly tasks: readonly components["schemas"]["RenderTask"][];
+        };
+        /**
+         * ReportPoint
+         * @description A focus point in one frame of a render.
+         */
+        readonly ReportPoint: {
+            /**
+             * Depthm
+             * @description Along the view axis, negative behind the camera; null without a place.
+             */
+            readonly depthM: number | null;
+            /**
+             * Enabled
+             * @description Whether it is on.
+             */
+            readonly enabled: boolean;
+            /**
+             * Focusdistancem
+             * @description Depth of the focal surface where it stands in the picture; null is infinity or, where `signedCocMm` is null too, no place there.
+             */
+            readonly focusDistanceM: number | null;
+            /**
+             * Judged
+             * @description Whether it has to be sharp: it is on, with a weight above 0, of the kind `sharp`, and in the picture. It is soft where it has to be sharp and is not.
+             */
+            readonly judged: boolean;
+            /**
+             * Kind
+             * @description Whether it is to be `sharp` or `soft`.
+             */
+            readonly kind: string;
+            /** Name */
+            readonly name: string;
+            /**
+             * Sharp
+             * @description Whether its circle of confusion is within `cocLimitMm` of the frame.
+             */
+            readonly sharp: boolean;
+            /**
+             * Signedcocmm
+             * @description Diameter of its circle of confusion on the film, negative in front of the focus; null behind the camera.
+             */
+            readonly signedCocMm: number | null;
+            /**
+             * Signedcocpx
+             * @description The same in pixels of the render's pictures.
+             */
+            readonly signedCocPx: number | null;
+            /**
+             * State
+             * @description `used` for the focus, or why it did not count.
+             */
+            readonly state: string;
+            /**
+             * Visibleinframe
+             * @description Whether it lies in the picture (something may still hide it).
+             */
+            readonly visibleInFrame: boolean;
+            /** Weight */
+            readonly weight: number;
+        };
+        /**
+         * ReportSample
+         * @description The lens and the focus points in one frame of a render.
+         */
+        readonly ReportSample: {
+            /**
+             * Coclimitmm
+             * @description Largest circle of confusion, as a diameter on the film, that is sharp.
+             */
+            readonly cocLimitMm: number;
+            /**
+             * Farm
+             * @description Farthest depth that is sharp on the view axis; null is infinity.
+             */
+            readonly farM: number | null;
+            /** Focallengthmm */
+            readonly focalLengthMm: number;
+            /**
+             * Focusdistancem
+             * @description null is infinity.
+             */
+            readonly focusDistanceM: number | null;
+            /**
+             * Focusmode
+             * @description Whether the camera is focused by hand or by its focus points.
+             */
+            readonly focusMode: string;
+            /** Frame */
+            readonly frame: number;
+            /**
+             * Fstop
+             * @description f-number; 0 is a pinhole.
+             */
+            readonly fStop: number;
+            /** Hyperfocalm */
+            readonly hyperfocalM: number | null;
+            /**
+             * Nearm
+             * @description Nearest depth that is sharp on the view axis; null is infinity.
+             */
+            readonly nearM: number | null;
+            /**
+             * Note
+             * @description Sentence about a setting that the lens cannot follow; or empty.
+             */
+            readonly note: string;
+            /** Points */
+            readonly points: readonly components["schemas"]["ReportPoint"][];
+            /**
+             * Source
+             * @description Whether focus points set the focus, or the camera's own focus distance was kept.
+             */
+            readonly source: string;
+            /**
+             * Swingdeg
+             * @description Swing of the lens, applied before the tilt; positive is left.
+             */
+            readonly swingDeg: number;
+            /**
+             * Tiltdeg
+             * @description Tilt of the lens; positive is up.
+             */
+            readonly tiltDeg: number;
+            /**
+             * Tstop
+             * @description f-number with the light that the glass absorbs; null where nothing comes through.
+             */
+            readonly tStop: number | null;
+        };
+        /**
+         * ReportSummary
+         * @description Summary of a focus report.
+         */
+        readonly ReportSummary: {
+            /** Points */
+            readonly points: readonly components["schemas"]["PointSummary"][];
+            /** @description null where no point ever has to be sharp. */
+            readonly softest: components["schemas"]["SoftestPoint"] | null;
+            /**
+             * Softframes
+             * @description Frames in which a point has to be sharp and is not.
+             */
+            readonly softFrames: readonly number[];
         };
         /**
          * Restore
@@ -8753,6 +9090,31 @@ export interface components {
              * @enum {string}
              */
             readonly type: "simplifySetting";
+        };
+        /**
+         * SoftestPoint
+         * @description The focus point with the largest circle of confusion of those that have to be sharp, and its frame.
+         */
+        readonly SoftestPoint: {
+            /** Frame */
+            readonly frame: number;
+            /**
+             * Point
+             * @description Name of the focus point.
+             */
+            readonly point: string;
+            /** Sharp */
+            readonly sharp: boolean;
+            /**
+             * Signedcocmm
+             * @description Diameter of its circle of confusion on the film, negative in front of the focus; null behind the camera.
+             */
+            readonly signedCocMm: number | null;
+            /**
+             * Signedcocpx
+             * @description The same in pixels of the render's pictures.
+             */
+            readonly signedCocPx: number | null;
         };
         /**
          * StateRequest
@@ -10930,6 +11292,108 @@ export interface operations {
             };
             /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getRenderFocusReport: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description `json`, or `csv` for spreadsheets, with a row for each focus point of each frame and no summary. */
+                readonly format?: "json" | "csv";
+                /** @description Frames of the render, as a range such as `1-10:2,15`; all of them when left out. */
+                readonly frames?: string | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FocusReport"];
+                    /** @example frame,focus_distance_m,f_stop,t_stop,focal_length_mm */
+                    readonly "text/csv": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -13,7 +13,13 @@ from typing import Any
 from render.errors import PullfocusError
 
 OWNER = "pullfocus"
-_QUICK = {"fsync": "off", "full_page_writes": "off", "shared_buffers": "16MB", "listen_addresses": ""}
+_QUICK = {
+    "fsync": "off",
+    "full_page_writes": "off",
+    "shared_buffers": "16MB",
+    "listen_addresses": "",
+    "unix_socket_permissions": "0700",
+}
 
 
 def postgresql_programs() -> Path | None:

@@ -141,7 +141,8 @@ def create_app(settings: Settings) -> FastAPI:
         keys,
     ):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
-    app.include_router(renders.plans, prefix="/v1", responses=refusals())
+    for other in (renders.plans, render_products.thumbnails):
+        app.include_router(other, prefix="/v1", responses=refusals())
     app.include_router(system.router)
     live.describe_messages(app)
     install_reference(app)

@@ -33,6 +33,8 @@ async def tidy_bucket(service: Service) -> None:
 
 
 def _tidy(shared: SharedStorage, renders: RenderQueue) -> None:
-    shared.frames.remove_set_aside()  # also what another service has left
     shared.frames.forget_copies(COPIES_S)
+    stored = shared.frames.render_ids()
+    for render_id in stored - renders.totals.those_there(stored):  # of a service that was killed, or stored too late
+        shared.frames.remove(render_id)
     shared.shots.forget(renders.totals.shots_in_bucket())

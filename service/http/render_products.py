@@ -109,6 +109,8 @@ class RenderProducts:
         for old in path.parent.glob(f"{name}.*.{suffix}"):
             if old != path:
                 old.unlink(missing_ok=True)
+        if not self.files.counts_products:
+            return
         size = path.stat().st_size
         total = sum(each.stat().st_size for each in path.parent.iterdir())
         self.queue.note_products(render.id, total - size)  # what was there before counts no longer

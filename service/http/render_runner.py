@@ -48,7 +48,9 @@ NOTE_PAUSE_S = 1.0
 STORE_S = 15.0
 """Time in which a frame that is drawn is still stored once nobody waits for it."""
 ROOM_PAUSE_S = 5.0
-"""Pause of a render whose frames cannot be stored."""
+"""Time until a frame is stored again that could not be, as the disk was full or the bucket gone."""
+MOST_LEFT = 8
+"""Attempts before the last one whose files are removed, should they have left any."""
 STOPPING = "the service stops"
 
 
@@ -111,7 +113,7 @@ class RenderRunner:
         if not self._look_for_room():
             return False
         if not self._is_sure:
-            await run_in_threadpool(self._service.renders.take_back_left, tuple(self._drawing.values()))
+            await run_in_threadpool(self._service.renders.take_back_left, tuple(self._drawing.values()), LEASE_S)
             self._is_sure = True
         places = self._executor.places()
         counts = Counter(claim.worker for claim in self._drawing.values())
@@ -196,9 +198,9 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
     except LostFrameError as error:
         log.warning("frame %d of render %s is lost: %s", claim.frame, claim.render, error)
         await _note(queue.lose, claim, str(error))
-    except _NoRoomError as error:
-        log.warning("frame %d of render %s cannot be stored now: %s", claim.frame, claim.render, error)
-        await _note(queue.put_off, claim, ROOM_PAUSE_S)
+    except UnavailableError as error:
+        log.warning("frame %d of render %s cannot be begun now: %s", claim.frame, claim.render, error)
+        await _note(queue.put_off, claim, BUSY_PAUSE_S)
     except (PullfocusError, WorkerError, ServiceError, FrameError, OSError) as error:
         if _comes_too_early(error):
             is_of_owner = isinstance(error, ServiceError)  # who has used up the processor time of a day
@@ -290,16 +292,32 @@ async def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame
 
     Raises:
         ServiceError: the project has no room for them.
-        _NoRoomError: the disk is full, or the bucket cannot be used.
         OutputError: they cannot be written.
     """
     wanted = [*claim.request["formats"], *({THUMBNAIL} & drawn.files.keys())]
     contents = {suffix: drawn.files[suffix] for suffix in wanted}  # a worker is not trusted with names
     await _note(service.quotas.check_room, project, sum(map(len, contents.values())))
-    entries = await run_in_threadpool(_write, service.render_files, claim, contents)
+    entries = await _write_patiently(service.render_files, claim, contents)
     is_stored = await _note(service.renders.finish, claim, entries, drawn.time_codes_per_second)
-    before = range(1, claim.attempt) if is_stored else (claim.attempt,)
+    before = range(max(1, claim.attempt - MOST_LEFT), claim.attempt) if is_stored else (claim.attempt,)
     await run_in_threadpool(_remove_attempts, service.render_files, claim, before)
+
+
+async def _write_patiently(files: FrameFiles, claim: Claim, contents: Mapping[str, bytes]) -> dict[str, FileEntry]:
+    """Write the files of a frame, again while there is no room for them: what was drawn is worth waiting for.
+
+    Raises:
+        OutputError: they cannot be written.
+    """
+    is_told = False
+    while True:
+        try:
+            return await run_in_threadpool(_write, files, claim, contents)
+        except _NoRoomError as error:
+            if not is_told:
+                log.warning("frame %d of render %s cannot be stored now: %s", claim.frame, claim.render, error)
+            is_told = True
+        await asyncio.sleep(ROOM_PAUSE_S)
 
 
 def _write(files: FrameFiles, claim: Claim, contents: Mapping[str, bytes]) -> dict[str, FileEntry]:

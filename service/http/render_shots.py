@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import ExitStack
 from datetime import datetime
 from typing import Protocol
@@ -49,7 +50,7 @@ async def shot_of(service: Service, render: ShotOfRender, stack: ExitStack) -> S
     Raises:
         NotFoundError: it was deleted.
         InputError: another one has its id now, or there is no bucket.
-        UnavailableError: the bucket cannot be used, or what was fetched was removed by others.
+        UnavailableError: the bucket cannot be used, the disk is full, or what was fetched was removed by others.
     """
     try:
         record = service.store.get(render.shot)
@@ -62,11 +63,19 @@ async def shot_of(service: Service, render: ShotOfRender, stack: ExitStack) -> S
             raise
     if service.shared is None:
         raise InputError("the shot of the render is in a bucket, which this service does not have", code="no_bucket")
-    shots = service.shared.shots
-    await run_in_threadpool(shots.fetch, render.files)
+    shots, fetching = service.shared.shots, service.shared.fetching
+    async with fetching.setdefault(render.files, asyncio.Lock()):  # so that only one thread waits for a shot
+        try:
+            await run_in_threadpool(shots.fetch, render.files)
+        except OSError as error:
+            detail = f"the shot cannot be fetched now: {error.strerror or error}"
+            raise UnavailableError(detail, code="shot_not_fetched") from error
+        finally:
+            fetching.pop(render.files, None)
     folder = stack.enter_context(shots.use(render.files))
     if folder is None:
         detail = "the shot was removed by others while it was fetched: raise fetched_mb"
         raise UnavailableError(detail, code="shot_not_kept")
     created_at = datetime.fromisoformat(render.shot_created_at)
-    return ShotRecord(render.shot, render.shot, folder, render.root or "", created_at, 0, 0, render.project)
+    own_id = f"render-{render.files[:16]}"  # a shot of this service may have the same id as the other one's
+    return ShotRecord(own_id, render.shot, folder, render.root or "", created_at, 0, 0, render.project)

@@ -125,11 +125,13 @@ class Service:
             shared = _open_shared(settings)
             database = open_database(settings.data, settings.database)
             holder = folder_id(settings.data)
+            events = EventLog(database)
+            renders = RenderQueue(database, events, holder=holder, has_bucket=shared is not None)
+            if shared is not None:
+                shared.claim(renders.totals.database_id())
         except (PullfocusError, OSError):
             store.close()
             raise
-        events = EventLog(database)
-        renders = RenderQueue(database, events, holder=holder)
         trash = Trash(settings.data, settings.trash_days)
         quarantine = Quarantine(store, settings.max_blames)
         quotas = Quotas(settings, store, trash, renders)

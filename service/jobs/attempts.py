@@ -91,17 +91,21 @@ class Attempts:
         for task in session.scalars(select(TaskRow).where(TaskRow.state == "running", is_over)).all():
             self.lose(session, session.get_one(RenderRow, task.render), task, "the worker is gone")
 
-    def take_back(self, session: Session, kept: Collection[tuple[str, int, int]], *, is_shared: bool) -> None:
+    def take_back(
+        self, session: Session, kept: Collection[tuple[str, int, int]], lease_s: float, *, is_shared: bool
+    ) -> None:
         """Take back what this holder does not work on any more; it counts as no loss.
 
         Args:
             session: the transaction.
             kept: render, frame and attempt of what it works on.
+            lease_s: of these from now on, as the database may have been away for longer than a lease.
             is_shared: whether others hold leases, too.
         """
         left = select(TaskRow).where(TaskRow.state == "running")
         for task in session.scalars(left.where(TaskRow.holder == self.holder) if is_shared else left).all():
             if (task.render, task.frame, task.attempts) in kept:
+                task.lease_until = self.clock(session) + lease_s
                 continue
             render = session.get_one(RenderRow, task.render)
             self.end(session, render, task, "ready", "given-back", "the service ended")

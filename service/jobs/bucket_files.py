@@ -3,13 +3,14 @@
 ::
 
     renders/RENDER/FRAME.ATTEMPT.SUFFIX    a file of a frame
-    removed/RENDER                         the render was removed: its files are to be removed, too
 
-A file that is asked for is copied to the data folder first, where it stays for a day.
+A file that is asked for is copied to a folder of copies first, where it stays for a day after it was asked for last. Frames that
+the data folder had before there was a bucket stay there, and are found, too.
 """
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Collection, Sequence
 from contextlib import suppress
@@ -19,8 +20,6 @@ from service.jobs.files import FOLDER, FolderFiles, entry_of, lost_among, name_o
 from service.storage.bucket import Bucket
 from service.storage.database.tables import FileEntry, TaskRow
 
-_REMOVED = "removed"
-
 
 class BucketFiles:
     """The files of renders in a bucket; see `service.jobs.files.FrameFiles`.
@@ -28,12 +27,16 @@ class BucketFiles:
     Args:
         bucket: that has them.
         data: the data folder.
+        copies: folder of copies and of products.
     """
 
-    def __init__(self, bucket: Bucket, data: Path) -> None:
+    counts_products = False
+
+    def __init__(self, bucket: Bucket, data: Path, copies: Path) -> None:
         self._bucket = bucket
-        self._copies = FolderFiles(data)
-        self._folder = data / FOLDER
+        self._earlier = FolderFiles(data)
+        self._copies = FolderFiles(copies)
+        self._folder = copies / FOLDER
 
     def products(self, render_id: str) -> Path:
         """Return the folder of products, which each service makes for itself."""
@@ -45,31 +48,45 @@ class BucketFiles:
         return entry_of(content)
 
     def find(self, render_id: str, frame: int, attempt: int, suffix: str, entry: FileEntry | None) -> Path | None:
-        """Return a copy of the file."""
-        copy = self._copies.find(render_id, frame, attempt, suffix, entry)
-        if copy is not None or entry is None:
-            return copy
+        """Return a copy of the file, or what the data folder has."""
+        place = render_id, frame, attempt, suffix
+        copy = self._copies.find(*place, entry)
+        if copy is not None:
+            with suppress(FileNotFoundError):
+                os.utime(copy)
+                return copy
+        earlier = self._earlier.find(*place, entry)
+        if earlier is not None or entry is None:
+            return earlier
         path = self._copies.path(render_id, frame, attempt, suffix)
         path.parent.mkdir(parents=True, exist_ok=True)
         is_there = self._bucket.fetch(_object(render_id, frame, attempt, suffix), entry["sha256"], path)
         return path if is_there else None
 
     def lost(self, render_id: str, tasks: Sequence[TaskRow]) -> list[int]:
-        """Return the frames that are not in the bucket as a whole."""
-        return lost_among(tasks, self._bucket.sizes(f"{FOLDER}/{render_id}"))
+        """Return the frames that are neither in the bucket nor in the data folder as a whole."""
+        earlier = set(self._earlier.lost(render_id, tasks))
+        return [frame for frame in lost_among(tasks, self._bucket.sizes(f"{FOLDER}/{render_id}")) if frame in earlier]
 
     def set_aside(self, render_id: str) -> None:
-        """Note in the bucket that the render was removed."""
-        self._bucket.put(f"{_REMOVED}/{render_id}", b"removed")
+        """Set aside what this service has of the render; `remove` looks after the bucket."""
+        self._earlier.set_aside(render_id)
         self._copies.set_aside(render_id)
 
     def remove_set_aside(self) -> None:
-        """Remove the files of renders that were removed."""
-        for render_id in self._bucket.sizes(_REMOVED):
-            names = self._bucket.sizes(f"{FOLDER}/{render_id}")
-            self._bucket.delete(f"{FOLDER}/{render_id}/{name}" for name in names)
-            self._bucket.delete([f"{_REMOVED}/{render_id}"])
+        """Remove what was set aside here."""
+        self._earlier.remove_set_aside()
         self._copies.remove_set_aside()
+
+    def remove(self, render_id: str) -> None:
+        """Remove the files of the render from the bucket, and what was set aside."""
+        names = self._bucket.sizes(f"{FOLDER}/{render_id}")
+        self._bucket.delete(f"{FOLDER}/{render_id}/{name}" for name in names)
+        self.remove_set_aside()
+
+    def render_ids(self) -> set[str]:
+        """Return the ids of the renders of which the bucket has files. Raises `UnavailableError`."""
+        return set(self._bucket.folders(FOLDER))
 
     def remove_attempt(self, render_id: str, frame: int, attempt: int, suffixes: Collection[str]) -> None:
         """Remove the files of an attempt from the bucket."""

@@ -18,7 +18,13 @@ _ASIDE = "removed-"
 
 
 class FrameFiles(Protocol):
-    """Files of frames: those of the data folder (`FolderFiles`), or of a bucket (`service.jobs.bucket_files.BucketFiles`)."""
+    """Files of frames: those of the data folder (`FolderFiles`), or of a bucket (`service.jobs.bucket_files.BucketFiles`).
+
+    Attributes:
+        counts_products: whether products stay, so that they count among what a project stores.
+    """
+
+    counts_products: bool
 
     def products(self, render_id: str) -> Path:
         """Return the folder of what is made of the frames of a render, such as movies; it is removed with them."""
@@ -67,6 +73,10 @@ class FrameFiles(Protocol):
         """Remove the frames that were set aside, now or before the service was killed. Raises `OutputError`, `OSError`."""
         ...
 
+    def remove(self, render_id: str) -> None:
+        """Remove the files of a render that was set aside and is forgotten. Raises `OutputError`, `OSError`."""
+        ...
+
     def remove_attempt(self, render_id: str, frame: int, attempt: int, suffixes: Collection[str]) -> None:
         """Remove what an attempt at a frame has stored; it is no error if there is nothing. Raises `OutputError`, `OSError`."""
         ...
@@ -78,6 +88,8 @@ class FolderFiles:
     Args:
         data: the data folder.
     """
+
+    counts_products = True
 
     def __init__(self, data: Path) -> None:
         self._folder = data / FOLDER
@@ -124,6 +136,10 @@ class FolderFiles:
                 remove_tree(folder)
             else:
                 folder.unlink(missing_ok=True)
+
+    def remove(self, render_id: str) -> None:
+        """Remove what was set aside."""
+        self.remove_set_aside()
 
     def remove_attempt(self, render_id: str, frame: int, attempt: int, suffixes: Collection[str]) -> None:
         """Remove the files of an attempt."""

@@ -7,7 +7,6 @@ gone. See `service.jobs.attempts` for when a task is tried again.
 from __future__ import annotations
 
 import secrets
-from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 
@@ -20,7 +19,8 @@ from service.jobs.claims import Claim, NewRender
 from service.jobs.errors import ConflictError
 from service.jobs.events import noted, render_event
 from service.jobs.frame_ranges import format_frames
-from service.jobs.states import find_render, find_unended, is_done, move, state_of
+from service.jobs.lookups import RenderLookups
+from service.jobs.states import find_render, find_unended, move, state_of
 from service.jobs.totals import RenderTotals
 from service.jobs.turns import next_task
 from service.storage.database.connection import is_shared, time_of, transaction
@@ -39,20 +39,29 @@ class RenderQueue:
         events: takes down what changes.
         clock: tells the time in a transaction, s since 1970; by default the clock that all users of the database share.
         holder: id of the data folder, which holds claims and is the home of renders; it stays the same over restarts.
+        has_bucket: whether renders whose shots are in a bucket can be drawn.
 
     Attributes:
         totals: over all renders.
+        lookups: about single ones.
     """
 
     def __init__(
-        self, engine: Engine, events: EventLog, clock: Callable[[Session], float] = time_of, holder: str = ""
+        self,
+        engine: Engine,
+        events: EventLog,
+        clock: Callable[[Session], float] = time_of,
+        holder: str = "",
+        *,
+        has_bucket: bool = False,
     ) -> None:
         self._engine = engine
         self._events = events
         self._clock = clock
-        self._holder = holder
+        self._holder, self._has_bucket = holder, has_bucket
         self._attempts = Attempts(events, clock, holder)
         self.totals = RenderTotals(engine)
+        self.lookups = RenderLookups(engine)
 
     def close(self) -> None:
         """Close the connections to the database."""
@@ -114,11 +123,6 @@ class RenderQueue:
         with self._reading() as session:
             return find_render(session, render_id)
 
-    def edits(self, render_id: str) -> str:
-        """Return the text of the edit layer that a render keeps. Raises `NotFoundError`."""
-        with self._reading() as session:
-            return find_render(session, render_id).edits
-
     def list(self, project: str | None, most: int, before: tuple[float, str] | None = None) -> Sequence[RenderRow]:
         """Return renders, the newest first.
 
@@ -152,15 +156,6 @@ class RenderQueue:
                 by_frame.setdefault(attempt.frame, []).append(attempt)
             return [(task, by_frame.get(task.frame, [])) for task in tasks]
 
-    def unmet_needs(self, render_ids: Collection[str]) -> Mapping[str, Sequence[str]]:
-        """Return which renders some wait for that are not done yet; those that wait for none are left out."""
-        unmet = select(RenderNeedRow).join(RenderRow, RenderRow.id == RenderNeedRow.needs).where(~is_done(RenderRow))
-        found: defaultdict[str, set[str]] = defaultdict(set)
-        with self._reading() as session:
-            for row in session.scalars(unmet.where(RenderNeedRow.render.in_(render_ids))):
-                found[row.render].add(row.needs)
-        return {render: sorted(needs) for render, needs in found.items()}
-
     def task(self, render_id: str, frame: int) -> TaskRow:
         """Return a task. Raises `NotFoundError`: there is no such render, or it has no such frame."""
         with self._reading() as session:
@@ -169,20 +164,6 @@ class RenderQueue:
             if task is None:
                 detail = f"render {render_id!r} has no frame {frame}, it has {render.frames[:200]}"
                 raise NotFoundError(detail, code="frame_not_found", path="frame")
-            return task
-
-    def last_task(self, render_id: str) -> TaskRow:
-        """Return the task that was done last. Raises `NotFoundError`: there is no such render, or none of its frames is done."""
-        is_its = (AttemptRow.render == TaskRow.render) & (AttemptRow.frame == TaskRow.frame)
-        is_last = is_its & (AttemptRow.number == TaskRow.attempts)
-        done = select(TaskRow).join(AttemptRow, is_last).where(TaskRow.render == render_id, TaskRow.state == "done")
-        with self._reading() as session:
-            find_render(session, render_id)
-            task = session.scalar(done.order_by(AttemptRow.ended_at.desc(), TaskRow.frame.desc()).limit(1))
-            if task is None:
-                raise NotFoundError(
-                    f"no frame of render {render_id!r} is done yet", code="frame_not_found", path="render"
-                )
             return task
 
     def claim(self, worker: str, lease_s: float, present: Collection[str] = ()) -> Claim | None:
@@ -197,7 +178,7 @@ class RenderQueue:
         with self._writing() as session:
             self._attempts.end_lost(session)
             home = self._holder if is_shared(self._engine) else None
-            task = next_task(session, self._clock(session), worker, present, home)
+            task = next_task(session, self._clock(session), worker, present, home, has_bucket=self._has_bucket)
             if task is None:
                 return None
             render = session.get_one(RenderRow, task.render, options=[undefer(RenderRow.edits)])
@@ -288,7 +269,7 @@ class RenderQueue:
                 self._attempts.end(session, *held, "ready", "given-back", reason)
 
     def put_off(self, claim: Claim, pause_s: float, *, is_of_owner: bool = False) -> None:
-        """Give a task back that could not be begun, as if it had not been claimed; none of its render is claimed for a while.
+        """Give a task back that could not be begun; this attempt is forgotten, and none of its render is claimed for a while.
 
         Args:
             claim: the task.
@@ -302,7 +283,6 @@ class RenderQueue:
             render, task = held
             self._attempts.end(session, render, task, "ready", "given-back", None)
             session.delete(session.get_one(AttemptRow, (task.render, task.frame, task.attempts)))
-            task.attempts -= 1
             render.not_before = until = self._clock(session) + pause_s
             if is_of_owner:
                 theirs = update(RenderRow).where(RenderRow.owner == render.owner, RenderRow.ready > 0)
@@ -389,15 +369,16 @@ class RenderQueue:
             self._events.add(session, render_event(render, "render-removed"))
             session.execute(delete(RenderRow).where(RenderRow.id == render_id))
 
-    def take_back_left(self, kept: Collection[Claim] = ()) -> None:
+    def take_back_left(self, kept: Collection[Claim] = (), lease_s: float = 0.0) -> None:
         """Take back the frames that this holder does not work on any more; it counts as no loss.
 
         Args:
-            kept: claims that it works on: none when a service starts.
+            kept: claims that it works on, whose leases are extended: none when a service starts.
+            lease_s: of these.
         """
         keys = {(claim.render, claim.frame, claim.attempt) for claim in kept}
         with self._writing() as session:
-            self._attempts.take_back(session, keys, is_shared=is_shared(self._engine))
+            self._attempts.take_back(session, keys, lease_s, is_shared=is_shared(self._engine))
 
     def note_products(self, render_id: str, size_bytes: int) -> None:
         """Note the size of all products of a render. Raises `NotFoundError`: it was removed meanwhile."""
@@ -406,7 +387,9 @@ class RenderQueue:
 
     def is_at_hand(self, render: RenderRow) -> bool:
         """Return whether the frames of a render are in the data folder of this queue, or in a bucket."""
-        return render.files is not None or not is_shared(self._engine) or render.home in (None, self._holder)
+        if render.files is not None:
+            return self._has_bucket
+        return not is_shared(self._engine) or render.home in (None, self._holder)
 
     def check(self) -> None:
         """Look at whether the database answers. Raises `OutputError`."""

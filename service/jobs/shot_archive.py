@@ -59,14 +59,13 @@ class ShotArchive:
         """
         files = list_files(folder)
         place = f"{FOLDER}/{files.hash}"
-        age_s = self._bucket.age_s(f"{place}/{_LIST}")
-        if age_s is not None and age_s < FRESH_S:
-            return files.hash
         there = self._bucket.sizes(place)
-        for file in files.files:
-            if there.get(file.sha256) != file.size_bytes:
-                self._bucket.put(f"{place}/{file.sha256}", folder / file.path)
-                there[file.sha256] = file.size_bytes
+        missing = {file.sha256: file.path for file in files.files if there.get(file.sha256) != file.size_bytes}
+        age_s = self._bucket.age_s(f"{place}/{_LIST}")
+        if not missing and age_s is not None and age_s < FRESH_S:
+            return files.hash
+        for sha256, path in missing.items():
+            self._bucket.put(f"{place}/{sha256}", folder / path)
         listed = [[file.path, file.size_bytes, file.sha256] for file in files.files]
         self._bucket.put(f"{place}/{_LIST}", json.dumps(listed).encode())
         return files.hash
@@ -118,7 +117,8 @@ class ShotArchive:
             if shot_hash in needed:
                 continue
             names = sorted(self._bucket.sizes(place), key=lambda name: name != _LIST)  # what has no list is not there
-            ages_s = [self._bucket.age_s(f"{place}/{name}") for name in names[:1]]
+            telling = names[:1] if _LIST in names else names  # it may be stored by another service just now
+            ages_s = [self._bucket.age_s(f"{place}/{name}") for name in telling]
             if all(age_s is None or age_s > KEPT_S for age_s in ages_s):
                 self._bucket.delete(f"{place}/{name}" for name in names)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from sqlalchemy import BigInteger, Engine, cast, func, select
 
 from service.models.renders import TaskState
 from service.storage.database.connection import transaction
-from service.storage.database.tables import RenderRow
+from service.storage.database.tables import FactRow, RenderRow
 
 
 class RenderTotals:
@@ -32,6 +34,16 @@ class RenderTotals:
         sums = select(*(func.coalesce(func.sum(getattr(RenderRow, state)), 0) for state in states))
         with transaction(self._engine, only_reads=True) as session:
             return dict(zip(states, session.execute(sums).one(), strict=True))
+
+    def database_id(self) -> str:
+        """Return the id of the database."""
+        with transaction(self._engine, only_reads=True) as session:
+            return session.get_one(FactRow, "id").value
+
+    def those_there(self, render_ids: Collection[str]) -> set[str]:
+        """Return those of some ids that are renders."""
+        with transaction(self._engine, only_reads=True) as session:
+            return set(session.scalars(select(RenderRow.id).where(RenderRow.id.in_(render_ids))))
 
     def shots_in_bucket(self) -> set[str]:
         """Return the hashes of the shots that renders need."""

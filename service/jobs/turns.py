@@ -20,7 +20,7 @@ LOOKS = 16
 
 
 def next_task(
-    session: Session, now: float, worker: str, present: Collection[str], home: str | None = None
+    session: Session, now: float, worker: str, present: Collection[str], home: str | None = None, *, has_bucket: bool
 ) -> TaskRow | None:
     """Return the task whose turn it is; None where all wait or there is none.
 
@@ -30,8 +30,9 @@ def next_task(
         worker: who claims it.
         present: all workers that there are; see `service.jobs.queue.RenderQueue.claim`.
         home: id of the data folder: renders whose shots are in another one, and not in a bucket, are left out. None for none.
+        has_bucket: whether renders whose shots are in a bucket can be drawn.
     """
-    for render_id in _waiting(session, now, home):
+    for render_id in _waiting(session, now, home, has_bucket=has_bucket):
         left = _left_to_others(session, render_id, worker, present)
         if left is None:
             continue
@@ -44,7 +45,7 @@ def next_task(
     return None
 
 
-def _waiting(session: Session, now: float, home: str | None) -> Iterator[str]:
+def _waiting(session: Session, now: float, home: str | None, *, has_bucket: bool) -> Iterator[str]:
     """Yield the renders that have frames to draw, in turn. They are read some at a time: mostly the first one has a task."""
     turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
     waiting = select(RenderRow.id).where(
@@ -55,6 +56,8 @@ def _waiting(session: Session, now: float, home: str | None) -> Iterator[str]:
     waiting = waiting.where(~unmet.where(RenderNeedRow.render == RenderRow.id).exists())
     if home is not None:
         waiting = waiting.where(RenderRow.home.is_(None) | (RenderRow.home == home) | RenderRow.files.is_not(None))
+    if not has_bucket:
+        waiting = waiting.where(RenderRow.files.is_(None))
     for first in count(0, LOOKS):
         found = session.scalars(waiting.order_by(*turn).offset(first).limit(LOOKS)).all()
         yield from found

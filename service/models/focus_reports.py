@@ -22,6 +22,7 @@ class ReportedRender:
 
     Attributes:
         id: of the render.
+        shot: id of its shot.
         revision: of its edits.
         camera: prim path; None for the shot's default camera.
         width: of the pictures, px.
@@ -31,6 +32,7 @@ class ReportedRender:
     """
 
     id: str
+    shot: str
     revision: str
     camera: str | None
     width: int

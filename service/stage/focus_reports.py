@@ -91,7 +91,7 @@ def report_focus(
         frames = shot.report_focus(
             render.camera, [float(frame) for frame in render.frames], render.width, render.height
         )
-    return _to_csv(frames) if format == "csv" else _report(record, render, frames).model_dump_json(by_alias=True)
+    return _to_csv(frames) if format == "csv" else _report(render, frames).model_dump_json(by_alias=True)
 
 
 def _to_csv(frames: Sequence[ReportedFrame]) -> str:
@@ -117,10 +117,10 @@ def _cell(value: object) -> str:
             return str(value)
 
 
-def _report(record: ShotRecord, render: ReportedRender, frames: Sequence[ReportedFrame]) -> FocusReport:
+def _report(render: ReportedRender, frames: Sequence[ReportedFrame]) -> FocusReport:
     return FocusReport(
         render=render.id,
-        shot=record.id,
+        shot=render.shot,
         revision=render.revision,
         camera=frames[0].readout.camera or None,
         lens_name=frames[0].readout.lens_name,

@@ -82,7 +82,7 @@ def _write(data: Path, part: Path) -> dict[str, str]:
 
 def _top(data: Path) -> list[Path]:
     """Return what a backup holds: all but the lock, and the files that SQLite has beside a database."""
-    left_out = {"lock", MANIFEST, *(f"{DATABASE}-{part}" for part in ("wal", "shm", "journal"))}
+    left_out = {"lock", MANIFEST, "fetched", *(f"{DATABASE}-{part}" for part in ("wal", "shm", "journal"))}
     names = sorted((path.name for path in data.iterdir()), key=lambda name: (name != DATABASE, name))
     return [data / name for name in names if name not in left_out]
 

@@ -81,6 +81,13 @@ class Bucket:
         """
         self._ask(lambda: self._obstore.put(self._store, name, content))
 
+    def put_new(self, name: str, content: bytes) -> bool:
+        """Store an object where there is none. Returns whether it was so. Raises `UnavailableError`."""
+        if self.age_s(name) is not None:
+            return False
+        self.put(name, content)  # not all servers can do both at once
+        return self.read(name) == content
+
     def read(self, name: str) -> bytes | None:
         """Return a small object; None where there is none. Raises `UnavailableError`."""
         found = self._find(lambda: self._obstore.get(self._store, name).bytes())

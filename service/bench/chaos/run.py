@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import os
 import subprocess
 import sys
 import tempfile
@@ -79,7 +80,8 @@ def measure(plan: ChaosPlan, stage: Path | None = None) -> ChaosBench:
     machine = this_machine(PACKAGES)
     with tempfile.TemporaryDirectory(prefix="pullfocus-chaos-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
-        folder.chmod(0o755)  # PostgreSQL's user goes through it
+        if os.geteuid() == 0:
+            folder.chmod(0o755)  # PostgreSQL's user goes through it
         stage = stage or write_demo(folder / "demo")
         with (
             running_system(folder, plan) as system,

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from fastapi.responses import FileResponse
 
-from service.http.access import RENDERS
+from service.http.access import READS, RENDERS
 from service.http.render_products import Product
 from service.http.routes.frames import BINARY
 from service.http.routes.parameters import SHEET, problems
@@ -21,6 +21,7 @@ from service.storage.database.tables import RenderRow, TaskRow
 from service.workers.calls import call
 
 router = APIRouter(tags=["renders"], prefix="/renders", dependencies=RENDERS)
+thumbnails = APIRouter(tags=["renders"], prefix="/renders", dependencies=READS)
 
 MOVIE_TYPES: dict[MovieFormat, str] = {"mp4": "video/mp4", "mov": "video/quicktime", "webm": "video/webm"}
 DEFAULT_RATE = 24.0
@@ -64,7 +65,7 @@ async def get_contact_sheet(service: ServiceDep, render: RenderAtHand) -> FileRe
     return _answer(render, product, "image/png")
 
 
-@router.get(
+@thumbnails.get(
     "/{render}/frames/{frame}/thumbnail",
     operation_id="getRenderedThumbnail",
     response_class=FileResponse,
@@ -75,7 +76,7 @@ def get_thumbnail(service: ServiceDep, render: RenderAtHand, frame: FrameInPath)
     return _thumbnail(service, render, service.renders.task(render.id, frame))
 
 
-@router.get(
+@thumbnails.get(
     "/{render}/thumbnail",
     operation_id="getLastThumbnail",
     response_class=FileResponse,
@@ -83,7 +84,7 @@ def get_thumbnail(service: ServiceDep, render: RenderAtHand, frame: FrameInPath)
 )
 def get_last_thumbnail(service: ServiceDep, render: RenderAtHand) -> FileResponse:
     """Take a small picture of the frame that a render has drawn last."""
-    return _thumbnail(service, render, service.renders.last_task(render.id))
+    return _thumbnail(service, render, service.renders.lookups.last_task(render.id))
 
 
 def _thumbnail(service: Service, render: RenderRow, task: TaskRow) -> FileResponse:

@@ -67,7 +67,7 @@ async def get_focus_report(
     It needs no picture, so that it is there before the first frame is drawn.
     """
     wanted = _reported(render, frames)
-    edits = await run_in_threadpool(service.renders.edits, render.id)
+    edits = await run_in_threadpool(service.renders.lookups.edits, render.id)
     with ExitStack() as stack:
         record = await _shot_of(service, render, stack)
         text = await service.call_reader_at(focus_reports.report_focus, record, edits, wanted, format)
@@ -91,6 +91,7 @@ def _reported(render: RenderRow, frames: str | None) -> ReportedRender:
             raise NotFoundError(detail, code="frame_not_found", path="frames")
     return ReportedRender(
         id=render.id,
+        shot=render.shot,
         revision=render.revision,
         camera=render.request["camera"],
         width=render.request["width"],

@@ -52,6 +52,8 @@ router = APIRouter(tags=["renders"], prefix="/renders", route_class=BodyRoute, d
 plans = APIRouter(tags=["renders"], prefix="/render-plans", route_class=BodyRoute, dependencies=RENDERS)
 
 MOST_LISTED = 200
+_LATER = ("after", "aovs")
+"""Lists that an earlier version did not know: where they are empty, a request has the digest that it had then."""
 
 
 def _render_in_path(
@@ -144,7 +146,9 @@ async def list_renders(
         start = (last.created_at, last.id)
     project = None if principal.project == ALL_PROJECTS else principal.project
     rows = await run_in_threadpool(service.renders.list, project, most + 1, start)
-    needs = await run_in_threadpool(service.renders.unmet_needs, [row.id for row in rows[:most] if row.ready > 0])
+    needs = await run_in_threadpool(
+        service.renders.lookups.unmet_needs, [row.id for row in rows[:most] if row.ready > 0]
+    )
     shown = [_shown(row, needs.get(row.id, ())) for row in rows[:most]]
     return RenderList(renders=shown, next=shown[-1].id if len(rows) > most else None)
 
@@ -204,6 +208,11 @@ def file_of(service: Service, render: RenderRow, task: TaskRow, suffix: str) -> 
         detail = f"Frame {task.frame} of render {render.id!r} is not drawn yet: it is {task.state}."
         raise ServiceError(409, "frame_not_done", detail, path="frame")
     entry = task.files.get(suffix)
+    if entry is None and suffix == THUMBNAIL:
+        detail = (
+            f"Frame {task.frame} of render {render.id!r} was drawn by an earlier version, which kept no small pictures."
+        )
+        raise ServiceError(404, "no_thumbnail", detail, path="frame")
     path = service.render_files.find(render.id, task.frame, task.attempts, suffix, entry)
     if entry is None or path is None:
         raise frame_file_gone(render.id, task.frame)
@@ -247,7 +256,7 @@ def retry_render(service: ServiceDep, render: RenderAtHand) -> Render:
 def remove_render(service: ServiceDep, render: RenderAtHand) -> None:
     """Remove a render that has ended, and its files."""
     service.renders.remove(render.id, lambda: service.render_files.set_aside(render.id))
-    service.render_files.remove_set_aside()
+    service.render_files.remove(render.id)
 
 
 async def _checked(
@@ -312,12 +321,14 @@ def _archived(archive: ShotArchive, record: ShotRecord) -> str:
 
 
 def _digest(request: RenderRequest) -> str:
-    return hashlib.sha256(json.dumps(request.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
+    told = request.model_dump(mode="json")
+    told = {name: value for name, value in told.items() if name not in _LATER or value != []}
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
 
 def _told(service: Service, row: RenderRow) -> Render:
     """Return a render with what it waits for."""
-    needs = service.renders.unmet_needs([row.id]) if row.ready > 0 else {}
+    needs = service.renders.lookups.unmet_needs([row.id]) if row.ready > 0 else {}
     return _shown(row, needs.get(row.id, ()))
 
 

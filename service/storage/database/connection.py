@@ -110,7 +110,8 @@ def transaction(engine: Engine, *, only_reads: bool = False) -> Iterator[Session
         only_reads: whether it writes nothing, so that it waits for no writer.
 
     Raises:
-        UnavailableError: the database cannot be used.
+        UnavailableError: the database cannot be used now.
+        OutputError: it cannot do what is asked of it.
     """
     try:
         with (
@@ -121,7 +122,8 @@ def transaction(engine: Engine, *, only_reads: bool = False) -> Iterator[Session
             yield session
     except (sqlalchemy_errors.DBAPIError, sqlalchemy_errors.TimeoutError) as error:  # as of a full disk
         detail = f"the queue of renders cannot be used now: {_cause(error)}"
-        raise UnavailableError(detail, code="queue_unusable") from error
+        kind = UnavailableError if _may_pass(error) else OutputError
+        raise kind(detail, code="queue_unusable") from error
 
 
 def is_shared(engine: Engine) -> bool:
@@ -212,6 +214,17 @@ def _cause(error: sqlalchemy_errors.DBAPIError | sqlalchemy_errors.TimeoutError)
     if error.statement is None or error.connection_invalidated:
         return "its database cannot be reached"
     return str(error.orig).partition("\n")[0]
+
+
+def _may_pass(error: sqlalchemy_errors.DBAPIError | sqlalchemy_errors.TimeoutError) -> bool:
+    """Return whether another try may succeed: not where the program or the data are wrong."""
+    passing = (
+        sqlalchemy_errors.OperationalError,
+        sqlalchemy_errors.InterfaceError,
+        sqlalchemy_errors.InternalError,
+        sqlalchemy_errors.TimeoutError,
+    )
+    return isinstance(error, passing) or error.connection_invalidated
 
 
 def _begin_sqlite(connection: Connection) -> None:

@@ -117,6 +117,15 @@ class RenderNeedRow(Table):
     needs: Mapped[str] = mapped_column(ForeignKey("renders.id", ondelete="CASCADE"), primary_key=True, index=True)
 
 
+class FactRow(Table):
+    """Something about the database itself, such as its `id`."""
+
+    __tablename__ = "facts"
+
+    name: Mapped[str] = mapped_column(primary_key=True)
+    value: Mapped[str]
+
+
 class TaskRow(Table):
     """A frame of a render. Its files, by format, are those of the attempt that drew it last."""
 

@@ -10,6 +10,7 @@ import httpx
 import pytest
 
 from service.bench.chaos.parts import Part, free_port
+from service.http import render_runner
 from service.http.settings import Settings
 from service.storage.bucket import Bucket
 from tests.service.conftest import running, send, until
@@ -83,6 +84,30 @@ def test_a_bucket_that_is_gone_is_said_and_waited_for(tmp_path, shared, room_fil
             assert "bucket of renders cannot be used" in ready.json()["detail"]
         assert service.client.get("/readyz").status_code == 200
         assert service.client.post("/v1/renders", json=SMALL | {"shot": shot, "frames": "1"}).status_code == 201
+
+
+def test_frames_wait_for_a_bucket_that_is_gone(tmp_path, shared, room_file, monkeypatch, caplog):
+    monkeypatch.setattr(render_runner, "BUSY_PAUSE_S", 0.01)
+    monkeypatch.setattr(render_runner, "ROOM_PAUSE_S", 0.01)
+    gone = Bucket(shared["bucket"], "http://127.0.0.1:1")
+    with two_services(tmp_path, shared) as (first, second):
+        shot = shot_of(first.client, room_file)
+        monkeypatch.setattr(first.internal.renders, "claim", lambda *_: None)
+        with monkeypatch.context() as patch:
+            patch.setattr(second.internal.shared.bucket, "_store", gone._store)
+            request = SMALL | {"shot": shot, "frames": "1-2", "formats": ["png"]}
+            render = first.client.post("/v1/renders", json=request).json()["id"]
+            until(lambda: caplog.text.count("cannot be begun now: the bucket") > 3)  # it does not have the shot
+        until(lambda: done(first.client, render))
+        caplog.clear()
+        with monkeypatch.context() as patch:
+            patch.setattr(second.internal.shared.bucket, "_store", gone._store)
+            again = first.client.post("/v1/renders", json=request).json()["id"]
+            until(lambda: "cannot be stored now" in caplog.text)
+        until(lambda: done(first.client, again))
+        for one in (render, again):
+            tasks = first.client.get(f"/v1/renders/{one}/tasks").json()["tasks"]
+            assert {attempt["outcome"] for task in tasks for attempt in task["attempts"]} == {"done"}
 
 
 def test_without_a_bucket_each_service_draws_its_own(tmp_path, postgresql_database, room_file):

@@ -165,13 +165,13 @@ def test_a_render_waits_for_those_before_it(queue, clock):
     clock.now += 1
     second = queue.submit(render([2]))
     third = queue.submit(replace(render([3], priority=90), after=[first.id, second.id, first.id]))
-    assert queue.unmet_needs([first.id, third.id]) == {third.id: sorted((first.id, second.id))}
+    assert queue.lookups.unmet_needs([first.id, third.id]) == {third.id: sorted((first.id, second.id))}
     assert drawn(queue)[1] == 1
     queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
-    assert queue.unmet_needs([third.id]) == {third.id: [second.id]}
+    assert queue.lookups.unmet_needs([third.id]) == {third.id: [second.id]}
     assert drawn(queue) is None
     queue.accept(second.id)
-    assert queue.unmet_needs([third.id]) == {}
+    assert queue.lookups.unmet_needs([third.id]) == {}
     assert drawn(queue)[1] == 3
 
 
@@ -185,6 +185,16 @@ def test_a_render_that_is_removed_holds_nothing_up(queue):
     with pytest.raises(NotFoundError):
         queue.submit(replace(render([3]), after=[first.id]))
     assert drawn(queue) is None
+
+
+def test_renders_in_a_bucket_are_left_to_those_who_have_it(queue, tmp_path, clock, database):
+    sent = queue.submit(replace(render([1]), files="0" * 32))
+    assert queue.claim("one", LEASE_S) is None
+    assert not queue.is_at_hand(sent)
+    sharing = opened(tmp_path, database, clock, "other", has_bucket=True)
+    assert sharing.is_at_hand(sent)
+    assert sharing.claim("two", LEASE_S).files == "0" * 32
+    sharing.close()
 
 
 def test_a_failed_render_is_accepted_until_it_is_tried_again(queue):
@@ -240,7 +250,7 @@ def test_a_render_that_is_put_off_lets_others_go_first(queue, clock):
     assert drawn(queue) == (other.id, 7)
     assert queue.claim("one", LEASE_S) is None
     clock.now += 15
-    assert queue.claim("one", LEASE_S).attempt == 1
+    assert queue.claim("one", LEASE_S).attempt == 2  # no number is given twice
     assert [len(attempts) for _, attempts in queue.tasks(full.id)] == [1, 0, 0]
 
 
@@ -385,11 +395,13 @@ def test_everything_is_there_after_a_restart(tmp_path, clock, database):
     after.close()
 
 
-def test_frames_that_are_worked_on_are_not_taken_back(queue):
+def test_frames_that_are_worked_on_are_not_taken_back(queue, clock):
     sent = queue.submit(render())
     held = [queue.claim("one", LEASE_S) for _ in range(2)]
-    queue.take_back_left(held[1:])
+    clock.now += LEASE_S + 1  # the database was away
+    queue.take_back_left(held[1:], LEASE_S)
     assert states(queue, sent.id) == ["ready", "running", "ready"]
+    assert queue.claim("two", LEASE_S).frame == 1
     assert queue.finish(held[1], FILES, 24)
 
 

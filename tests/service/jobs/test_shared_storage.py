@@ -7,8 +7,9 @@ import time
 
 import pytest
 
-from render.errors import InputError
+from render.errors import InputError, SettingsError
 from service.jobs import shot_archive
+from service.jobs.files import FolderFiles
 from service.jobs.shared_storage import SharedStorage
 from service.storage.bucket import Bucket
 from service.storage.database.tables import TaskRow
@@ -64,15 +65,37 @@ def test_frames_that_are_lost_are_named(storage):
     assert frames.lost("r-1", [task(1, whole), task(2, short), task(3, gone), task(4, {}, "ready")]) == [2, 3]
 
 
-def test_a_render_that_one_service_removed_is_removed_by_another(storage):
+def test_a_render_is_removed_with_its_copies(storage, tmp_path):
+    one = storage("one")
+    for render in ("r-1", "r-11"):
+        entry = one.frames.write(render, 1, 1, "png", b"picture")
+        one.frames.find(render, 1, 1, "png", entry)
+    assert one.frames.render_ids() == {"r-1", "r-11"}
+    one.frames.set_aside("r-1")
+    one.frames.remove("r-1")
+    assert one.bucket.sizes("renders") == {"r-11/1.1.png": entry["size_bytes"]}
+    assert [path.name for path in (tmp_path / "one").rglob("*.png")] == ["1.1.png"]
+
+
+def test_frames_from_before_the_bucket_stay_and_are_found(storage, tmp_path):
+    entry = FolderFiles(tmp_path / "one").write("r-1", 1, 1, "png", b"picture")
+    frames = storage("one").frames
+    path = frames.find("r-1", 1, 1, "png", entry)
+    assert path == tmp_path / "one" / "renders" / "r-1" / "1.1.png"
+    os.utime(path, times=(1.0, 1.0))
+    frames.forget_copies(60)
+    assert frames.lost("r-1", [task(1, {"png": entry}), task(2, {"png": entry})]) == [2]
+    frames.set_aside("r-1")
+    frames.remove("r-1")
+    assert not path.exists()
+
+
+def test_a_bucket_belongs_to_one_database(storage):
     first, second = storage("first"), storage("second")
-    for frame in (1, 2):
-        first.frames.write("r-1", frame, 1, "png", b"picture")
-    kept = first.frames.write("r-11", 1, 1, "png", b"picture")
-    first.frames.set_aside("r-1")  # and is killed
-    second.frames.remove_set_aside()
-    assert first.bucket.sizes("renders") == {"r-11/1.1.png": kept["size_bytes"]}
-    assert first.bucket.sizes("removed") == {}
+    first.claim("one")
+    second.claim("one")
+    with pytest.raises(SettingsError, match="belongs to another database"):
+        second.claim("two")
 
 
 @pytest.fixture
@@ -132,10 +155,29 @@ def test_shots_that_no_render_needs_are_removed_later(storage, shot, monkeypatch
     monkeypatch.setattr(shot_archive, "KEPT_S", -1.0)
     one.shots.forget([needed])
     assert one.bucket.folders("shots") == [needed]
-    monkeypatch.setattr(shot_archive, "FRESH_S", -1.0)
-    one.bucket.delete([f"shots/{needed}/files.json"])  # while it is stored by another service
-    one.shots.store(shot)
-    assert other in one.bucket.folders("shots")
+
+
+def test_a_shot_that_is_being_stored_is_not_removed(storage, shot, monkeypatch):
+    one = storage("one")
+    stored = one.shots.store(shot)
+    one.bucket.delete([f"shots/{stored}/files.json"])  # as it was when another service was killed, or is on it now
+    names = sorted(one.bucket.sizes(f"shots/{stored}"))
+    ages = {f"shots/{stored}/{name}": 10 * shot_archive.KEPT_S for name in names[:-1]}
+    monkeypatch.setattr(Bucket, "age_s", lambda _, name: ages.get(name, 1.0))
+    one.shots.forget([])
+    assert one.bucket.folders("shots") == [stored]
+    ages |= {f"shots/{stored}/{name}": 10 * shot_archive.KEPT_S for name in names}
+    one.shots.forget([])
+    assert one.bucket.folders("shots") == []
+
+
+def test_what_is_missing_of_a_shot_is_stored_again(storage, shot):
+    one = storage("one")
+    stored = one.shots.store(shot)
+    name = next(name for name in one.bucket.sizes(f"shots/{stored}") if name != "files.json")
+    one.bucket.delete([f"shots/{stored}/{name}"])
+    assert one.shots.store(shot) == stored
+    assert name in one.bucket.sizes(f"shots/{stored}")
 
 
 def test_a_shot_that_is_drawn_is_not_forgotten(storage, shot, tmp_path):

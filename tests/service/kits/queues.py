@@ -45,8 +45,13 @@ class Clock:
 
 
 def opened(
-    folder: Path, database: str = "", clock: Callable[[Session], float] = time_of, holder: str = ""
+    folder: Path,
+    database: str = "",
+    clock: Callable[[Session], float] = time_of,
+    holder: str = "",
+    *,
+    has_bucket: bool = False,
 ) -> RenderQueue:
     """A queue over the database of a folder, or of an address."""
     engine = open_database(folder, database)
-    return RenderQueue(engine, EventLog(engine, clock), clock, holder)
+    return RenderQueue(engine, EventLog(engine, clock), clock, holder, has_bucket=has_bucket)

@@ -19,7 +19,7 @@ def test_a_report_has_so_many_rows_and_no_more(record, monkeypatch, frames, fits
         for name in ("one", "two"):
             shot.focus.add_point(None, name, FocusPoint(name, target=("/World/far",)))
         edits = shot.edits.history.present.text
-    render = ReportedRender("r-1", "", None, 64, None, tuple(range(1, frames + 1)), f"1-{frames}")
+    render = ReportedRender("r-1", "demo", "", None, 64, None, tuple(range(1, frames + 1)), f"1-{frames}")
     if fits:
         assert focus_reports.report_focus(opened, record, edits, render, "csv").count("\r\n") == 11
         return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
 import re
 from collections import namedtuple
 
@@ -16,7 +17,11 @@ from PIL import Image
 from render.errors import OutputError
 from service.http import render_runner
 from service.http.errors import ServiceError
+from service.http.routes.renders import _digest
 from service.http.settings import Settings
+from service.models.renders import RenderRequest
+from service.storage.database.connection import transaction
+from service.storage.database.tables import TaskRow
 from service.storage.errors import UnavailableError
 from tests.service.conftest import Running, running, send, until
 from tests.service.kits.renders import SMALL, ended, render_of, watched
@@ -97,6 +102,24 @@ def test_small_pictures_show_frames_of_any_format(client, room):
     assert pixels[0].shape == (135, 240, 3)
     np.testing.assert_allclose(pixels[0].mean((0, 1)), pixels[1].mean((0, 1)), atol=2)
     assert client.get(f"{address}/frames/3/thumbnail").status_code == 404
+
+
+def test_frames_of_an_earlier_version_have_no_small_picture(service, client, room):
+    render = render_of(client, room, frames="1")
+    ended(client, render)
+    queue = service.internal.renders
+    with transaction(queue._engine) as session:
+        task = session.get_one(TaskRow, (render["id"], 1))
+        task.files = {name: entry for name, entry in task.files.items() if name != "thumbnail"}
+    answer = client.get(f"/v1/renders/{render['id']}/thumbnail")
+    assert (answer.status_code, answer.json()["code"]) == (404, "no_thumbnail")
+
+
+def test_a_request_has_the_digest_of_earlier_versions():
+    request = RenderRequest(shot="demo", frames="1-2")
+    told = {name: value for name, value in request.model_dump(mode="json").items() if name not in ("after", "aovs")}
+    assert _digest(request) == hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+    assert _digest(request) != _digest(RenderRequest(shot="demo", frames="1-2", after=["r-1"]))
 
 
 def test_a_render_without_a_frame_has_no_picture(client, room):

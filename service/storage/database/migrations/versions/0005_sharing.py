@@ -1,5 +1,7 @@
 """Let services share a database, count lost workers apart from failures, and let renders wait for others and be accepted."""
 
+import secrets
+
 import sqlalchemy as sa
 from alembic import op
 
@@ -21,4 +23,10 @@ def upgrade() -> None:
             for name in ("render", "needs")
         ),
     )
+    facts = op.create_table(
+        "facts",
+        sa.Column("name", sa.String(), primary_key=True),
+        sa.Column("value", sa.Text(), nullable=False),
+    )
+    op.bulk_insert(facts, [{"name": "id", "value": secrets.token_hex(8)}])
     op.create_index("ix_render_needs_needs", "render_needs", ["needs"])

@@ -151,9 +151,10 @@ class RenderRequest(PictureOptions):
             raise ValueError("each AOV may come once")
         if aovs and "exr" not in info.data.get("formats", ["exr"]):
             raise ValueError("AOVs are parts of EXR files: add exr to the formats, or leave them out")
-        if "engine" in info.data:
+        chosen = info.data.get("engine")
+        if chosen:  # else it was refused itself
             try:
-                check_settings(FrameSettings(engine=info.data["engine"], aovs=tuple(aovs)))
+                check_settings(FrameSettings(engine=chosen, aovs=tuple(aovs)))
             except SettingsError as error:
                 raise ValueError(error.detail) from error
         return aovs

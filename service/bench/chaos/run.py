@@ -140,7 +140,7 @@ def _strike(system: System, client: Client, plan: ChaosPlan, render: str) -> tup
             heal_at_s = None
         if now is not None and now.state in ENDED and heal_at_s is None:
             break
-        if now is not None and len(rows) < len(order) and now.done * (len(order) + 1) >= plan.frames * (len(rows) + 1):
+        if now is not None and len(rows) < len(order) and now.done * (len(order) + 2) >= plan.frames * (len(rows) + 1):
             kind = order[len(rows)]
             system.strike(kind, len(rows))
             rows.append(StrikeRow(kind, at_s, now.done, None))

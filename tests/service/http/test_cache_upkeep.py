@@ -50,7 +50,7 @@ def test_a_new_shot_begins_with_the_shaders_of_all_shots(tmp_path):
         assert compiled_for(service, upload(service)) < alone / 2
         base = service.internal.caches.base
         assert not (base / "shot").exists()
-        assert service.client.get("/readyz").json() == {"status": "ok", "warming": False}
+        until(lambda: service.client.get("/readyz").json() == {"status": "ok", "warming": False})
     assert list((tmp_path / "cache").iterdir()) == [base]
 
 

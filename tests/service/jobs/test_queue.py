@@ -10,50 +10,14 @@ import pytest
 
 from render.errors import NotFoundError, OutputError
 from service.jobs.attempts import BACK_OFF_S, MOST_FAILURES, MOST_LOSSES
-from service.jobs.claims import NewRender
 from service.jobs.errors import ConflictError
 from service.jobs.queue import RenderQueue
 from service.jobs.states import state_of
 from service.storage.backup import back_up
 from service.storage.database.connection import open_database
 from service.storage.database.file import DATABASE
-from service.storage.database.tables import FileEntry
 from service.storage.restore import restore
-from tests.service.kits.queues import Clock, new_render, opened
-
-LEASE_S = 60.0
-FILES: dict[str, FileEntry] = {"exr": {"size_bytes": 7, "sha256": "hash"}, "png": {"size_bytes": 3, "sha256": "other"}}
-
-
-@pytest.fixture
-def clock():
-    return Clock()
-
-
-@pytest.fixture
-def queue(tmp_path, clock, database):
-    queue = opened(tmp_path, database, clock)
-    yield queue
-    queue.close()
-
-
-def render(frames=(1, 2, 3), priority=50, key=None, name="dailies", digest="digest") -> NewRender:
-    return replace(
-        new_render(frames), name=name, idempotency_key=key, digest=digest, priority=priority, request={"rays": 4}
-    )
-
-
-def drawn(queue: RenderQueue, worker="one") -> tuple[str, int] | None:
-    """Claim and finish the next frame."""
-    claim = queue.claim(worker, LEASE_S)
-    if claim is None:
-        return None
-    assert queue.finish(claim, FILES, 24)
-    return claim.render, claim.frame
-
-
-def states(queue: RenderQueue, render_id: str) -> list[str]:
-    return [task.state for task, _ in queue.tasks(render_id)]
+from tests.service.kits.queues import FILES, LEASE_S, Clock, drawn, opened, render, states
 
 
 def test_frames_are_drawn_in_order_until_all_are_done(queue, clock):
@@ -158,58 +122,6 @@ def test_a_clock_that_is_set_back_holds_nothing_up(queue, clock):
     clock.now += BACK_OFF_S
     assert [drawn(queue)[1] for _ in range(2)] == [1, 3]
     assert queue.get(sent.id).running == 1
-
-
-def test_a_render_waits_for_those_before_it(queue, clock):
-    first = queue.submit(render([1]))
-    clock.now += 1
-    second = queue.submit(render([2]))
-    third = queue.submit(replace(render([3], priority=90), after=[first.id, second.id, first.id]))
-    assert queue.lookups.unmet_needs([first.id, third.id]) == {third.id: sorted((first.id, second.id))}
-    assert drawn(queue)[1] == 1
-    queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
-    assert queue.lookups.unmet_needs([third.id]) == {third.id: [second.id]}
-    assert drawn(queue) is None
-    queue.accept(second.id)
-    assert queue.lookups.unmet_needs([third.id]) == {}
-    assert drawn(queue)[1] == 3
-
-
-def test_a_render_that_is_removed_holds_nothing_up(queue):
-    first = queue.submit(render([1]))
-    queue.submit(replace(render([2]), after=[first.id]))
-    queue.cancel(first.id)
-    assert drawn(queue) is None
-    queue.remove(first.id, lambda: None)
-    assert drawn(queue)[1] == 2
-    with pytest.raises(NotFoundError):
-        queue.submit(replace(render([3]), after=[first.id]))
-    assert drawn(queue) is None
-
-
-def test_renders_in_a_bucket_are_left_to_those_who_have_it(queue, tmp_path, clock, database):
-    sent = queue.submit(replace(render([1]), files="0" * 32))
-    assert queue.claim("one", LEASE_S) is None
-    assert not queue.is_at_hand(sent)
-    sharing = opened(tmp_path, database, clock, "other", has_bucket=True)
-    assert sharing.is_at_hand(sent)
-    assert sharing.claim("two", LEASE_S).files == "0" * 32
-    sharing.close()
-
-
-def test_a_failed_render_is_accepted_until_it_is_tried_again(queue):
-    sent = queue.submit(render([1, 2]))
-    with pytest.raises(ConflictError, match="is queued"):
-        queue.accept(sent.id)
-    queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
-    drawn(queue)
-    accepted = queue.accept(sent.id)
-    assert (state_of(accepted), accepted.failed) == ("done", 1)
-    with pytest.raises(ConflictError, match="is done"):
-        queue.accept(sent.id)
-    assert state_of(queue.retry(sent.id)) == "running"
-    queue.fail(queue.claim("one", LEASE_S), "no such camera", may_pass=False)
-    assert state_of(queue.get(sent.id)) == "failed"
 
 
 def test_an_error_that_stays_fails_the_frame_alone(queue):

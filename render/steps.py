@@ -6,7 +6,7 @@ Graphics devices work behind the processor: a step lasts until the next one need
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
@@ -20,12 +20,16 @@ Step = tuple[str, int, int, int]
 class StepRecorder:
     """Steps of one piece of work.
 
+    Args:
+        on_end: told of each step that is kept, when it has ended.
+
     Attributes:
         steps: in the order of their begin; those that have not ended end with 0.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, on_end: Callable[[Step], None] = lambda step: None) -> None:
         self.steps: list[Step] = []
+        self._on_end = on_end
         self._inside = -1
 
     @contextmanager
@@ -42,6 +46,7 @@ class StepRecorder:
         finally:
             self.steps[index] = name, began_ns, time.time_ns(), outer
             self._inside = outer
+            self._on_end(self.steps[index])
 
 
 recorder: ContextVar[StepRecorder | None] = ContextVar("recorder", default=None)

@@ -82,18 +82,19 @@ class Template:
         """Process id, or None where it does not run."""
         return self._process.pid if self._process is not None and self._process.poll() is None else None
 
-    def fork(self, pipe_fd: int, signals_fd: int) -> Forked:
+    def fork(self, pipe_fd: int, signals_fd: int, output_fd: int) -> Forked:
         """Start a worker.
 
         Args:
             pipe_fd: descriptor of its end of the pipe.
             signals_fd: descriptor of its `service.workers.streaming.Signals`.
+            output_fd: descriptor of its output, from `service.workers.output.create_output`.
 
         Raises:
             WorkerDiedError: no process can be started.
         """
         with self._lock:
-            answer = self._ask_living({"do": "fork"}, [pipe_fd, signals_fd])
+            answer = self._ask_living({"do": "fork"}, [pipe_fd, signals_fd, output_fd])
             return Forked(answer["pid"], self._starts)
 
     def check(self, within_s: float) -> None:

@@ -12,6 +12,7 @@ from typing import Any, Generic, TypeVar
 from render.steps import Step
 from service.workers.calls import Call, StreamCall
 from service.workers.errors import SupersededError
+from service.workers.output import JobOutput
 from service.workers.places import Place
 from service.workers.process import WorkerProcess
 
@@ -174,6 +175,7 @@ class Job(Generic[State]):
         observer: told when it has run.
         worker: process id of the last worker that ran it; 0 for none.
         steps: times that it told.
+        output: receives what it writes; None for nobody.
     """
 
     work: CallWork[State] | StreamWork[State]
@@ -195,6 +197,7 @@ class Job(Generic[State]):
     observer: Observer | None = field(default_factory=observer.get)
     worker: int = 0
     steps: tuple[Step, ...] = ()
+    output: JobOutput | None = None
 
     def cpu_s(self) -> float:
         """Return the processor time that it has used since it last began, s."""

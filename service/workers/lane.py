@@ -24,13 +24,14 @@ import time
 from collections import Counter
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future, InvalidStateError, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from typing import Any, Generic, TypeVar
 
 from service.workers.calls import Call, StreamCall
 from service.workers.errors import QueueFullError, StoppingError, SupersededError, WorkerDiedError
 from service.workers.job_order import JobOrder
 from service.workers.jobs import NOBODY, CallWork, Client, Finished, Job, StreamWork
+from service.workers.output import JobOutput
 from service.workers.places import NOWHERE, Place
 from service.workers.pool import WorkerPool
 from service.workers.process import NotBegunError, WorkerProcess
@@ -151,6 +152,7 @@ class Lane(Generic[State]):
         *,
         group: Hashable | None = None,
         estimate_s: float = 0.0,
+        output: JobOutput | None = None,
     ) -> Reply:
         """Put a call in the lane and wait for its reply; see `submit`. Cancelling this ends the call.
 
@@ -160,9 +162,10 @@ class Lane(Generic[State]):
             client: who it is made for.
             group: one client viewing one shot.
             estimate_s: processor time that it is expected to take, s; `Finished` has it beside the time that it took.
+            output: receives what it writes; None for nobody.
         """
         work: CallWork[State] = CallWork(call)
-        job = self._enqueue(work, place, client, group, estimate_s)
+        job = self._enqueue(work, place, client, group, estimate_s, output=output)
         try:
             reply: Reply = await asyncio.wrap_future(work.future)
         except asyncio.CancelledError:
@@ -241,6 +244,7 @@ class Lane(Generic[State]):
         estimate_s: float = 0.0,
         view: Hashable | None = None,
         is_first: bool = False,
+        output: JobOutput | None = None,
     ) -> Job[State]:
         with self._changed:
             if self._is_stopping:
@@ -259,6 +263,7 @@ class Lane(Generic[State]):
             serial = next(self._serials)
             position = min((other.position for other in same), default=serial)
             job = Job(work, place, client, group, serial, position, estimate_s, view=view, is_first=is_first)
+            job.output = output
             if group is not None:
                 self._supersede(group, same)
             self._queue.append(job)
@@ -330,7 +335,8 @@ class Lane(Generic[State]):
             process = self.pool.take(self.role, job.place, job.view)
             try:
                 self._attach(job, process)
-                is_complete = job.work.run(process, self._timeout_s * (os.cpu_count() or 1), job.serial)
+                with nullcontext() if job.output is None else job.output.collect(process.output):
+                    is_complete = job.work.run(process, self._timeout_s * (os.cpu_count() or 1), job.serial)
                 return is_complete, job.cpu_s()
             except NotBegunError:
                 continue
@@ -345,6 +351,7 @@ class Lane(Generic[State]):
             job.process, job.begun_cpu_s, job.worker = process, process.cpu_s(), process.pid
             job.starts_process = not process.has_served
             process.records_steps = job.observer is not None
+            process.records_output = job.output is not None
             if self._is_closed:
                 process.kill("stopping")
             if isinstance(job.work, StreamWork) and job.unwanted_s is not None:

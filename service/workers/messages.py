@@ -84,6 +84,7 @@ class Order(Generic[State]):
         has_yielded: as for `service.workers.streaming.StaleCheck`.
         grace_s: likewise.
         records_steps: whether the times of its steps are wanted.
+        records_output: whether its output is wanted (`service.workers.output`).
     """
 
     call: Call[State, Any] | StreamCall[State, Any]
@@ -92,6 +93,7 @@ class Order(Generic[State]):
     has_yielded: bool = False
     grace_s: float = 0.0
     records_steps: bool = False
+    records_output: bool = False
 
 
 @dataclass(frozen=True)

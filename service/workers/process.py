@@ -40,6 +40,7 @@ from service.workers.messages import (
     pack,
     receive_answer,
 )
+from service.workers.output import WorkerOutput, create_output
 from service.workers.places import Place
 from service.workers.roles import Role
 from service.workers.step_times import checked_steps
@@ -79,11 +80,13 @@ class WorkerProcess(Generic[State]):
         place: the shot that it serves.
         cache: its cache folder, which remains when it has ended.
         signals: interrupt a running stream; any thread may set them.
+        output: of its present or last call for which it was wanted.
         end: why it ended, or None.
         has_served: whether it has answered a call: its state is made.
         views: the last ones that it was taken for.
         rested_cpu_s: processor time that it had used when its last call ended, s.
         records_steps: whether the times of the steps of its next calls are wanted.
+        records_output: whether their output is.
         steps: those of its last call.
 
     Raises:
@@ -107,7 +110,7 @@ class WorkerProcess(Generic[State]):
         self.has_served = False
         self.views: deque[Hashable] = deque(maxlen=KEPT_VIEWS)
         self.rested_cpu_s = 0.0
-        self.records_steps = False
+        self.records_steps = self.records_output = False
         self.steps: tuple[Step, ...] = ()
         self._template = template
         self._ending: End | None = None
@@ -117,7 +120,7 @@ class WorkerProcess(Generic[State]):
         self._lock = threading.Lock()
         self._oom_kills = _count_oom_kills()
         try:
-            self._pipe, self._forked, self.signals = _start(template)
+            self._pipe, self._forked, self.signals, self.output = _start(template)
         except OSError as error:
             raise WorkerDiedError(f"No worker process can be started: {error.strerror}.", "killed") from error
         with suppress(OSError):  # it has ended already: the first call finds out
@@ -192,7 +195,7 @@ class WorkerProcess(Generic[State]):
             NotBegunError: the worker had ended before.
             WorkerError: the worker ended during the call, or the function raised anything else.
         """
-        value: Reply = self._unpack(next(self._answers(Order(call, cpu_s, records_steps=self.records_steps))))
+        value: Reply = self._unpack(next(self._answers(self._order(call, cpu_s))))
         return value
 
     def stream(
@@ -221,17 +224,29 @@ class WorkerProcess(Generic[State]):
         Raises:
             PullfocusError: the function raised it; and the other errors of `call`.
         """
-        for answer in self._answers(Order(call, cpu_s, serial, has_yielded, grace_s, self.records_steps)):
+        for answer in self._answers(self._order(call, cpu_s, serial, has_yielded, grace_s)):
             value = self._unpack(answer)
             if not answer.is_last:
                 deliver(value)
         return bool(value)
+
+    def _order(
+        self,
+        call: Call[State, Any] | StreamCall[State, Any],
+        cpu_s: float,
+        serial: int = 0,
+        has_yielded: bool = False,
+        grace_s: float = 0.0,
+    ) -> Order[State]:
+        return Order(call, cpu_s, serial, has_yielded, grace_s, self.records_steps, self.records_output)
 
     def _answers(self, order: Order[State]) -> Iterator[Answer]:
         """Send an order and yield its answers."""
         has_begun = False
         self.steps = ()
         self._oom_kills = _count_oom_kills()
+        if order.records_output:
+            self.output.begin()
         try:
             self._pipe.send_bytes(pack(order))
             while True:
@@ -287,6 +302,7 @@ class WorkerProcess(Generic[State]):
                 self._forked.kill()  # it may have closed its pipe and go on
                 self._is_reaped = True  # its number may be another process's from here on
                 self._pipe.close()
+                self.output.close()
                 found = self._template.reap(self._forked)
                 self._peak_bytes = found.peak_bytes if found is not None else 0
                 self._ended_cpu_s = found.cpu_s if found is not None else 0.0
@@ -294,7 +310,7 @@ class WorkerProcess(Generic[State]):
             return self.end
 
 
-def _start(template: Template) -> tuple[Connection, Forked, Signals]:
+def _start(template: Template) -> tuple[Connection, Forked, Signals, WorkerOutput]:
     """Have a worker forked. Raises `WorkerDiedError`; `OSError`: there are no more descriptors or no memory."""
     with ExitStack() as kept, ExitStack() as given:
         here, there = Pipe()
@@ -303,9 +319,11 @@ def _start(template: Template) -> tuple[Connection, Forked, Signals]:
         memory = create_memory()
         given.callback(os.close, memory)
         signals = Signals(memory)
-        forked = template.fork(there.fileno(), memory)
+        output = create_output()
+        kept.callback(os.close, output)
+        forked = template.fork(there.fileno(), memory, output)
         kept.pop_all()
-        return here, forked, signals
+        return here, forked, signals, WorkerOutput(output)
 
 
 def _judge(end: Exit | None, role: Role[Any], oom_kills: int) -> End:

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from render.errors import PullfocusError, SettingsError
-from render.steps import StepRecorder, recorder, step
+from render.steps import Step, StepRecorder, recorder, step
 from service.workers.calls import StreamCall, resolve
 from service.workers.messages import Answer, Assignment, Begun, Order, pack, receive_trusted, sendable_error
+from service.workers.output import Redirection, write_line
 from service.workers.own_cache import begin_cache
 from service.workers.sandbox import Sandbox, allow_cpu, enter
 from service.workers.streaming import Signals, StaleCheck
@@ -21,19 +22,22 @@ from service.workers.streaming import Signals, StaleCheck
 State = TypeVar("State")
 
 
-def serve(pipe: Connection, signals_fd: int) -> None:
+def serve(pipe: Connection, signals_fd: int, output_fd: int) -> None:
     """Run calls until the service is gone. Runs in the worker.
 
     Args:
         pipe: the first message on it is an `Assignment`, all others are `Order`s.
         signals_fd: memory of `Signals`.
+        output_fd: memory of its output.
     """
     signals = Signals(signals_fd)
     os.close(signals_fd)
+    redirection = Redirection(output_fd)
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):  # the service is gone
         state = _begin(receive_trusted(pipe))
         while True:
             order: Order[Any] = receive_trusted(pipe)
+            redirection.set(order.records_output)
             pipe.send_bytes(pack(Begun()))
             allow_cpu(order.cpu_s)
             pipe.send_bytes(_answer(order, state, pipe, signals))
@@ -60,8 +64,8 @@ def _begin(assignment: Assignment[State]) -> State:
 
 def _answer(order: Order[State], state: State, pipe: Connection, signals: Signals) -> bytes:
     """Run a call and pickle its reply. A reply that cannot be pickled is a fault of the program, not the end of the worker."""
-    steps = StepRecorder()
-    asked = recorder.set(steps if order.records_steps else None)
+    steps = StepRecorder(_write_step) if order.records_output else StepRecorder()
+    asked = recorder.set(steps if order.records_steps or order.records_output else None)
     try:
         with step(order.call.function.rpartition(":")[2]):
             value = _run(order, state, pipe, signals)
@@ -76,6 +80,11 @@ def _answer(order: Order[State], state: State, pipe: Connection, signals: Signal
         return pack(Answer(fault=traceback.format_exc()))
     finally:
         recorder.reset(asked)
+
+
+def _write_step(step: Step) -> None:
+    name, begun_ns, ended_ns, _ = step
+    write_line(f"{name}: {(ended_ns - begun_ns) / 1e9:.3f} s", ended_ns / 1e9)
 
 
 def _run(order: Order[State], state: State, pipe: Connection, signals: Signals) -> object:

@@ -6,7 +6,7 @@ fork. It never has a second thread, since a fork copies one thread only, and so 
 Run as ``python -m service.workers.template CONTROL PRELOAD``: the descriptor of the service's socket, and the module whose import
 prepares all workers. The service sends JSON:
 
-- ``{"do": "fork"}``, with the descriptors of a pipe and of a `Signals`, is answered by ``{"pid": 7}``;
+- ``{"do": "fork"}``, with the descriptors of a pipe, a `Signals` and the memory of its output, is answered by ``{"pid": 7}``;
 - ``{"do": "reap", "pid": 7}`` waits for the end of a worker and is answered by its ``status``, ``peak_bytes`` and ``cpu_s``;
 - ``{"do": "try"}`` forks a process that ends at once, and is answered by ``{}``, or by ``error`` where none can be forked.
 
@@ -41,15 +41,14 @@ def main(control_fd: int, preload: str) -> None:
     with socket.socket(fileno=control_fd) as control:
         control.send(json.dumps({"threads": len(os.listdir("/proc/self/task"))}).encode())
         while True:
-            message, descriptors, _, _ = socket.recv_fds(control, MESSAGE_BYTES, 2)
+            message, descriptors, _, _ = socket.recv_fds(control, MESSAGE_BYTES, 3)
             if not message:
                 return
             request = json.loads(message)
             if request["do"] == "fork":
-                pipe_fd, signals_fd = descriptors
-                answer = _fork(control, pipe_fd, signals_fd, serve)
-                os.close(pipe_fd)
-                os.close(signals_fd)
+                answer = _fork(control, descriptors, serve)
+                for descriptor in descriptors:
+                    os.close(descriptor)
             elif request["do"] == "try":
                 answer = _try_fork()
             else:
@@ -62,7 +61,7 @@ def main(control_fd: int, preload: str) -> None:
             control.send(json.dumps(answer).encode())
 
 
-def _fork(control: socket.socket, pipe_fd: int, signals_fd: int, serve: Any) -> dict[str, object]:
+def _fork(control: socket.socket, descriptors: list[int], serve: Any) -> dict[str, object]:
     template = os.getpid()
     try:
         pid = os.fork()
@@ -74,7 +73,8 @@ def _fork(control: socket.socket, pipe_fd: int, signals_fd: int, serve: Any) -> 
         control.close()
         _end_with_parent()
         if os.getppid() == template:
-            serve(Connection(pipe_fd), signals_fd)
+            pipe_fd, signals_fd, output_fd = descriptors
+            serve(Connection(pipe_fd), signals_fd, output_fd)
     except BaseException:
         traceback.print_exc()  # a sandbox that cannot be entered, most likely
         sys.stderr.flush()

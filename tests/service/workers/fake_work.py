@@ -76,6 +76,18 @@ def fail(state: Tally) -> None:
 
 
 @register
+def complain(state: Tally, text: str, times: int = 1, ends: bool = False) -> int:
+    """Write to standard error as a library of C does, and crash if wanted. Returns how many writes went through."""
+    written = 0
+    for _ in range(times):
+        with suppress(OSError):
+            written += os.write(2, text.encode()) > 0
+    if ends:
+        os._exit(139)
+    return written
+
+
+@register
 def crash(state: Tally) -> None:
     """End the process as a segmentation fault would, without an exception."""
     os._exit(139)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
+from render.errors import PullfocusError
 from render.film import GradeChoice
 from render.frame import FrameSettings
 from render.frame import Pick as SurfacePick
@@ -22,7 +25,9 @@ from service.models.focus import Anchor, Pick
 from service.models.shots import PickRequest
 from service.picture.requests import THUMBNAIL, DrawnFrame, FrameRequest
 from service.picture.state import PictureWorkerState, picture_function
+from service.stage.opened import as_sent
 from service.storage.store import ShotRecord
+from service.workers.output import write_line
 
 PICK_WIDTH_PX = 2048
 """Width of the picture that a position is picked in: finer than a pointer's step."""
@@ -64,13 +69,23 @@ def render_files(state: PictureWorkerState, request: FrameRequest, formats: Sequ
     Raises:
         PullfocusError: as `render.pictures.picture.make_picture`.
     """
-    picture = _make_picture(state, request, None)
+    try:
+        picture = _make_picture(state, request, None)
+    finally:
+        _write_findings(state, request)
     with step("encode"):
         files = {name: encode(name, picture.frame, picture.graded, picture.metadata) for name in formats}
         small = shrink_picture(to_8_bit(picture.graded)).astype(np.float32) / np.float32(255)
         files[THUMBNAIL] = encode_jpeg(small, picture.metadata)
     with state.opened.use(request.record, request.edits) as shot:
         return DrawnFrame(files, shot.stage.GetTimeCodesPerSecond())
+
+
+def _write_findings(state: PictureWorkerState, request: FrameRequest) -> None:
+    """Write to the output of the process what of the shot is not honoured, or cannot be used."""
+    with suppress(PullfocusError), state.opened.use(request.record, request.edits) as shot:
+        for finding in shot.findings():
+            write_line(as_sent(f"{finding.code}: {finding.path}: {finding.message}", request.record), time.time())
 
 
 def _make_picture(state: PictureWorkerState, request: FrameRequest, live: LiveFinisher | None) -> Picture:

@@ -41,15 +41,15 @@ class ShotFindings:
         self._reader = reader
         self._lights: tuple[Light, ...] = ()
         self._asked: dict[Finding, None] = {}
+        self._ignored: tuple[int, list[Finding]] | None = None  # after the revision of the edits
         self._focus: dict[Finding, int] = {}  # with the revision of the edits that each belongs to
 
     def all(self) -> list[Finding]:
         """Every finding so far that still holds; those of one code beyond `MAX_ALIKE` are one finding together."""
         cameras = camera_findings(self._stage, self._cameras.paths())
         focus = [finding for finding, revision in self._focus.items() if revision == self._edits.revision]
-        ignored = find_not_honoured(self._stage)
-        found = [*self._reader.findings, *cameras, *light_findings(self._lights), *focus, *self._asked, *ignored]
-        return condense(found, MAX_ALIKE)
+        found = [*self._reader.findings, *cameras, *light_findings(self._lights), *focus, *self._asked]
+        return condense([*found, *self._not_honoured()], MAX_ALIKE)
 
     def note_asked(self, findings: Iterable[Finding]) -> None:
         """Note findings of what the stage's render settings ask for."""
@@ -66,6 +66,13 @@ class ShotFindings:
     def note_points(self, focused: FocusedCamera) -> None:
         """Note focus points that are lost, and a focus that the lens cannot meet."""
         self._note([*lost_point_findings(focused), *unmet_findings(focused)])
+
+    def _not_honoured(self) -> list[Finding]:
+        """Return what of the stage is not honoured; the whole stage is looked through for it once after each edit."""
+        revision = self._edits.revision
+        if self._ignored is None or self._ignored[0] != revision:
+            self._ignored = revision, list(find_not_honoured(self._stage))
+        return self._ignored[1]
 
     def _note(self, findings: Iterable[Finding]) -> None:
         self._focus.update(dict.fromkeys(findings, self._edits.revision))

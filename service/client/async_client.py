@@ -15,7 +15,7 @@ from . import operations
 from .connecting import DEFAULT_URL, http_arguments
 from .errors import AnswerError
 from .models import Render, RenderPlan, RenderSettings, RenderTask, Shot, ShotSummary
-from .operations import ENDED, AnyRender, AnyShot, Download, Watch
+from .operations import ENDED, AnyRender, AnyShot, Download, LogReader, Watch
 from .steps import Answer, Exchange, Pause, Receiver, Retries, Steps, Work
 from .sync_client import AnyPath
 
@@ -190,6 +190,34 @@ class AsyncClient:
             frames: those of the report, as a range of frames of the render; all of them when left out.
         """
         return await self._run(operations.fetch_focus_report(render, Path(path), frames, self._retries))
+
+    async def log(self, render: AnyRender, frame: int, *, attempt: int | None = None, tail: int | None = None) -> str:
+        """Read the log of an attempt at a frame.
+
+        Args:
+            render: the render.
+            frame: number of the frame.
+            attempt: number of the attempt; None for the last one.
+            tail: number of lines from its end; None for all.
+        """
+        return await self._run(operations.log(render, frame, attempt, tail, self._retries))
+
+    async def follow_log(
+        self, render: AnyRender, frame: int, on_text: Callable[[str], object], *, attempt: int | None = None
+    ) -> None:
+        """Follow the log of an attempt at a frame until it has ended. A frame that waits is waited for.
+
+        Args:
+            render: the render.
+            frame: number of the frame.
+            on_text: called with the lines that there are, and with others as they come.
+            attempt: number of the attempt; None for the last one.
+        """
+        reader = LogReader(render, frame, attempt, self._retries)
+        while not reader.has_ended:
+            text = await self._run(reader.next_text())
+            if text:
+                on_text(text)
 
     async def _run_all(self, all_steps: Sequence[Steps[T]], note: Callable[[T], None], at_once: int) -> None:
         """Carry out operations, some at once. Where one fails, the others are given up."""

@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import quote
 
 from .decoding import camel_case
-from .errors import AnswerError, SettingError, WaitTimeoutError
+from .errors import AnswerError, RefusedError, SettingError, WaitTimeoutError
 from .frame_files import SUFFIXES, FetchedFile, StoredFile, file_name, files_of, find_fetched
 from .listening import LISTEN_S, Listener
 from .models import Render, RenderList, RenderPlan, RenderTask, RenderTaskList, Shot, ShotList, ShotSummary
@@ -28,6 +28,8 @@ REPORTS = ("csv", "json")
 MOST_LISTED = 200
 """Renders of one answer."""
 _FIRST_LOOK_S, _LONGEST_LOOK_S = 0.25, 3.0
+_LOG_LOOK_S = 1.0
+"""Time between two looks at a log that is followed, s."""
 _LONG_S = 900.0
 """Time for an answer that takes the service work: the check of an upload, a movie, s."""
 _SENDABLE = re.compile(r"[\x21-\x7e]{1,200}")
@@ -197,6 +199,61 @@ class Watch:
         if left_s <= 0:
             raise WaitTimeoutError(f"render {now.id} is {now.state} after {self._timeout_s:g} s")
         return min(pause_s, left_s)
+
+
+def log(render: AnyRender, frame: int, attempt: int | None, tail: int | None, retries: Retries) -> Steps[str]:
+    """Read the log of a frame."""
+    answer = yield from perform(_log_call(render, frame, {"attempt": attempt, "tail": tail}), retries)
+    return answer.content.decode("utf-8", "replace")
+
+
+class LogReader:
+    """Log of an attempt at a frame that is followed.
+
+    Args:
+        render: the render.
+        frame: number of the frame.
+        attempt: number of the attempt; None for the last one, once there is one.
+        retries: for each look.
+
+    Attributes:
+        has_ended: whether the attempt has ended, and all of its log is read.
+    """
+
+    def __init__(self, render: AnyRender, frame: int, attempt: int | None, retries: Retries) -> None:
+        self.has_ended = False
+        self._render = render
+        self._frame = frame
+        self._attempt = attempt
+        self._retries = retries
+        self._length = 0
+
+    def next_text(self) -> Steps[str]:
+        """Wait until there are further lines, or the attempt has ended, and return the lines."""
+        while True:
+            try:
+                answer = yield from perform(
+                    _log_call(self._render, self._frame, {"attempt": self._attempt}), self._retries
+                )
+            except RefusedError as error:
+                if error.code != "frame_not_begun":
+                    raise
+            else:
+                text = answer.content.decode("utf-8", "replace")
+                number = answer.headers.get("Pullfocus-Attempt", "")
+                if not (number.isascii() and number.isdigit()):
+                    raise AnswerError("the log does not say which attempt it is of")
+                self._attempt = int(number[:9])
+                self.has_ended = answer.headers.get("Pullfocus-Ended") == "true"
+                new, self._length = text[self._length :], len(text)
+                if new or self.has_ended:
+                    return new
+            yield Pause(_LOG_LOOK_S)
+
+
+def _log_call(render: AnyRender, frame: int, query: Mapping[str, int | None]) -> Call:
+    params = {name: value for name, value in query.items() if value is not None}
+    return Call("GET", f"{_address('renders', render)}/frames/{frame}/log", params)
 
 
 class Download:

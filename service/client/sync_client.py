@@ -18,7 +18,7 @@ from . import operations
 from .connecting import DEFAULT_URL, http_arguments
 from .errors import AnswerError, ClientError
 from .models import Render, RenderPlan, RenderSettings, RenderTask, Shot, ShotSummary
-from .operations import ENDED, AnyRender, AnyShot, Download, Watch
+from .operations import ENDED, AnyRender, AnyShot, Download, LogReader, Watch
 from .steps import Answer, Exchange, Pause, Receiver, Retries, Steps, Work
 
 T = TypeVar("T")
@@ -230,6 +230,34 @@ class Client:
             frames: those of the report, as a range of frames of the render; all of them when left out.
         """
         return self._run(operations.fetch_focus_report(render, Path(path), frames, self._retries))
+
+    def log(self, render: AnyRender, frame: int, *, attempt: int | None = None, tail: int | None = None) -> str:
+        """Read the log of an attempt at a frame.
+
+        Args:
+            render: the render.
+            frame: number of the frame.
+            attempt: number of the attempt; None for the last one.
+            tail: number of lines from its end; None for all.
+        """
+        return self._run(operations.log(render, frame, attempt, tail, self._retries))
+
+    def follow_log(
+        self, render: AnyRender, frame: int, on_text: Callable[[str], object], *, attempt: int | None = None
+    ) -> None:
+        """Follow the log of an attempt at a frame until it has ended. A frame that waits is waited for.
+
+        Args:
+            render: the render.
+            frame: number of the frame.
+            on_text: called with the lines that there are, and with others as they come.
+            attempt: number of the attempt; None for the last one.
+        """
+        reader = LogReader(render, frame, attempt, self._retries)
+        while not reader.has_ended:
+            text = self._run(reader.next_text())
+            if text:
+                on_text(text)
 
     def _run_all(self, all_steps: Sequence[Steps[T]], note: Callable[[T], None], at_once: int) -> None:
         """Carry out operations by some threads. Where one fails, or Ctrl-C comes, the others are given up."""

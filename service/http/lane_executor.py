@@ -8,10 +8,12 @@ import socket
 from collections.abc import Mapping
 
 from service.http.service import Service
+from service.jobs.frame_logs import FrameLog
 from service.jobs.frame_work import FrameWork
 from service.picture.calls import frames
 from service.picture.requests import DrawnFrame
 from service.workers.calls import call
+from service.workers.output import JobOutput
 
 
 class LaneExecutor:
@@ -29,13 +31,16 @@ class LaneExecutor:
         """Return this process, and how many frames it draws at a time."""
         return {self._name: self._service.lanes.long.slots}
 
-    async def draw(self, worker: str, work: FrameWork) -> DrawnFrame:
+    async def draw(self, worker: str, work: FrameWork, log: FrameLog) -> DrawnFrame:
         """Draw a frame; see `service.jobs.frame_work.Executor`."""
+        output = JobOutput()
+        log.follow(output.text)
         return await self._service.lanes.long.result(
             call(frames.render_files, work.request, work.formats),
             self._service.place_of(work.request.record),
             work.client,
             estimate_s=work.estimate_s,
+            output=output,
         )
 
     async def close(self) -> None:

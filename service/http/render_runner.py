@@ -16,6 +16,7 @@ from render.errors import OutputError, PullfocusError
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.lane_executor import LaneExecutor
+from service.http.log_keeping import LogKeeper
 from service.http.render_shots import shot_of
 from service.http.service import Service
 from service.http.settings import MEBIBYTE
@@ -183,21 +184,23 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
         executor: draws it.
         claim: the frame.
     """
-    queue = service.renders
-    drawing = asyncio.create_task(_draw(service, executor, claim))
-    holding = asyncio.create_task(_hold(service, claim, drawing))
+    queue, keeper = service.renders, LogKeeper(service.renders.logs, claim)
+    keeper.log.add(f"attempt {claim.attempt} at frame {claim.frame} of render {claim.render}, by worker {claim.worker}")
+    drawing = asyncio.create_task(_draw(service, executor, claim, keeper))
+    beside = [asyncio.create_task(_hold(service, claim, drawing)), asyncio.create_task(keeper.run())]
     try:
         await drawing
     except asyncio.CancelledError:
         if _is_cancelling():
             drawing.cancel()
             await asyncio.wait((drawing,))
-            queue.give_back(claim, STOPPING)  # here, as nothing that is awaited may be finished before the service is
+            # Here, as nothing that is awaited may be finished before the service is.
+            queue.give_back(claim, STOPPING, keeper.new_lines())
             raise
-        await _note(queue.give_back, claim, "the render was canceled")
+        await _note(queue.give_back, claim, "the render was canceled", await keeper.end())
     except LostFrameError as error:
         log.warning("frame %d of render %s is lost: %s", claim.frame, claim.render, error)
-        await _note(queue.lose, claim, str(error))
+        await _note(queue.lose, claim, str(error), await keeper.end())
     except UnavailableError as error:
         log.warning("frame %d of render %s cannot be begun now: %s", claim.frame, claim.render, error)
         await _note(queue.put_off, claim, BUSY_PAUSE_S)
@@ -207,12 +210,13 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
             await _note(queue.put_off, claim, BUSY_PAUSE_S, is_of_owner=is_of_owner)
         else:
             log.warning("frame %d of render %s could not be drawn: %s", claim.frame, claim.render, error)
-            await _note(queue.fail, claim, str(error), may_pass=_may_pass(error))
+            await _note(queue.fail, claim, str(error), await keeper.end(), may_pass=_may_pass(error))
     except Exception as error:
         log.exception("frame %d of render %s could not be drawn", claim.frame, claim.render)
-        await _note(queue.fail, claim, repr(error), may_pass=False)
+        await _note(queue.fail, claim, repr(error), await keeper.end(), may_pass=False)
     finally:
-        holding.cancel()
+        for task in beside:
+            task.cancel()
 
 
 class _NoRoomError(Exception):
@@ -259,14 +263,14 @@ async def _hold(service: Service, claim: Claim, drawing: asyncio.Task[None]) -> 
             return
 
 
-async def _draw(service: Service, executor: Executor, claim: Claim) -> None:
+async def _draw(service: Service, executor: Executor, claim: Claim, keeper: LogKeeper) -> None:
     """Have a frame drawn and store it."""
     with ExitStack() as stack:
         record = await shot_of(service, claim, stack)
-        await _draw_shot(service, executor, claim, record)
+        await _draw_shot(service, executor, claim, record, keeper)
 
 
-async def _draw_shot(service: Service, executor: Executor, claim: Claim, record: ShotRecord) -> None:
+async def _draw_shot(service: Service, executor: Executor, claim: Claim, record: ShotRecord, keeper: LogKeeper) -> None:
     """Have a frame of a shot drawn and store it."""
     service.quarantine.check(record)
     formats, aovs = claim.request["formats"], claim.request.get("aovs", [])  # an earlier version kept no AOVs
@@ -277,8 +281,9 @@ async def _draw_shot(service: Service, executor: Executor, claim: Claim, record:
     service.quotas.check_work(client)
     request = frame_request(record, claim.edits, query, limits, aovs)
     key = f"{claim.render}/{claim.frame}/{claim.attempt}"
-    drawn = await executor.draw(claim.worker, FrameWork(key, request, tuple(formats), client, cost.ordinary_s))
-    storing = asyncio.create_task(_store(service, claim, record.project, drawn))
+    work = FrameWork(key, request, tuple(formats), client, cost.ordinary_s)
+    drawn = await executor.draw(claim.worker, work, keeper.log)
+    storing = asyncio.create_task(_store(service, claim, record.project, drawn, keeper))
     try:
         await asyncio.shield(storing)
     except asyncio.CancelledError:
@@ -287,7 +292,7 @@ async def _draw_shot(service: Service, executor: Executor, claim: Claim, record:
         raise
 
 
-async def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame) -> None:
+async def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame, keeper: LogKeeper) -> None:
     """Store the files of a frame. What comes too late, as another worker has the frame by now, is thrown away.
 
     Raises:
@@ -298,7 +303,10 @@ async def _store(service: Service, claim: Claim, project: str, drawn: DrawnFrame
     contents = {suffix: drawn.files[suffix] for suffix in wanted}  # a worker is not trusted with names
     await _note(service.quotas.check_room, project, sum(map(len, contents.values())))
     entries = await _write_patiently(service.render_files, claim, contents)
-    is_stored = await _note(service.renders.finish, claim, entries, drawn.time_codes_per_second)
+    for suffix, entry in entries.items():
+        keeper.log.add(f"stored {suffix}: {entry['size_bytes']} bytes, SHA-256 {entry['sha256']}")
+    lines = await keeper.end()
+    is_stored = await _note(service.renders.finish, claim, entries, drawn.time_codes_per_second, lines)
     before = range(max(1, claim.attempt - MOST_LEFT), claim.attempt) if is_stored else (claim.attempt,)
     await run_in_threadpool(_remove_attempts, service.render_files, claim, before)
 

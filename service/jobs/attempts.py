@@ -14,10 +14,12 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from service.jobs.events import noted, task_event
+from service.jobs.frame_logs import append_log
 from service.jobs.states import move
 from service.models.renders import TaskState
 from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
 from service.storage.events import EventLog
+from service.workers.output import log_line
 
 MOST_FAILURES = 3
 """Errors that may pass after which a task has failed."""
@@ -58,12 +60,22 @@ class Attempts:
         session.add(AttemptRow(render=render.id, frame=task.frame, number=task.attempts, worker=worker, started_at=now))
 
     def end(
-        self, session: Session, render: RenderRow, task: TaskRow, state: TaskState, outcome: str, error: str | None
+        self,
+        session: Session,
+        render: RenderRow,
+        task: TaskRow,
+        state: TaskState,
+        outcome: str,
+        error: str | None,
+        log: str = "",
     ) -> None:
-        """End an attempt; a task that is ready again is canceled where its render is."""
+        """End an attempt; a task that is ready again is canceled where its render is. `log` is the end of its log."""
         now = self.clock(session)
         attempt = session.get_one(AttemptRow, (task.render, task.frame, task.attempts))
         attempt.ended_at, attempt.outcome, attempt.error = now, outcome, error and error[:MAX_ERROR]
+        last = "" if error is None else log_line(f"{outcome}: {attempt.error}", now)
+        if log or last:
+            append_log(session, render, attempt, log + last)
         task.worker = task.holder = task.lease_until = None
         with noted(self.events, session, render):
             move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
@@ -72,17 +84,17 @@ class Attempts:
             render.busy_s += max(0.0, now - attempt.started_at)
         self.note_end(session, render)
 
-    def fail(self, session: Session, render: RenderRow, task: TaskRow, error: str, *, may_pass: bool) -> None:
+    def fail(self, session: Session, render: RenderRow, task: TaskRow, error: str, log: str, *, may_pass: bool) -> None:
         """End an attempt that could not draw its frame."""
         task.failures += 1
         has_failed = not may_pass or task.failures >= MOST_FAILURES
-        self._try_again(session, render, task, "failed", error, task.failures, has_failed=has_failed)
+        self._try_again(session, render, task, "failed", error, log, task.failures, has_failed=has_failed)
 
-    def lose(self, session: Session, render: RenderRow, task: TaskRow, error: str) -> None:
+    def lose(self, session: Session, render: RenderRow, task: TaskRow, error: str, log: str = "") -> None:
         """End an attempt whose worker is gone."""
         task.losses += 1
         has_failed = task.losses >= MOST_LOSSES
-        self._try_again(session, render, task, "lost", error, task.losses, has_failed=has_failed)
+        self._try_again(session, render, task, "lost", error, log, task.losses, has_failed=has_failed)
 
     def end_lost(self, session: Session) -> None:
         """Take tasks back whose leases have run out, or end so late that the clock was set back."""
@@ -121,9 +133,10 @@ class Attempts:
         task: TaskRow,
         outcome: str,
         error: str,
+        log: str,
         tries: int,
         *,
         has_failed: bool,
     ) -> None:
-        self.end(session, render, task, "failed" if has_failed else "ready", outcome, error)
+        self.end(session, render, task, "failed" if has_failed else "ready", outcome, error, log)
         task.not_before = self.clock(session) + min(BACK_OFF_S * 2 ** (tries - 1), MOST_BACK_OFF_S)

@@ -22,6 +22,7 @@ from typing import Any
 from render.errors import SettingsError
 from service.jobs import dask_worker
 from service.jobs.drawer import DoneFrame, FailedFrame, MissingShot
+from service.jobs.frame_logs import FrameLog
 from service.jobs.frame_work import FrameError, FrameWork, LostFrameError
 from service.jobs.shot_files import PART_BYTES, FileList, list_files, read_part
 from service.picture.requests import DrawnFrame
@@ -37,6 +38,8 @@ LOOK_PAUSE_S = 1.0
 """Time between two looks at which workers there are."""
 ANSWER_S = 10.0
 """Time that a scheduler or worker has to answer, s."""
+CALL_S = 60.0
+"""Time that a worker has for a call beside its frames, s."""
 THREADS = 4
 """Calls that a worker may run at a time; the drawing itself is one at a time."""
 SENDS = 3
@@ -69,6 +72,16 @@ class DaskAddress:
             expected = "tcp://HOST:PORT, tls://HOST:PORT, local or local:WORKERS"
             raise SettingsError(f"the address of Dask is expected as {expected}, got {text[:80]!r}", path="dask")
         return cls(text)
+
+
+@dataclass
+class _Output:
+    """Output of a frame, as far as its worker has told it."""
+
+    text: str = ""
+
+    def read(self) -> str:
+        return self.text
 
 
 class DaskExecutor:
@@ -106,14 +119,17 @@ class DaskExecutor:
         """Return the workers of this version of the program, and how many frames may be with each."""
         return {name: PLACES for name, address in self._workers.items() if address not in self._doubtful}
 
-    async def draw(self, worker: str, work: FrameWork) -> DrawnFrame:
+    async def draw(self, worker: str, work: FrameWork, log: FrameLog) -> DrawnFrame:
         """Have a worker draw a frame. Raises `FrameError`, `LostFrameError`, `OSError`: its shot cannot be read."""
         files = await self._files_of(work.request.record)
         for _ in range(SENDS):
-            answer = await self._ask(worker, work, files)
+            output = _Output()
+            log.follow(output.read)
+            answer = await self._ask(worker, work, files, output)
             if isinstance(answer, MissingShot):
                 await self._send(worker, work.request.record, files)
                 continue
+            output.text = answer.output
             self._on_used(work.client, answer.cpu_s)
             if isinstance(answer, FailedFrame):
                 if answer.end in BLAMED:
@@ -196,7 +212,9 @@ class DaskExecutor:
         if not self._greeted[address]:
             log.warning("worker %s has version %s, and this service %s", address, theirs, version("pullfocus"))
 
-    async def _ask(self, worker: str, work: FrameWork, files: FileList) -> DoneFrame | FailedFrame | MissingShot:
+    async def _ask(
+        self, worker: str, work: FrameWork, files: FileList, output: _Output
+    ) -> DoneFrame | FailedFrame | MissingShot:
         """Ask a worker for a frame."""
         address, client = self._workers.get(worker), self._client
         if address is None or client is None:
@@ -212,6 +230,8 @@ class DaskExecutor:
             while not (await asyncio.wait((waiting,), timeout=LOOK_PAUSE_S))[0]:
                 if self._workers.get(worker) != address:
                     raise LostFrameError(f"worker {worker} is gone")
+                with suppress(Exception):  # it is there with the answer, at the latest
+                    output.text = await self._call(address, dask_worker.read_output, work.key, within_s=LOOK_PAUSE_S)
             answer: DoneFrame | FailedFrame | MissingShot = waiting.result()
             return answer
         except LostFrameError:
@@ -233,11 +253,13 @@ class DaskExecutor:
         self._doubtful.add(address)
         return LostFrameError(f"worker {worker} has lost the frame: {reason}")
 
-    async def _call(self, address: str, function: Callable[..., Any], *arguments: object) -> Any:
+    async def _call(
+        self, address: str, function: Callable[..., Any], *arguments: object, within_s: float = CALL_S
+    ) -> Any:
         """Call a function on a worker, beside its frames."""
         if self._client is None:
             raise LostFrameError("the scheduler of the workers is gone")
-        async with asyncio.timeout(60.0):
+        async with asyncio.timeout(within_s):
             return (await self._client.run(function, *arguments, workers=[address]))[address]
 
     async def _send(self, worker: str, record: ShotRecord, files: FileList) -> None:

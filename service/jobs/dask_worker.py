@@ -58,6 +58,11 @@ async def stop(key: str) -> None:
     _own_drawer().stop(key)
 
 
+async def read_output(key: str) -> str:
+    """Return what the process of a frame has written so far."""
+    return _own_drawer().output(key)
+
+
 async def begin_shot() -> str:
     """Begin to receive a shot; see `service.jobs.shot_files.ShotFiles`."""
     return await asyncio.to_thread(_own_drawer().shots.begin)

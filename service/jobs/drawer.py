@@ -22,6 +22,7 @@ from service.workers.folders import default_cache_folder
 from service.workers.forking import Template
 from service.workers.jobs import Finished, observer
 from service.workers.lane import Lane
+from service.workers.output import JobOutput
 from service.workers.places import Place
 from service.workers.pool import WorkerPool
 from service.workers.process import NotBegunError
@@ -65,10 +66,12 @@ class DoneFrame:
     Attributes:
         frame: its files.
         cpu_s: processor time that it took, s.
+        output: all that its process has written.
     """
 
     frame: DrawnFrame
     cpu_s: float
+    output: str = ""
 
 
 @dataclass(frozen=True)
@@ -80,12 +83,14 @@ class FailedFrame:
         may_pass: whether another try may succeed.
         end: why the process ended that drew it; None where it did not.
         cpu_s: processor time that it took, s.
+        output: all that its process has written.
     """
 
     message: str
     may_pass: bool
     end: End | None
     cpu_s: float
+    output: str = ""
 
 
 @dataclass(frozen=True)
@@ -128,6 +133,7 @@ class Drawer:
             timeout_s=settings.timeout_s,
         )
         self._drawing: dict[str, asyncio.Task[DrawnFrame]] = {}
+        self._outputs: dict[str, JobOutput] = {}
         self._filling = threading.Lock()
 
     def warm_up(self) -> None:
@@ -153,24 +159,34 @@ class Drawer:
                 return MissingShot()
             record = replace(work.request.record, folder=folder)
             wanted = call(frames.render_files, replace(work.request, record=record), work.formats)
+            output = self._outputs[work.key] = JobOutput()
             token = observer.set(finished.append)
             drawing = asyncio.ensure_future(
                 self._lane.result(
-                    wanted, Place(files.hash, (record.files, *self._read)), work.client, estimate_s=work.estimate_s
+                    wanted,
+                    Place(files.hash, (record.files, *self._read)),
+                    work.client,
+                    estimate_s=work.estimate_s,
+                    output=output,
                 )
             )
             observer.reset(token)
             self._drawing[work.key] = drawing
             try:
-                return DoneFrame(await drawing, _cpu_s(finished))
+                return DoneFrame(await drawing, _cpu_s(finished), output.text())
             except asyncio.CancelledError:
                 if not drawing.cancelled():
                     raise
-                return FailedFrame("it was given up", True, None, _cpu_s(finished))
+                return FailedFrame("it was given up", True, None, _cpu_s(finished), output.text())
             except (PullfocusError, WorkerError, OSError) as error:
-                return FailedFrame(str(error), may_pass(error), end_of(error), _cpu_s(finished))
+                return FailedFrame(str(error), may_pass(error), end_of(error), _cpu_s(finished), output.text())
             finally:
-                del self._drawing[work.key]
+                del self._drawing[work.key], self._outputs[work.key]
+
+    def output(self, key: str) -> str:
+        """Return what the process of a frame has written so far; nothing where it is not drawn now."""
+        output = self._outputs.get(key)
+        return "" if output is None else output.text()
 
     def stop(self, key: str) -> None:
         """Give a frame up that is drawn, or waits. Does nothing where it has ended."""

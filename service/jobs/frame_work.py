@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from render.errors import GraphicsError, OutputError, PullfocusError
+from service.jobs.frame_logs import FrameLog
 from service.picture.requests import DrawnFrame, FrameRequest
 from service.workers.errors import End, UnfitError, WorkerDiedError
 from service.workers.jobs import Client
@@ -59,12 +60,13 @@ class Executor(Protocol):
         """Return the workers that there are, and how many frames may be with each at a time."""
         ...
 
-    async def draw(self, worker: str, work: FrameWork) -> DrawnFrame:
+    async def draw(self, worker: str, work: FrameWork, log: FrameLog) -> DrawnFrame:
         """Draw a frame and return its files. Cancelling this ends the work.
 
         Args:
             worker: who draws it, of `places`.
             work: the frame.
+            log: receives what the worker writes.
 
         Raises:
             FrameError: it could not be drawn.

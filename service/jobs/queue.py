@@ -18,6 +18,7 @@ from service.jobs.attempts import Attempts
 from service.jobs.claims import Claim, NewRender
 from service.jobs.errors import ConflictError
 from service.jobs.events import noted, render_event
+from service.jobs.frame_logs import FrameLogs
 from service.jobs.frame_ranges import format_frames
 from service.jobs.lookups import RenderLookups
 from service.jobs.states import find_render, find_unended, move, state_of
@@ -44,6 +45,7 @@ class RenderQueue:
     Attributes:
         totals: over all renders.
         lookups: about single ones.
+        logs: of their frames.
     """
 
     def __init__(
@@ -62,6 +64,7 @@ class RenderQueue:
         self._attempts = Attempts(events, clock, holder)
         self.totals = RenderTotals(engine)
         self.lookups = RenderLookups(engine)
+        self.logs = FrameLogs(engine)
 
     def close(self) -> None:
         """Close the connections to the database."""
@@ -207,13 +210,14 @@ class RenderQueue:
             held[1].lease_until = self._clock(session) + lease_s
             return held[0].wanted != "cancel"
 
-    def finish(self, claim: Claim, files: Mapping[str, FileEntry], time_codes_per_second: float) -> bool:
+    def finish(self, claim: Claim, files: Mapping[str, FileEntry], time_codes_per_second: float, log: str = "") -> bool:
         """Note that a frame is drawn and stored.
 
         Args:
             claim: the task.
             files: its files by format.
             time_codes_per_second: of the shot, for movies.
+            log: end of its log.
 
         Returns:
             Whether the task was still the worker's, or this was noted before, by a commit whose answer was lost.
@@ -228,45 +232,48 @@ class RenderQueue:
             task.files = dict(files)
             render.time_codes_per_second = time_codes_per_second
             render.stored_bytes += _size_of(task)
-            self._attempts.end(session, render, task, "done", "done", None)
+            self._attempts.end(session, render, task, "done", "done", None, log)
             return True
 
-    def fail(self, claim: Claim, error: str, *, may_pass: bool) -> None:
+    def fail(self, claim: Claim, error: str, log: str = "", *, may_pass: bool) -> None:
         """Note that a frame could not be drawn.
 
         Args:
             claim: the task.
             error: what went wrong, for people.
+            log: end of its log.
             may_pass: whether another try may succeed.
         """
         with self._writing() as session:
             held = self._held(session, claim)
             if held is not None:
-                self._attempts.fail(session, *held, error, may_pass=may_pass)
+                self._attempts.fail(session, *held, error, log, may_pass=may_pass)
 
-    def lose(self, claim: Claim, error: str) -> None:
+    def lose(self, claim: Claim, error: str, log: str = "") -> None:
         """Note that the worker of a frame is gone: the frame is drawn again, and this counts as no failure of its own.
 
         Args:
             claim: the task.
             error: what is gone, for people.
+            log: end of its log.
         """
         with self._writing() as session:
             held = self._held(session, claim)
             if held is not None:
-                self._attempts.lose(session, *held, error)
+                self._attempts.lose(session, *held, error, log)
 
-    def give_back(self, claim: Claim, reason: str) -> None:
+    def give_back(self, claim: Claim, reason: str, log: str = "") -> None:
         """Give a task back that was not finished, as when the service stops; it counts as no failure.
 
         Args:
             claim: the task.
             reason: for people.
+            log: end of its log.
         """
         with self._writing() as session:
             held = self._held(session, claim)
             if held is not None:
-                self._attempts.end(session, *held, "ready", "given-back", reason)
+                self._attempts.end(session, *held, "ready", "given-back", reason, log)
 
     def put_off(self, claim: Claim, pause_s: float, *, is_of_owner: bool = False) -> None:
         """Give a task back that could not be begun; this attempt is forgotten, and none of its render is claimed for a while.

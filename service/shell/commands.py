@@ -118,12 +118,29 @@ def _run(client: Client, typed: argparse.Namespace) -> int:
             return watch(client, typed.id, typed.out, typed)
         case "fetch":
             return _fetch(client, typed)
+        case "log":
+            _print_log(client, typed)
         case "remove":
             client.remove(typed.id)
             print_message(f"render {typed.id} is removed")
         case change:
             print_end(client, getattr(client, change)(typed.id), typed)
     return 0
+
+
+def _print_log(client: Client, typed: argparse.Namespace) -> None:
+    if typed.follow and typed.tail is not None:
+        raise SettingsError("--follow prints all of a log: leave --tail out")
+    if typed.follow:
+        client.follow_log(
+            typed.id, typed.frame, lambda text: print(_printable(text), end="", flush=True), attempt=typed.attempt
+        )
+    else:
+        print(_printable(client.log(typed.id, typed.frame, attempt=typed.attempt, tail=typed.tail)), end="")
+
+
+def _printable(text: str) -> str:
+    return "\n".join(map(one_line, text.split("\n")))
 
 
 def _fetch(client: Client, typed: argparse.Namespace) -> int:
@@ -188,12 +205,21 @@ def _jobs_parser() -> argparse.ArgumentParser:
         type=Path,
         help="write how sharp its focus points are, frame by frame: .csv, .json; it need not have ended",
     )
+    log = actions.add_parser(
+        "log", help="print the log of a frame: its steps, what was said meanwhile, what went wrong"
+    )
+    log.add_argument("--attempt", metavar="N", type=_count, help="number of an attempt (default: the last one)")
+    log.add_argument("--tail", metavar="N", type=_count, help="print the last N lines")
+    log.add_argument(
+        "--follow", action="store_true", help="print further lines as they come, until the attempt has ended"
+    )
     changes = [actions.add_parser(action, help=purpose) for action, purpose in _CHANGES.items()]
-    for action in (show, watching, fetch, *changes):
+    for action in (show, watching, fetch, log, *changes):
         action.add_argument("id", metavar="ID", help="id of the render")
+    log.add_argument("frame", metavar="FRAME", type=int, help="number of the frame")
     for action in (listing, show):
         action.add_argument("--json", action="store_true", help="print JSON, with the keys of the REST interface")
-    for action in (listing, show, watching, fetch, *changes):
+    for action in (listing, show, watching, fetch, log, *changes):
         connection.add_arguments(action)
     return parser
 

@@ -64,6 +64,8 @@ def print_end(client: Client, render: Render, typed: argparse.Namespace) -> None
         print_message(f"frame {task.frame}: {error_of(task)}")
     if len(failed) > _MOST_ERRORS:
         print_message(f"and {len(failed) - _MOST_ERRORS} more: {again(typed, 'jobs', 'show', render.id)}")
+    if failed:
+        print_message(f"`{again(typed, 'jobs', 'log', render.id, str(failed[0].frame))}` prints the log of the first")
     print_message(f"`{again(typed, 'jobs', 'retry', render.id)}` draws them again")
 
 

@@ -30,6 +30,7 @@ from service.http.settings import Settings
 from service.identity.principal import DEFAULT_PROJECT
 from service.jobs.claims import NewRender
 from service.jobs.dask_executor import PLACES
+from service.jobs.frame_logs import FrameLog
 from service.jobs.frame_work import FrameWork
 from service.models.renders import RenderRequest
 from service.picture.requests import DrawnFrame
@@ -74,7 +75,7 @@ class SleepingExecutor:
         """Return the workers; see `service.jobs.frame_work.Executor`."""
         return dict.fromkeys(self._drawing, PLACES)
 
-    async def draw(self, worker: str, _work: FrameWork) -> DrawnFrame:
+    async def draw(self, worker: str, _work: FrameWork, _log: FrameLog) -> DrawnFrame:
         """Sleep, once the worker has done its frame before."""
         async with self._drawing[worker]:
             await asyncio.sleep(self._frame_s)

@@ -114,7 +114,7 @@ def _question(
 QuestionDep = Annotated[_Question, Depends(_question)]
 
 
-async def _place(service: ServiceDep) -> AsyncIterator[LivePlace]:
+async def event_place(service: ServiceDep) -> AsyncIterator[LivePlace]:
     """Hold a place among the readers. Raises `ServiceError` 503: all are taken."""
     with service.event_places.hold(present_client().principal) as place:
         if place is None:
@@ -133,7 +133,7 @@ async def follow_events(
     request: Request,
     service: ServiceDep,
     identity: IdentityDep,
-    place: Annotated[LivePlace, Depends(_place)],
+    place: Annotated[LivePlace, Depends(event_place)],
     question: QuestionDep,
 ) -> StreamingResponse:
     """Follow what changes."""

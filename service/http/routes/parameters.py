@@ -105,6 +105,7 @@ def _described(*statuses: int) -> dict[int | str, dict[str, Any]]:
         412: "It was changed since it was read: its `ETag` is not in `If-Match`.",
         413: "The upload, or what it unpacks to, is too large.",
         415: "The file is of no supported kind.",
+        416: "It has no such part; `Content-Range` says how many bytes it has.",
         422: "The request or the stage is invalid, or takes more than a worker has; `detail` says why.",
         423: "The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again.",
         426: "This address is a WebSocket.",

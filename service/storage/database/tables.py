@@ -166,6 +166,25 @@ class AttemptRow(Table):
     error: Mapped[str | None]
 
 
+class LogRow(Table):
+    """Log of an attempt, and its size in UTF-8."""
+
+    __tablename__ = "render_logs"
+    __table_args__ = (
+        ForeignKeyConstraint(
+            ["render", "frame", "number"],
+            ["render_attempts.render", "render_attempts.frame", "render_attempts.number"],
+            ondelete="CASCADE",
+        ),
+    )
+
+    render: Mapped[str] = mapped_column(primary_key=True)
+    frame: Mapped[int] = mapped_column(primary_key=True)
+    number: Mapped[int] = mapped_column(primary_key=True)
+    size_bytes: Mapped[int]
+    text: Mapped[str]
+
+
 class EventRow(Table):
     """Something that has changed. Numbers rise in the order of commits, and none is given twice."""
 

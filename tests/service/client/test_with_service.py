@@ -32,6 +32,7 @@ def test_a_shot_goes_all_the_way(service, room_file, tmp_path):
         assert (progress[-1].state, progress[-1].done) == ("done", 2)
         fetched = service.client.get(f"/v1/renders/{render.id}/frames/2").content
         assert (tmp_path / "dailies.0002.png").read_bytes() == fetched
+        assert client.log(render, 2, tail=1).startswith(client.log(render, 2, attempt=1).splitlines()[-1])
         assert render.id in [each.id for each in client.renders()]
         assert client.wait(render.id).state == "done"
         with av.open(str(client.movie(render, tmp_path / "dailies.mp4"))) as movie:
@@ -61,12 +62,44 @@ def test_an_event_loop_goes_all_the_way(service, room, tmp_path):
             assert again.id == render.id
             paths = await client.download(render, tmp_path, follow=True)
             tasks = await client.tasks(render)
+            texts: list[str] = []
+            await client.follow_log(render, 1, texts.append)
+            assert texts == [await client.log(render, 1)]
             report = await client.focus_report(render, tmp_path / "report" / "focus.csv")
             assert report.read_text().count("\n") == 3
             await client.remove(render)
             return sorted(path.name for path in paths), [task.attempts[0].outcome for task in tasks]
 
     assert asyncio.run(go()) == (["room.usda.0001.exr", "room.usda.0002.exr"], ["done", "done"])
+
+
+def test_a_log_is_followed_from_before_its_frame_is_begun(service, room, monkeypatch):
+    queue, texts = service.internal.renders, []
+    claim, read = queue.claim, queue.logs.read
+    monkeypatch.setattr(queue, "claim", lambda *_: None)
+    with Client(str(service.client.base_url)) as client:
+        render = client.render(room, frames="1-2", **SMALL)
+        steps = iter(
+            [None, lambda held: queue.logs.append(held, "one\n"), lambda held: queue.fail(held, "no", may_pass=False)]
+        )
+        held = []
+
+        def read_next(*arguments):
+            step = next(steps, None)
+            if step is not None:
+                held[:] = held or [claim("one", 60.0)]
+                step(held[0])
+            return read(*arguments)
+
+        monkeypatch.setattr(queue.logs, "read", read_next)
+        monkeypatch.setattr("service.client.operations._LOG_LOOK_S", 0.0)
+        client.follow_log(render, 1, texts.append)
+        assert texts[0] == "one\n"
+        assert texts[1].endswith("failed: no\n")
+        client.cancel(render)
+        with pytest.raises(RefusedError) as refused:
+            client.follow_log(render, 2, texts.append)
+        assert refused.value.code == "frame_given_up"
 
 
 def test_a_render_is_waited_for_by_its_events(service, room, monkeypatch):

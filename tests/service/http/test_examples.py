@@ -137,7 +137,7 @@ def prepare_render(demo: httpx.Client, name: str) -> None:
     if name in ("acceptRender", "retryRender", "removeRender"):
         demo.post(f"{address}/cancel")
         until(lambda: demo.get(address).json()["running"] == 0)
-    of_frames = ("getRenderedFrame", "getRenderedThumbnail", "getLastThumbnail")
+    of_frames = ("getRenderedFrame", "getRenderedThumbnail", "getLastThumbnail", "getFrameLog", "followFrameLog")
     if name in (*of_frames, "getRenderMovie", "getRenderContactSheet"):
         until(lambda: demo.get(address).json()["done"] > 0)
     if name in ("getRenderMovie", "getRenderContactSheet"):

@@ -52,6 +52,7 @@ GET /v1/renders/{render}/tasks, GET /v1/renders/{render}/frames/{frame}, POST /v
 POST /v1/renders/{render}/resume, POST /v1/renders/{render}/cancel, POST /v1/renders/{render}/retry,
 POST /v1/renders/{render}/accept, GET /v1/renders/{render}/frames/{frame}/thumbnail, GET /v1/renders/{render}/thumbnail,
 GET /v1/renders/{render}/movie, GET /v1/renders/{render}/contact-sheet, GET /v1/renders/{render}/focus-report,
+GET /v1/renders/{render}/frames/{frame}/log, GET /v1/renders/{render}/frames/{frame}/log/stream,
 GET /v1/events,
 GET /v1/webhooks, POST /v1/webhooks, DELETE /v1/webhooks/{webhook}, POST /v1/webhooks/{webhook}/test,
 POST /v1/webhooks/{webhook}/enable

@@ -106,6 +106,9 @@ def test_workers_draw_frames_as_the_service_does(farm, service, room):
     own = service.client.get(f"/v1/shots/{room}/frame", params=SMALL | {"time": 2})
     assert service.client.get(f"{render}/frames/2").content == own.content
     assert service.client.get("/v1/renders").json()["renders"][0]["failed"] == 0
+    log = service.client.get(f"{render}/frames/2/log").text
+    assert log.count("load scene: ") == 1
+    assert log.index("by worker one") < log.index("encode: ") < log.index("stored png: ")
     assert worker.poll() is None
 
 
@@ -138,6 +141,7 @@ def test_a_canceled_render_is_given_up_by_its_worker(farm, service, room, monkey
     monkeypatch.setattr("service.http.render_runner.LEASE_S", 1.0)
     render = sent(service, room, frames="1-9", **LARGE | {"rays": 4096})
     wait_for(service, render, lambda now: now["running"] == 2)
+    until(lambda: "load scene: " in service.client.get(f"{render}/frames/1/log").text)  # while it is drawn
     service.client.post(f"{render}/cancel")
     wait_for(service, render, lambda now: now["state"] == "canceled")
     after = sent(service, room, frames="7")

@@ -157,6 +157,9 @@ def test_a_frame_that_fails_says_why(room, capsys):
     assert "frame 3: there is no camera at /none" in printed.err
     render_id = printed.out.strip()
     assert f"`pullfocus jobs retry {render_id}` draws them again" in printed.err
+    assert f"`pullfocus jobs log {render_id} 3` prints the log of the first" in printed.err
+    assert commands.jobs(["log", render_id, "3", "--tail", "1"]) == 0
+    assert "Z failed: there is no camera at /none" in result(capsys)
     assert commands.jobs(["show", render_id]) == 0
     assert "/none" in result(capsys)
 
@@ -181,6 +184,16 @@ def test_json_is_that_of_the_service(sent, client, capsys):
     tasks = client.get(f"/v1/renders/{sent}/tasks").json()["tasks"]
     assert [task.keys() for task in shown.pop("tasks")] == [task.keys() for task in tasks]
     assert shown.keys() == client.get(f"/v1/renders/{sent}").json().keys()
+
+
+@pytest.mark.gl
+def test_a_log_is_printed_and_followed_to_its_end(sent, client, capsys):
+    whole = client.get(f"/v1/renders/{sent}/frames/2/log").text
+    for more in ((), ("--follow",), ("--attempt", "1"), ("--tail", "1000")):
+        assert commands.jobs(["log", sent, "2", *more]) == 0
+        assert capsys.readouterr().out == whole
+    with pytest.raises(SettingsError, match="leave --tail out"):
+        commands.jobs(["log", sent, "2", "--follow", "--tail", "3"])
 
 
 @pytest.mark.gl

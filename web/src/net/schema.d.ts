@@ -489,6 +489,51 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/renders/{render}/frames/{frame}/log": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Frame Log
+         * @description Read the log of an attempt at a frame.
+         *
+         *     It has the steps of the work and their times, what USD and the graphics driver have said, the files that were stored, and what
+         *     went wrong. The header `Pullfocus-Attempt` tells the number of the attempt, and `Pullfocus-Ended` whether it has ended.
+         */
+        readonly get: operations["getFrameLog"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/renders/{render}/frames/{frame}/log/stream": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Follow Frame Log
+         * @description Follow the log of an attempt at a frame until it ends: the lines that there are, and others as they come.
+         *
+         *     A frame that waits is waited for. The stream counts among those of events.
+         */
+        readonly get: operations["followFrameLog"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/renders/{render}/frames/{frame}/thumbnail": {
         readonly parameters: {
             readonly query?: never;
@@ -11496,6 +11541,187 @@ export interface operations {
             };
             /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
             readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getFrameLog: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Number of an attempt at the frame; the last one when left out. */
+                readonly attempt?: number | null;
+                /** @description Lines from the end; all when left out. */
+                readonly tail?: number | null;
+            };
+            readonly header?: {
+                /** @description A part of the log, such as `bytes=-4096` for its end. */
+                readonly range?: string | null;
+            };
+            readonly path: {
+                /** @description One of its frames. */
+                readonly frame: number;
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The log. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    /** @example 2026-11-27T20:14:03.120Z attempt 1 at frame 24 of render r-5f0c1d2e3a4b, by worker camera-pc */
+                    readonly "text/plain": string;
+                };
+            };
+            /** @description The part that `Range` names. */
+            readonly 206: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    /** @example 2026-11-27T20:14:03.120Z attempt 1 at frame 24 of render r-5f0c1d2e3a4b, by worker camera-pc */
+                    readonly "text/plain": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It has no such part; `Content-Range` says how many bytes it has. */
+            readonly 416: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly followFrameLog: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Number of an attempt at the frame; the last one when left out. */
+                readonly attempt?: number | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description One of its frames. */
+                readonly frame: number;
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The stream. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    /** @example 2026-11-27T20:14:03.120Z attempt 1 at frame 24 of render r-5f0c1d2e3a4b, by worker camera-pc */
+                    readonly "text/plain": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -33,9 +33,9 @@ from render.film.stock import library_stock
 from render.model.frame_spec import every_frame, frame_file_names, parse_frames
 from render.output import format_of
 from render.pictures.contact_axes import Axis
-from render.pictures.picture_height import picture_height
 from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice
+from render.shot.picture_height import picture_height
 from render.shot.times import DEFAULT_TIME
 from render.stage import Finding
 from render.stage.render_products import Product

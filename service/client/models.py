@@ -50,6 +50,58 @@ class FrameRange:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PlanFinding:
+    """A finding about a render that is tried.
+
+    Attributes:
+        code: Short stable word for programs.
+        message: One sentence.
+        path: Field of the request, or prim or file of the shot; may be empty.
+        severity: `error`: it would be refused, or its frames would fail. `warning`: it is not drawn quite as asked for.
+            One of `error`, `warning`.
+    """
+
+    code: str
+    message: str
+    path: str
+    severity: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedSettings:
+    """Settings of a render, with what it leaves out filled in from the shot.
+
+    Attributes:
+        aovs: AOVs in the EXR files.
+        camera: Prim path; null for the camera that frames a shot which has none.
+        engine: One of `lens`, `flag`, `scatter`, `gather`, `linear`, `importance`, `accumulation`, `pinhole`.
+        f_stop: f-number; 0 is a pinhole.
+        film: Stock that the picture is developed on; null for none of the library.
+        formats: Files of each frame.
+        height: px.
+        lens_model: One of `pinhole`, `thin`, `seidel`, `spherical`, `heightField`, `prescription`, `dataSheet`.
+        lens_name: Engraving of the lens; may be empty.
+        rays: Lens rays for each pixel.
+        revision: Revision of the edits that would be rendered.
+        width: px.
+    """
+
+    aovs: list[str]
+    camera: str | None
+    engine: str
+    f_stop: float
+    film: str | None
+    focal_length_mm: float
+    formats: list[str]
+    height: int
+    lens_model: str
+    lens_name: str
+    rays: int
+    revision: str
+    width: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class Render:
     """A render and how far it is.
 
@@ -63,6 +115,7 @@ class Render:
         formats: Files of each frame.
         frames: All frames, as a range.
         id: Its name in URLs.
+        lens: Lens in place of the camera's; null for the camera's own.
         owner: Who sent it.
         project: Project of the shot.
         rays: Lens rays for each pixel.
@@ -90,6 +143,7 @@ class Render:
     formats: list[str]
     frames: str
     id: str
+    lens: str | None = None
     name: str
     owner: str
     priority: int
@@ -124,13 +178,17 @@ class RenderPlan:
 
     Attributes:
         count: Number of frames.
-        frames: All frames, as a range.
-        seconds_of_processor: Processor time that is expected for all of them, s.
+        findings: Errors first. Without errors, it can be sent.
+        frames: All frames, as a range; empty where they are no range.
+        seconds_of_processor: Processor time that is expected for all of them, s; 0 where they would be refused.
+        settings: Settings of its first frame; null where no picture can be made.
     """
 
     count: int
+    findings: list[PlanFinding]
     frames: str
     seconds_of_processor: float
+    settings: PlannedSettings | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -254,6 +312,7 @@ class RenderSettings(TypedDict, total=False):
         frames: In the grammar of Open Job Description, such as `1-10:2,15`; the whole shot when left out.
         height: px; from the camera's film gate when left out.
         layers: Layers peeled at most. Default: 4.
+        lens: Lens of the library, in place of the camera's; the camera's own when left out.
         look: Looks of the configuration, separated by commas, in place of the shot's; empty for none.
         motion: Moments of the shutter's opening that the rays are spread over; 1 freezes motion. Default: 1.
         motion_by: `moments` draws the scene at each moment, which is exact; `velocities` draws it once and moves it
@@ -285,6 +344,7 @@ class RenderSettings(TypedDict, total=False):
     frames: str | None
     height: int | None
     layers: int
+    lens: str | None
     look: str | None
     motion: int
     motion_by: Literal["moments", "velocities"]

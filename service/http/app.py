@@ -43,6 +43,7 @@ from service.http.routes import (
     photography,
     quarantine,
     render_logs,
+    render_plans,
     render_products,
     render_reports,
     renders,
@@ -137,14 +138,14 @@ def create_app(settings: Settings) -> FastAPI:
         renders,
         events,
         render_logs,
+        render_plans,
         render_products,
         render_reports,
         webhooks,
         keys,
     ):
         app.include_router(routes.router, prefix="/v1", responses=refusals())
-    for other in (renders.plans, render_products.thumbnails):
-        app.include_router(other, prefix="/v1", responses=refusals())
+    app.include_router(render_products.thumbnails, prefix="/v1", responses=refusals())
     app.include_router(system.router)
     live.describe_messages(app)
     install_reference(app)

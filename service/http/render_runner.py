@@ -274,7 +274,7 @@ async def _draw_shot(service: Service, executor: Executor, claim: Claim, record:
     """Have a frame of a shot drawn and store it."""
     service.quarantine.check(record)
     formats, aovs = claim.request["formats"], claim.request.get("aovs", [])  # an earlier version kept no AOVs
-    picture = {name: value for name, value in claim.request.items() if name not in ("formats", "aovs")}
+    picture = {name: value for name, value in claim.request.items() if name not in ("formats", "aovs", "lens")}
     query = FrameQuery.model_validate(picture | {"time": claim.frame})
     cost, limits = service.admission.check(record.id, query, aovs=aovs)
     client = Client(claim.owner, claim.render)

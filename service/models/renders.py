@@ -53,6 +53,7 @@ RENDER_EXAMPLE: JsonDict = {
     "rays": 16,
     "formats": ["exr", "png"],
     "aovs": ["depth", "coc"],
+    "lens": None,
     "count": 96,
     "ready": 70,
     "running": 1,
@@ -128,6 +129,11 @@ class RenderRequest(PictureOptions):
         description="AOVs in the EXR files beside the colour, each a part of its own, such as `depth`, `coc` or `primvars:st`.",
         json_schema_extra={"uniqueItems": True},
     )
+    lens: str | None = Field(
+        default=None,
+        max_length=80,
+        description="Lens of the library, in place of the camera's; the camera's own when left out.",
+    )
     priority: int = Field(default=50, ge=0, le=100, description="Renders of a higher one come first.")
     after: list[Annotated[str, Field(max_length=80)]] = Field(
         default=[],
@@ -161,18 +167,8 @@ class RenderRequest(PictureOptions):
 
     def picture(self, frame: float) -> FrameQuery:
         """Return the request of one of its frames."""
-        own = {"shot", "name", "frames", "formats", "aovs", "priority", "after"}
+        own = {"shot", "name", "frames", "formats", "aovs", "lens", "priority", "after"}
         return FrameQuery.model_validate(self.model_dump(exclude=own) | {"time": frame})
-
-
-class RenderPlan(Model):
-    """A render as it would be, where it is only tried."""
-
-    model_config = shown_as({"frames": "1-95:2", "count": 48, "secondsOfProcessor": 310.0})
-
-    frames: str = Field(description="All frames, as a range.")
-    count: int = Field(description="Number of frames.")
-    seconds_of_processor: float = Field(description="Processor time that is expected for all of them, s.")
 
 
 class Render(Model):
@@ -195,6 +191,7 @@ class Render(Model):
     rays: int = Field(description="Lens rays for each pixel.")
     formats: list[FrameFormat] = Field(description="Files of each frame.")
     aovs: list[str] = Field(description="AOVs in the EXR files.")
+    lens: str | None = Field(default=None, description="Lens in place of the camera's; null for the camera's own.")
     count: int = Field(description="Number of frames.")
     ready: int = Field(description="Frames that wait.")
     running: int = Field(description="Frames that are drawn.")

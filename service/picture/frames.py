@@ -18,8 +18,8 @@ from render.output.encode import encode_jpeg, to_8_bit
 from render.output.stills import shrink_picture
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import Picture, make_picture
-from render.pictures.picture_height import picture_height
 from render.shot import Shot
+from render.shot.picture_height import picture_height
 from render.steps import step
 from service.models.focus import Anchor, Pick
 from service.models.shots import PickRequest

@@ -12,7 +12,7 @@ from render.errors import SettingsError, one_line
 from service.client import Client
 from service.shell import connection, render_options, uploads
 from service.shell.connection import again, connected
-from service.shell.listing import print_render, print_renders
+from service.shell.listing import print_plan, print_render, print_renders
 from service.shell.watching import print_end, watch
 
 _CHANGES = {
@@ -62,7 +62,7 @@ def render(arguments: Sequence[str]) -> int:
         arguments: as typed after ``pullfocus render``.
 
     Returns:
-        The exit status: 1 where frames have failed.
+        The exit status: 1 where frames have failed, or a dry run finds that it would be refused.
 
     Raises:
         SettingsError: settings cannot be used, or contradict each other.
@@ -76,11 +76,7 @@ def render(arguments: Sequence[str]) -> int:
         raise SettingsError(f"--dry-run sends nothing: push {typed.shot} first, and give the id of the shot")
     with connected(typed) as client:
         if typed.dry_run:
-            plan = client.plan(typed.shot, **settings)
-            print(
-                f"{plan.count} frames, {one_line(plan.frames)}: about {plan.seconds_of_processor:g} s of processor time"
-            )
-            return 0
+            return print_plan(client.plan(typed.shot, **settings))
         shot = uploads.push_shot(client, Path(typed.shot), typed).id if uploads.is_path(typed.shot) else typed.shot
         sent = client.render(shot, idempotency_key=typed.idempotency_key, **settings)
         print(one_line(sent.id), flush=True)
@@ -173,7 +169,11 @@ def _render_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--out", metavar="DIR", type=Path, help="fetch each frame into this folder when it is done")
     parser.add_argument("--detach", "--no-wait", action="store_true", help="do not wait for the frames")
-    parser.add_argument("--dry-run", action="store_true", help="tell the frames and what they cost, and send nothing")
+    parser.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="tell the frames and settings, what they cost and what stands against them, and send nothing",
+    )
     parser.add_argument("--idempotency-key", metavar="TEXT", help="the same one gives the same render")
     render_options.add_arguments(parser)
     uploads.add_arguments(parser)

@@ -13,7 +13,7 @@ from rich.table import Table
 from render.cli.console import camel_case_keys, print_json
 from render.cli.rich_output import print_result
 from render.errors import one_line
-from service.client import Render, RenderTask
+from service.client import Render, RenderPlan, RenderTask
 from service.shell.watching import error_of
 
 _COLUMNS = ("id", "state", "done", "frames", "priority", "shot", "owner", "name", "sent")
@@ -55,6 +55,26 @@ def print_render(render: Render, tasks: Sequence[RenderTask], *, as_json: bool) 
         size = f"{sum(file.size_bytes for file in task.files):,}" if task.files else ""
         _add(table, str(task.frame), task.state, str(len(task.attempts)), size, error_of(task))
     print_result(table)
+
+
+def print_plan(plan: RenderPlan) -> int:
+    """Print a render that is tried on standard output.
+
+    Returns:
+        The exit status: 1 where it would be refused, or its frames would fail.
+    """
+    if plan.count:
+        cost = f"about {plan.seconds_of_processor:g} s of processor time"
+        print(f"{plan.count} {'frame' if plan.count == 1 else 'frames'}, {one_line(plan.frames)}: {cost}")
+    if plan.settings is not None:
+        about = _table("", "", header=False)
+        for key, value in _json(plan.settings).items():
+            _add(about, key, " ".join(value) if isinstance(value, list) else "" if value is None else str(value))
+        print_result(about)
+    for finding in plan.findings:
+        place = f"{finding.path}: " if finding.path else ""
+        print(one_line(f"{finding.severity}: {place}{finding.message}"))
+    return 1 if any(finding.severity == "error" for finding in plan.findings) else 0
 
 
 def _table(*columns: str, header: bool = True) -> Table:

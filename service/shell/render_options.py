@@ -13,7 +13,7 @@ from service.client import RenderSettings
 from service.jobs.frame_ranges import parse_frames
 from service.models.renders import RenderRequest
 
-_FIRST = ("frames", "name", "priority", "camera", "width", "height", "formats", "aovs")
+_FIRST = ("frames", "name", "priority", "camera", "width", "height", "lens", "formats", "aovs")
 _SETTINGS = [name for name in RenderRequest.model_fields if name != "shot"]
 _METAVARS = {"frames": "RANGE", "camera": "PATH", "width": "PX", "height": "PX"}
 _OPTIONS = {"formats": "format"}

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         opened,
         photography,
         picture_states,
+        render_plans,
         shots,
         solving,
     )
@@ -37,6 +38,7 @@ else:
     opened = RemoteModule("service.stage.opened")
     photography = RemoteModule("service.stage.photography")
     picture_states = RemoteModule("service.stage.picture_states")
+    render_plans = RemoteModule("service.stage.render_plans")
     shots = RemoteModule("service.stage.shots")
     solving = RemoteModule("service.stage.solving")
 
@@ -52,6 +54,7 @@ __all__ = [
     "opened",
     "photography",
     "picture_states",
+    "render_plans",
     "shots",
     "solving",
 ]

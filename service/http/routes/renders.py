@@ -28,7 +28,7 @@ from service.http.routes.parameters import problems
 from service.http.service import Service, ServiceDep
 from service.identity.principal import ALL_PROJECTS, Principal
 from service.jobs.claims import NewRender
-from service.jobs.frame_ranges import format_frames, parse_frames
+from service.jobs.frame_ranges import parse_frames
 from service.jobs.shot_archive import ShotArchive
 from service.jobs.states import not_found, state_of
 from service.models.base import plain_file_name
@@ -37,26 +37,25 @@ from service.models.renders import (
     FrameFormat,
     Render,
     RenderList,
-    RenderPlan,
     RenderRequest,
     RenderTask,
     RenderTaskList,
 )
 from service.picture.requests import THUMBNAIL
+from service.stage.calls import render_plans
 from service.stage.calls import shots as shot_calls
 from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
 from service.storage.store import ShotRecord
 from service.storage.store import not_found as no_shot
 
 router = APIRouter(tags=["renders"], prefix="/renders", route_class=BodyRoute, dependencies=READS)
-plans = APIRouter(tags=["renders"], prefix="/render-plans", route_class=BodyRoute, dependencies=RENDERS)
 
 MOST_LISTED = 200
-_LATER = ("after", "aovs")
-"""Lists that an earlier version did not know: where they are empty, a request has the digest that it had then."""
+_LATER: dict[str, object] = {"after": [], "aovs": [], "lens": None}
+"""Fields that an earlier version did not know, and their defaults: with these, a request has the digest that it had then."""
 
 
-def _render_in_path(
+def render_in_path(
     render: Annotated[str, PathParameter(description="A render's id.", examples=["r-5f0c1d2e3a4b"], max_length=80)],
     service: ServiceDep,
     principal: PrincipalDep,
@@ -68,7 +67,7 @@ def _render_in_path(
     return row
 
 
-RenderInPath = Annotated[RenderRow, Depends(_render_in_path)]
+RenderInPath = Annotated[RenderRow, Depends(render_in_path)]
 
 
 def _render_at_hand(service: ServiceDep, render: RenderInPath) -> RenderRow:
@@ -110,8 +109,9 @@ async def send_render(
         owner = present_client().principal
         row = await run_in_threadpool(service.renders.sent_before, owner, idempotency_key, _digest(request))
     if row is None:
-        record, frames, _ = await _checked(service, principal, request)
-        new = _new(record, principal, request, frames, idempotency_key)
+        record, frames = await _checked(service, principal, request)
+        edits = await _edits_of(service, record, request)
+        new = _new(record, principal, request, frames, edits, idempotency_key)
         await run_in_threadpool(service.quotas.check_room, record.project, len(new.edits.encode()))
         if service.shared is not None:
             new = replace(new, files=await run_in_threadpool(_archived, service.shared.shots, record))
@@ -119,14 +119,6 @@ async def send_render(
         service.renders_wake.set()
     response.headers["Location"] = f"/v1/renders/{row.id}"
     return await run_in_threadpool(_told, service, row)
-
-
-@plans.post("", operation_id="planRender", responses=problems(404, 423, 503))
-async def plan_render(service: ServiceDep, principal: PrincipalDep, request: RenderRequest) -> RenderPlan:
-    """Check a render and tell its frames and what they cost, and send nothing."""
-    _, frames, frame_s = await _checked(service, principal, request)
-    seconds = round(frame_s * len(frames), 1)
-    return RenderPlan(frames=format_frames(frames), count=len(frames), seconds_of_processor=seconds)
 
 
 @router.get("", operation_id="listRenders", responses=problems(404))
@@ -142,7 +134,7 @@ async def list_renders(
     """List the renders of your project, the newest first."""
     start = None
     if before is not None:
-        last = await run_in_threadpool(_render_in_path, before, service, principal)
+        last = await run_in_threadpool(render_in_path, before, service, principal)
         start = (last.created_at, last.id)
     project = None if principal.project == ALL_PROJECTS else principal.project
     rows = await run_in_threadpool(service.renders.list, project, most + 1, start)
@@ -259,27 +251,31 @@ def remove_render(service: ServiceDep, render: RenderAtHand) -> None:
     service.render_files.remove(render.id)
 
 
-async def _checked(
-    service: Service, principal: Principal, request: RenderRequest
-) -> tuple[ShotRecord, list[int], float]:
-    """Return the shot of a render, its frames, and the processor time that each is expected to take, s.
+async def _checked(service: Service, principal: Principal, request: RenderRequest) -> tuple[ShotRecord, list[int]]:
+    """Return the shot of a render, and its frames.
 
     Raises:
         NotFoundError: there is no such shot, or no render that it waits for, as far as the sender may know.
         SettingsError: the frames are no range, or each is beyond a limit.
     """
+    record = shot_to_render(service, principal, request)
+    for needed in request.after:
+        await run_in_threadpool(render_in_path, needed, service, principal)
+    frames = await frames_to_render(service, record, request)
+    service.admission.check(record.id, request.picture(frames[0]), "body", request.aovs)
+    return record, frames
+
+
+def shot_to_render(service: Service, principal: Principal, request: RenderRequest) -> ShotRecord:
+    """Return the shot of a render. Raises `NotFoundError`: there is no such shot, as far as the sender may know."""
     record = service.store.get(request.shot)
     if not principal.sees(record.project):
         raise no_shot(request.shot)
-    for needed in request.after:
-        await run_in_threadpool(_render_in_path, needed, service, principal)
-    frames = await _frames_of(service, record, request)
-    cost, _ = service.admission.check(record.id, request.picture(frames[0]), "body", request.aovs)
-    return record, frames, cost.expected_s
+    return record
 
 
-async def _frames_of(service: Service, record: ShotRecord, request: RenderRequest) -> list[int]:
-    """Return the frames of a render: those that were asked for, or all whole ones of the shot."""
+async def frames_to_render(service: Service, record: ShotRecord, request: RenderRequest) -> list[int]:
+    """Return the frames of a render: those that were asked for, or all whole ones of the shot. Raises `SettingsError`."""
     if request.frames is not None:
         return parse_frames(request.frames)
     shot = await service.call_stage(shot_calls.describe_shot, record)
@@ -287,10 +283,22 @@ async def _frames_of(service: Service, record: ShotRecord, request: RenderReques
     return parse_frames(f"{math.ceil(first)}-{math.floor(last)}")
 
 
+async def _edits_of(service: Service, record: ShotRecord, request: RenderRequest) -> str:
+    """Return the edits that a render keeps, with its lens. Raises `CameraError`, `SettingsError`: it cannot be mounted."""
+    edits = await run_in_threadpool(record.edit_text)
+    if request.lens is None:
+        return edits
+    return await service.call_reader_at(render_plans.mount_lens, record, edits, request.camera, request.lens)
+
+
 def _new(
-    record: ShotRecord, principal: Principal, request: RenderRequest, frames: list[int], key: str | None
+    record: ShotRecord,
+    principal: Principal,
+    request: RenderRequest,
+    frames: list[int],
+    edits: str,
+    key: str | None,
 ) -> NewRender:
-    edits = record.edit_text()
     return NewRender(
         name=request.name or record.name,
         project=record.project,
@@ -305,7 +313,7 @@ def _new(
         edits=edits,
         revision=revision_of(edits),
         request=request.picture(frames[0]).model_dump(mode="json", exclude={"time", "client", "live", "format"})
-        | {"formats": request.formats, "aovs": request.aovs},
+        | {"formats": request.formats, "aovs": request.aovs, "lens": request.lens},
         frames=frames,
         priority=request.priority,
         after=request.after,
@@ -322,7 +330,7 @@ def _archived(archive: ShotArchive, record: ShotRecord) -> str:
 
 def _digest(request: RenderRequest) -> str:
     told = request.model_dump(mode="json")
-    told = {name: value for name, value in told.items() if name not in _LATER or value != []}
+    told = {name: value for name, value in told.items() if name not in _LATER or value != _LATER[name]}
     return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
 
@@ -338,7 +346,7 @@ def _shown(row: RenderRow, needs: Sequence[str]) -> Render:
         seconds_left = round(row.busy_s / row.done * (row.ready + row.running), 1)
     told = {name: getattr(row, name) for name in Render.model_fields if hasattr(row, name)}
     told |= {name: row.request[name] for name in ("width", "rays", "formats")}
-    told["aovs"] = row.request.get("aovs", [])  # an earlier version kept none
+    told |= {"aovs": row.request.get("aovs", []), "lens": row.request.get("lens")}  # an earlier version kept neither
     told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left, "waits_for": needs}
     told |= {"created_at": _time(row.created_at), "started_at": _time(row.started_at)}
     return Render.model_validate(told | {"finished_at": _time(row.finished_at)})

@@ -108,7 +108,15 @@ def test_what_is_no_shot_is_one_error(tmp_path, name, content, error, message):
 def test_a_render_is_tried_without_being_sent(room, client, capsys):
     before = client.get("/v1/renders").json()
     assert commands.render([room, "--frames", "1-9:4", "--dry-run", *SMALL]) == 0
-    assert re.fullmatch(r"3 frames, 1-9:4: about [\d.]+ s of processor time", result(capsys))
+    printed = result(capsys)
+    assert re.match(r"3 frames, 1-9:4: about [\d.]+ s of processor time\n", printed)
+    assert re.search(r"camera +/World/cam\b", printed)
+    assert re.search(r"formats +exr\b", printed)
+    assert commands.render([room, "--frames", "1-30", "--lens", "nothing_50", "--dry-run", *SMALL]) == 1
+    printed = result(capsys)
+    assert "error: " in printed
+    assert "nothing_50" in printed
+    assert "warning: frames: Frames 25-30 are outside the shot, which is 1 to 24" in printed
     assert client.get("/v1/renders").json() == before
 
 

@@ -328,7 +328,10 @@ export interface paths {
         readonly put?: never;
         /**
          * Plan Render
-         * @description Check a render and tell its frames and what they cost, and send nothing.
+         * @description Try a render and send nothing.
+         *
+         *     The answer has its frames, the settings of the first one, the processor time that is expected, and findings: what it would be
+         *     refused for, and what of the shot is not honoured. A body that is no `RenderRequest` is answered 422, as by `sendRender`.
          */
         readonly post: operations["planRender"];
         readonly delete?: never;
@@ -7741,6 +7744,101 @@ export interface components {
             readonly time: number;
         };
         /**
+         * PlanFinding
+         * @description A finding about a render that is tried.
+         */
+        readonly PlanFinding: {
+            /**
+             * Code
+             * @description Short stable word for programs.
+             */
+            readonly code: string;
+            /**
+             * Message
+             * @description One sentence.
+             */
+            readonly message: string;
+            /**
+             * Path
+             * @description Field of the request, or prim or file of the shot; may be empty.
+             */
+            readonly path: string;
+            /**
+             * Severity
+             * @description `error`: it would be refused, or its frames would fail. `warning`: it is not drawn quite as asked for.
+             * @enum {string}
+             */
+            readonly severity: "error" | "warning";
+        };
+        /**
+         * PlannedSettings
+         * @description Settings of a render, with what it leaves out filled in from the shot.
+         */
+        readonly PlannedSettings: {
+            /**
+             * Aovs
+             * @description AOVs in the EXR files.
+             */
+            readonly aovs: readonly string[];
+            /**
+             * Camera
+             * @description Prim path; null for the camera that frames a shot which has none.
+             */
+            readonly camera: string | null;
+            /**
+             * Engine
+             * @enum {string}
+             */
+            readonly engine: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
+            /**
+             * Film
+             * @description Stock that the picture is developed on; null for none of the library.
+             */
+            readonly film: string | null;
+            /** Focallengthmm */
+            readonly focalLengthMm: number;
+            /**
+             * Formats
+             * @description Files of each frame.
+             */
+            readonly formats: readonly ("exr" | "png" | "jpeg")[];
+            /**
+             * Fstop
+             * @description f-number; 0 is a pinhole.
+             */
+            readonly fStop: number;
+            /**
+             * Height
+             * @description px
+             */
+            readonly height: number;
+            /**
+             * Lensmodel
+             * @enum {string}
+             */
+            readonly lensModel: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
+            /**
+             * Lensname
+             * @description Engraving of the lens; may be empty.
+             */
+            readonly lensName: string;
+            /**
+             * Rays
+             * @description Lens rays for each pixel.
+             */
+            readonly rays: number;
+            /**
+             * Revision
+             * @description Revision of the edits that would be rendered.
+             */
+            readonly revision: string;
+            /**
+             * Width
+             * @description px
+             */
+            readonly width: number;
+        };
+        /**
          * PointSharpness
          * @description Sharpness of a focus point.
          * @example {
@@ -8173,6 +8271,11 @@ export interface components {
              * @description Its name in URLs.
              */
             readonly id: string;
+            /**
+             * Lens
+             * @description Lens in place of the camera's; null for the camera's own.
+             */
+            readonly lens?: string | null;
             /** Name */
             readonly name: string;
             /**
@@ -8314,8 +8417,37 @@ export interface components {
          * @description A render as it would be, where it is only tried.
          * @example {
          *       "count": 48,
+         *       "findings": [
+         *         {
+         *           "code": "frames_outside_shot",
+         *           "message": "Frames 97-120 are outside the shot, which is 1 to 96: its first and last values hold there.",
+         *           "path": "frames",
+         *           "severity": "warning"
+         *         }
+         *       ],
          *       "frames": "1-95:2",
-         *       "secondsOfProcessor": 310
+         *       "secondsOfProcessor": 310,
+         *       "settings": {
+         *         "aovs": [
+         *           "depth",
+         *           "coc"
+         *         ],
+         *         "camera": "/World/main_cam",
+         *         "engine": "lens",
+         *         "fStop": 2,
+         *         "film": "vision3_500t_5219",
+         *         "focalLengthMm": 50,
+         *         "formats": [
+         *           "exr",
+         *           "png"
+         *         ],
+         *         "height": 360,
+         *         "lensModel": "prescription",
+         *         "lensName": "Planar 50 mm f/1.4",
+         *         "rays": 16,
+         *         "revision": "5a302e56c1d04f7b",
+         *         "width": 480
+         *       }
          *     }
          */
         readonly RenderPlan: {
@@ -8325,15 +8457,22 @@ export interface components {
              */
             readonly count: number;
             /**
+             * Findings
+             * @description Errors first. Without errors, it can be sent.
+             */
+            readonly findings: readonly components["schemas"]["PlanFinding"][];
+            /**
              * Frames
-             * @description All frames, as a range.
+             * @description All frames, as a range; empty where they are no range.
              */
             readonly frames: string;
             /**
              * Secondsofprocessor
-             * @description Processor time that is expected for all of them, s.
+             * @description Processor time that is expected for all of them, s; 0 where they would be refused.
              */
             readonly secondsOfProcessor: number;
+            /** @description Settings of its first frame; null where no picture can be made. */
+            readonly settings: components["schemas"]["PlannedSettings"] | null;
         };
         /**
          * RenderRequest
@@ -8431,6 +8570,11 @@ export interface components {
              * @example 4
              */
             readonly layers?: number;
+            /**
+             * Lens
+             * @description Lens of the library, in place of the camera's; the camera's own when left out.
+             */
+            readonly lens?: string | null;
             /**
              * Look
              * @description Looks of the configuration, separated by commas, in place of the shot's; empty for none.

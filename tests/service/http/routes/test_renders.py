@@ -192,16 +192,6 @@ def test_a_render_keeps_the_edits_that_it_was_sent_with(client, room):
     assert client.get(f"/v1/renders/{before['id']}/frames/24").content == plain != bright
 
 
-def test_the_whole_shot_is_the_default_and_can_be_tried(client, room):
-    before = client.get("/v1/renders").json()
-    answer = client.post("/v1/render-plans", json=SMALL | {"shot": room})
-    assert answer.status_code == 200
-    plan = answer.json()
-    assert (plan["frames"], plan["count"]) == ("1-24", 24)
-    assert plan["secondsOfProcessor"] > 0
-    assert client.get("/v1/renders").json() == before
-
-
 @pytest.mark.parametrize(
     ("request_", "status", "code"),
     [

@@ -9,8 +9,8 @@ import pytest
 from pxr import Gf
 
 from render.errors import CameraError
-from render.pictures.picture_height import picture_height
 from render.shot import Shot
+from render.shot.picture_height import picture_height
 from tests.render.kits.cli_shots import write_shot
 
 GATES = [

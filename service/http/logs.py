@@ -8,13 +8,16 @@ import sys
 from datetime import UTC, datetime
 from typing import Literal
 
-from service.http.request_context import request_id, trace_id
+from service.http.request_context import request_id, trace_id, work_fields
 
 LogFormat = Literal["text", "json"]
 
 
 class JsonFormatter(logging.Formatter):
-    """Formats a record as ``{time, level, logger, message}``, with ``request_id``, ``trace_id``, ``fault``, and fields."""
+    """Formats a record as ``{time, level, logger, message}``, with ``request_id``, ``trace_id``, ``fault``, and fields.
+
+    A record of the work on a frame has ``render``, ``frame``, ``attempt`` and ``worker``.
+    """
 
     def format(self, record: logging.LogRecord) -> str:
         """Return one line."""
@@ -30,6 +33,7 @@ class JsonFormatter(logging.Formatter):
             line["trace_id"] = trace_id.get()
         if record.exc_info:
             line["fault"] = self.formatException(record.exc_info)
+        line |= work_fields.get()
         fields = {key: value for key, value in getattr(record, "fields", {}).items() if value is not None}
         return json.dumps(line | fields, ensure_ascii=False, default=str)
 

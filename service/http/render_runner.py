@@ -18,6 +18,7 @@ from service.http.frame_requests import frame_request
 from service.http.lane_executor import LaneExecutor
 from service.http.log_keeping import LogKeeper
 from service.http.render_shots import shot_of
+from service.http.request_context import work_fields
 from service.http.service import Service
 from service.http.settings import MEBIBYTE
 from service.jobs.claims import Claim
@@ -184,6 +185,8 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
         executor: draws it.
         claim: the frame.
     """
+    named = {"render": claim.render, "frame": claim.frame, "attempt": claim.attempt, "worker": claim.worker}
+    work_fields.set(named)  # this task works on nothing else
     queue, keeper = service.renders, LogKeeper(service.renders.logs, claim)
     keeper.log.add(f"attempt {claim.attempt} at frame {claim.frame} of render {claim.render}, by worker {claim.worker}")
     drawing = asyncio.create_task(_draw(service, executor, claim, keeper))

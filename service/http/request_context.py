@@ -1,4 +1,4 @@
-"""Request that a task works on: its id, for logs and for the calls of worker processes; and the log line of each answer."""
+"""Request or frame that a task works on, for logs and for the calls of worker processes; and the log line of each answer."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import logging
 import re
 import time
 import uuid
+from collections.abc import Mapping
 from contextvars import ContextVar
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -16,11 +17,16 @@ log = logging.getLogger("pullfocus.access")
 HEADER = "X-Request-ID"
 _SANE = re.compile(r"[A-Za-z0-9._-]{1,64}")
 _MAX_PATH = 200
+_NAMED = ("shot", "render", "frame")
+"""Parts of paths that are fields of their own."""
 
 request_id: ContextVar[str] = ContextVar("request_id", default="")
 """Id of the request that the present task answers; empty outside requests."""
 trace_id: ContextVar[str] = ContextVar("trace_id", default="")
 """Id of the trace of that request, in hexadecimal digits; empty where nothing is traced."""
+
+work_fields: ContextVar[Mapping[str, object]] = ContextVar("work_fields", default={})  # noqa: B039 - nobody changes it
+"""Fields of each record that the present task logs in JSON, such as the render and frame that it draws."""
 
 
 class RequestContextMiddleware:
@@ -68,5 +74,6 @@ def _log_answer(scope: Scope, status: int, seconds: float) -> None:
         "status": status,
         "seconds": round(seconds, 4),
         "principal": getattr(principal, "id", None),
+        **{name: value for name, value in scope.get("path_params", {}).items() if name in _NAMED},
     }
     log.info("%(client)s %(method)s %(path)r %(status)d in %(seconds).3f s", fields, extra={"fields": fields})

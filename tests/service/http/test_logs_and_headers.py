@@ -16,6 +16,7 @@ from service.http.logs import JsonFormatter
 from service.http.request_context import request_id
 from service.http.security_headers import CONTENT_POLICY
 from tests.service.conftest import running
+from tests.service.kits.renders import ended, render_of
 
 
 def test_a_sane_request_id_is_kept_and_another_is_not(client):
@@ -58,6 +59,40 @@ def test_each_answer_is_a_json_line_without_its_query(tmp_path):
         "127.0.0.1",
     )
     assert "secret" not in json.dumps(lines)
+
+
+@pytest.fixture
+def logged():
+    """Lines that the service logs in JSON."""
+    lines: list[dict] = []
+
+    class Lines(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            lines.append(json.loads(JsonFormatter().format(record)))
+
+    handler, names = Lines(), ("pullfocus.access", "pullfocus.service")
+    levels = {name: logging.getLogger(name).level for name in names}
+    for name in names:
+        logging.getLogger(name).addHandler(handler)
+        logging.getLogger(name).setLevel(logging.INFO)
+    yield lines
+    for name, level in levels.items():
+        logging.getLogger(name).removeHandler(handler)
+        logging.getLogger(name).setLevel(level)
+
+
+def test_lines_name_shot_render_and_frame(client, room, logged):
+    render = ended(client, render_of(client, room, frames="3", camera="/World/nobody"))
+    client.get(f"/v1/renders/{render['id']}/frames/3/log")
+    client.get(f"/v1/shots/{room}")
+    answers = {line["path"]: line for line in logged if line["logger"] == "pullfocus.access"}
+    asked = answers[f"/v1/renders/{render['id']}/frames/3/log"]
+    assert (asked["render"], asked["frame"], asked["status"]) == (render["id"], "3", 200)
+    assert answers[f"/v1/shots/{room}"]["shot"] == room
+    assert "render" not in answers["/v1/renders"]
+    (failed,) = [line for line in logged if "could not be drawn" in line["message"]]
+    assert (failed["render"], failed["frame"], failed["attempt"]) == (render["id"], 3, 1)
+    assert failed["worker"]
 
 
 @pytest.mark.parametrize("path", ["/", "/livez", "/docs", "/v1/shots", "/nowhere", "/assets/none.js"])

@@ -10,7 +10,7 @@ import secrets
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 
-from sqlalchemy import Engine, delete, func, insert, select, update
+from sqlalchemy import Engine, delete, func, select, update
 from sqlalchemy.orm import Session, undefer
 
 from render.errors import NotFoundError
@@ -22,6 +22,7 @@ from service.jobs.frame_logs import FrameLogs
 from service.jobs.frame_ranges import format_frames
 from service.jobs.lookups import RenderLookups
 from service.jobs.states import find_render, find_unended, move, state_of
+from service.jobs.task_rows import add_tasks
 from service.jobs.totals import RenderTotals
 from service.jobs.turns import next_task
 from service.storage.database.connection import is_shared, time_of, transaction
@@ -116,8 +117,7 @@ class RenderQueue:
             session.add_all(
                 RenderNeedRow(render=render.id, needs=find_render(session, needed).id) for needed in set(new.after)
             )
-            tasks = [{"render": render.id, "frame": frame, "state": "ready"} for frame in new.frames]
-            session.connection().execute(insert(TaskRow), tasks)  # not as objects: a session takes long over thousands
+            add_tasks(session, render.id, new.frames)
             self._events.add(session, render_event(render, "render-sent"))
             return render
 

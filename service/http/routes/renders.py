@@ -112,13 +112,10 @@ async def send_render(
         record, frames = await _checked(service, principal, request)
         edits = await _edits_of(service, record, request)
         new = _new(record, principal, request, frames, edits, idempotency_key)
-        await run_in_threadpool(service.quotas.check_room, record.project, len(new.edits.encode()))
-        if service.shared is not None:
-            new = replace(new, files=await run_in_threadpool(_archived, service.shared.shots, record))
-        row = await run_in_threadpool(service.renders.submit, new)
+        row = await run_in_threadpool(_submit, service, record, new)
         service.renders_wake.set()
     response.headers["Location"] = f"/v1/renders/{row.id}"
-    return await run_in_threadpool(_told, service, row)
+    return await run_in_threadpool(_told, service, row) if request.after else _shown(row, ())
 
 
 @router.get("", operation_id="listRenders", responses=problems(404))
@@ -318,6 +315,14 @@ def _new(
         priority=request.priority,
         after=request.after,
     )
+
+
+def _submit(service: Service, record: ShotRecord, new: NewRender) -> RenderRow:
+    """Add a render to the queue, and its shot to the bucket. Raises the errors of `RenderQueue.submit`, quotas and bucket."""
+    service.quotas.check_room(record.project, len(new.edits.encode()))
+    if service.shared is not None:
+        new = replace(new, files=_archived(service.shared.shots, record))
+    return service.renders.submit(new)
 
 
 def _archived(archive: ShotArchive, record: ShotRecord) -> str:

@@ -106,7 +106,7 @@ class ShotFiles:
     def __init__(self, folder: Path, most_bytes: int) -> None:
         self._shots, self._parts = folder / "shots", folder / "parts"
         self._most_bytes = most_bytes
-        self._lock = threading.Lock()
+        self._lock, self._forgetting = threading.Lock(), threading.Lock()
         self._used: dict[str, int] = {}
         try:
             if self._parts.exists():
@@ -203,14 +203,18 @@ class ShotFiles:
 
     def _forget(self, newest: str) -> None:
         """Remove the shots that were not used for longest, while all are larger than the budget."""
-        with self._lock:
-            shots = sorted(self._shots.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
-            total, gone = 0, []
-            for folder in shots:
+        with self._forgetting:
+            total = 0
+            for folder in sorted(self._shots.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True):
                 total += sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
-                if total > self._most_bytes and folder.name != newest and folder.name not in self._used:
-                    moved = self._parts / secrets.token_hex(8)
-                    folder.rename(moved)
-                    gone.append(moved)
-        for moved in gone:
-            remove_tree(moved)
+                if total > self._most_bytes and folder.name != newest:
+                    self._remove(folder)
+
+    def _remove(self, folder: Path) -> None:
+        """Remove a shot that nobody uses. Those who begin to use another one wait for a rename, no more."""
+        moved = self._parts / secrets.token_hex(8)
+        with self._lock:
+            if folder.name in self._used:
+                return
+            folder.rename(moved)
+        remove_tree(moved)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
+from render.film.curve import Curve
 from render.film.process import STOP, densities, print_densities, project_print
 from render.film.settings import DEFAULT_PRINTS, FilmSettings, film_settings
 from render.film.stock import Stock, library_stock
@@ -16,7 +17,7 @@ from usd_schemas import FilmData, LibraryFilm
 
 TRIED_WITH = {"negative": "vision3_250d_5207", "monochrome": "double_x_5222"}
 """Negatives that print stocks are tried with."""
-_GAMMA_SPAN = 1.0  # stops to each side of middle grey
+_GREY_SPAN = 1.0  # stops to each side of middle grey
 _LEVEL = 0.1  # share of the steepest slope below which a curve counts as bent to level
 
 
@@ -28,7 +29,8 @@ class FilmReport:
         entry: the stock's entry in the library.
         film: settings of the trial: the stock alone, or with the stock that it is printed on or from.
         stock: the stock itself, in the camera or in the printer.
-        gamma: slope of each curve around middle grey, density over log10 exposure.
+        gamma: slope of the straight line of each curve, density over log10 exposure; negative for a reversal stock.
+        slope_at_grey: slope of each curve around middle grey, likewise: what a scene of usual contrast meets.
         latitude_stops: ``(curves, 2)`` range of each curve below and above middle grey, in stops.
         stops: ``(21,)`` stops of the grey wedge, from middle grey.
         camera_densities: ``(21, curves)`` densities of the wedge on the camera stock.
@@ -40,6 +42,7 @@ class FilmReport:
     film: FilmSettings
     stock: Stock
     gamma: tuple[float, ...]
+    slope_at_grey: tuple[float, ...]
     latitude_stops: tuple[tuple[float, float], ...]
     stops: DoubleArray
     camera_densities: DoubleArray
@@ -83,7 +86,8 @@ def film_report(name: str, *, push: float = 0.0, partner: str | None = None) -> 
         entry=entry,
         film=film,
         stock=stock,
-        gamma=_gamma(stock),
+        gamma=tuple(straight_line_slope(curve) for curve in stock.curves),
+        slope_at_grey=_slope_at_grey(stock),
         latitude_stops=tuple(_latitude(stock, record) for record in range(len(stock.curves))),
         stops=wedge_stops(),
         camera_densities=camera[0].astype(np.float64),
@@ -105,8 +109,27 @@ def _trial_settings(entry: LibraryFilm, push: float, partner: str | None) -> Fil
     return FilmData(process=process, stock=entry.name, print_stock=partner or DEFAULT_PRINTS[process], push=push)
 
 
-def _gamma(stock: Stock) -> tuple[float, ...]:
-    span = _GAMMA_SPAN * STOP
+def straight_line_slope(curve: Curve) -> float:
+    """Return the slope of the straight line between the toe and the shoulder of a characteristic curve, its gamma.
+
+    It is the greatest mean slope over one stop (Hurter, Driffield 1890): where a curve is straight over a stop or more, the slope
+    of that line. Shorter stretches would show how the knots of a data sheet were read off.
+
+    Args:
+        curve: of one layer.
+
+    Returns:
+        Density over log10 exposure; negative where density falls.
+    """
+    x, density = curve.table
+    span = min(STOP, float(x[-1] - x[0]))
+    starts = x[x <= x[-1] - span]
+    rises = np.interp(starts + span, x, density) - np.interp(starts, x, density)
+    return float(rises[np.argmax(np.abs(rises))] / span)
+
+
+def _slope_at_grey(stock: Stock) -> tuple[float, ...]:
+    span = _GREY_SPAN * STOP
     pairs = zip(stock.curves, stock.middle_log_exposure, strict=True)
     return tuple(
         float(curve.density(middle + span) - curve.density(middle - span)) / (2 * span) for curve, middle in pairs

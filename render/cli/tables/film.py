@@ -41,6 +41,7 @@ def film_json(report: FilmReport) -> dict[str, Any]:
         "middleLogExposure": _rounded(stock.middle_log_exposure),
         "middleDensity": _rounded(stock.middle_density),
         "gamma": _rounded(report.gamma),
+        "slopeAtGrey": _rounded(report.slope_at_grey),
         "latitudeStops": [_rounded(reach) for reach in report.latitude_stops],
         "curves": [_pairs(curve.knots) for curve in stock.curves],
         "granularity": [_pairs(table) for table in stock.granularity] or None,
@@ -78,7 +79,8 @@ def film_table(report: FilmReport) -> Table:
     table.add_row("base", _join(stock.base))
     table.add_row("metered grey", f"at log10 exposure {_join(stock.middle_log_exposure)} ({axis})")
     table.add_row("its density", _join(stock.middle_density))
-    table.add_row("gamma there", _join(report.gamma))
+    table.add_row("slope there", _join(report.slope_at_grey))
+    table.add_row("gamma", f"{_join(report.gamma)}, of the straight line")
     reach = "; ".join(f"{below:+.1f} to {above:+.1f}" for below, above in report.latitude_stops)
     table.add_row("answers to light", f"{reach} stops from grey")
     table.add_row("granularity", _granularity(report))

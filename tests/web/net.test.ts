@@ -105,6 +105,14 @@ describe("requests to the service", () => {
     expect([edited.history.revision, edited.history.undo]).toEqual(["r1", ""]);
   });
 
+  it("a focus report has an address for each of its formats", () => {
+    const { renders } = new HttpService("http://host");
+    expect([renders.reportAddress("r-1", "csv"), renders.reportAddress("r/2", "json")]).toEqual([
+      "http://host/v1/renders/r-1/focus-report?format=csv",
+      "http://host/v1/renders/r%2F2/focus-report?format=json",
+    ]);
+  });
+
   it("the content of a file travels as base64", async () => {
     expect(await base64Of(new Blob([new Uint8Array([0, 255, 128])]))).toBe("AP+A");
     expect(atob(await base64Of(new Blob(["a".repeat(20_000)])))).toBe("a".repeat(20_000));

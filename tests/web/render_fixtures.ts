@@ -113,6 +113,10 @@ export class FakeRenders implements RenderService {
     return `${id}/${product}`;
   }
 
+  reportAddress(id: string, format: string): string {
+    return `${id}/focus-report.${format}`;
+  }
+
   #failAt(kind: keyof FakeRenders["failing"]): void {
     const error = this.failing[kind];
     this.failing = { ...this.failing, [kind]: undefined };

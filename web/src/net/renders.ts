@@ -6,6 +6,8 @@ import { done, result } from "./answers";
 import { abortable } from "./queries";
 import type { paths } from "./schema";
 
+export type ReportFormat = "csv" | "json";
+
 export interface RenderService {
   /** Renders of the project, the newest first, or those older than one. */
   list(most: number, before: string | null): Promise<RenderPage>;
@@ -25,6 +27,8 @@ export interface RenderService {
   changes(): EventSource;
   /** Address of the movie or the contact sheet of a render that has ended. */
   productAddress(render: string, product: "movie" | "contact-sheet"): string;
+  /** Address of the report of how sharp each focus point is in each frame. */
+  reportAddress(render: string, format: ReportFormat): string;
 }
 
 export class HttpRenders implements RenderService {
@@ -77,5 +81,9 @@ export class HttpRenders implements RenderService {
 
   productAddress(render: string, product: "movie" | "contact-sheet"): string {
     return `${this.#base}/v1/renders/${encodeURIComponent(render)}/${product}`;
+  }
+
+  reportAddress(render: string, format: ReportFormat): string {
+    return `${this.#base}/v1/renders/${encodeURIComponent(render)}/focus-report?format=${format}`;
   }
 }

@@ -6,6 +6,7 @@ import type { Renders } from "../../editor/renders";
 import { formatEnd } from "../../model/identity";
 import {
   durationInWords,
+  hasEnded,
   isTaken,
   plural,
   progressInWords,
@@ -15,6 +16,7 @@ import {
   type RenderAction,
 } from "../../model/renders";
 import { shownFormat } from "../../model/render_draft";
+import type { ReportFormat } from "../../net/renders";
 import { RenderFrames } from "./RenderFrames";
 
 interface RenderRowProps {
@@ -25,6 +27,7 @@ interface RenderRowProps {
   readonly frameAddress: (frame: number, format: string) => string;
   readonly thumbnailAddress: (frame: number) => string;
   readonly productAddress: (product: "movie" | "contact-sheet") => string;
+  readonly reportAddress: (format: ReportFormat) => string;
 }
 
 export function RenderRow(props: RenderRowProps): JSX.Element {
@@ -91,34 +94,38 @@ export function RenderRow(props: RenderRowProps): JSX.Element {
 
 /** What is shown below the row of a render that is looked at. */
 function Opened(props: RenderRowProps & { readonly id: string }): JSX.Element {
-  const { id, renders, render, frameAddress, thumbnailAddress, productAddress } = props;
+  const { id, renders, render, frameAddress, thumbnailAddress } = props;
   return (
     <div id={id} class="render-frames">
-      <Products render={render} address={productAddress} />
+      <Products {...props} />
       <RenderFrames render={render} tasks={renders.tasks.value} address={frameAddress} thumbnail={thumbnailAddress} />
     </div>
   );
 }
 
-/** What is made of all frames of a render that has ended. */
-function Products({
-  render,
-  address,
-}: {
-  render: Render;
-  address: RenderRowProps["productAddress"];
-}): JSX.Element | null {
-  const { name, done, ready, running, formats } = render;
-  if (done === 0 || ready + running > 0 || shownFormat(formats) === null) return null;
+/** What is made of all frames of a render: movie and contact sheet once it has ended, the report of its focus always. */
+function Products({ render, productAddress, reportAddress }: RenderRowProps): JSX.Element {
+  const { name, done, formats } = render;
+  const hasPictures = done > 0 && hasEnded(render) && shownFormat(formats) !== null;
   return (
     <p class="render-products" role="group" aria-label={`Files of all frames of ${name}`}>
-      <a class="button small" href={address("movie")} download>
-        Download movie
-      </a>
-      <a class="button small" href={address("contact-sheet")} download>
-        Download contact sheet
-      </a>
+      {hasPictures && (
+        <>
+          <Download address={productAddress("movie")}>Download movie</Download>
+          <Download address={productAddress("contact-sheet")}>Download contact sheet</Download>
+        </>
+      )}
+      <Download address={reportAddress("csv")}>Download focus report (.csv)</Download>
+      <Download address={reportAddress("json")}>Download focus report (.json)</Download>
     </p>
+  );
+}
+
+function Download({ address, children }: { address: string; children: string }): JSX.Element {
+  return (
+    <a class="button small" href={address} download>
+      {children}
+    </a>
   );
 }
 

@@ -114,6 +114,7 @@ function List({ renders, editor, shot }: ListProps): JSX.Element {
             frameAddress={(frame, format) => editor.service.renders.frameAddress(render.id, frame, format)}
             thumbnailAddress={(frame) => editor.service.renders.thumbnailAddress(render.id, frame)}
             productAddress={(product) => editor.service.renders.productAddress(render.id, product)}
+            reportAddress={(format) => editor.service.renders.reportAddress(render.id, format)}
           />
         ))}
       </ul>

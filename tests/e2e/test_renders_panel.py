@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
+import re
 
 import httpx
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Page, Request, ViewportSize, expect
+from playwright.sync_api import Locator, Page, Request, ViewportSize, expect
 
 from tests.e2e.axe import violations
 from tests.e2e.editor import wait_settled
@@ -112,6 +114,91 @@ def check_frames(page: Page, service: str) -> None:
     assert violations(page) == []
     assert page.evaluate("document.querySelector('.renders-body').scrollWidth <= innerWidth")
     page.set_viewport_size(wide)
+
+
+def test_a_render_waits_with_aovs_and_a_focus_report(page: Page, service: str) -> None:
+    with httpx.Client(base_url=f"{service}/v1/renders") as renders:
+        failing = {"shot": "demo", "name": "first", "camera": "/World/none", "frames": "1", "width": 16}
+        first = renders.post("", json=failing).json()["id"]  # which fails, so that the other one waits
+        dialog = open_form(page, name="second")
+        choose_aovs(dialog)
+        waits = dialog.get_by_role("button", name="Wait for")
+        waits.click()
+        offered = dialog.get_by_role("group", name="Renders that have to be done before")
+        offered.get_by_role("checkbox", name="first").check()
+        expect(waits).to_have_accessible_name("Wait for first")
+        assert violations(page) == []
+        expect(dialog.locator(".render-plan")).to_contain_text("2 frames, about ")
+        dialog.get_by_role("button", name="Send").click()
+
+        row = dialog.get_by_role("listitem").filter(has=page.get_by_role("button", name="second"))
+        expect(row).to_contain_text("AOVs depth, normal, primvars:st")
+        expect(row).to_contain_text("Waits for first")
+        second, _ = renders.get("").json()["renders"]
+        assert (second["aovs"], second["waitsFor"]) == (["depth", "normal", "primvars:st"], [first])
+        check_reports(page)
+        check_remembered(page)
+        renders.post(f"/{second['id']}/cancel").raise_for_status()
+        expect(dialog).to_contain_text("Ended with failures")
+        for render in (second["id"], first):
+            renders.delete(f"/{render}").raise_for_status()
+
+
+def open_form(page: Page, name: str) -> Locator:
+    """Open the dialog with the form of a render of two small frames, and return it."""
+    wait_settled(page, time=1)
+    page.keyboard.press("Alt+Shift+r")
+    dialog = page.get_by_role("dialog", name="Renders")
+    for field, text in {"Frames": "1-2", "Width": "16", "Name": name}.items():
+        dialog.get_by_role("textbox", name=field).fill(text)
+    return dialog
+
+
+def choose_aovs(dialog: Locator) -> None:
+    """Choose AOVs by keyboard, and see that a nameless primvar is refused at its field."""
+    aovs = dialog.get_by_role("button", name="AOVs")
+    expect(aovs).to_have_accessible_name("AOVs none")
+    dialog.get_by_role("combobox", name="Files").select_option("png")
+    expect(aovs).to_have_count(0)
+    dialog.get_by_role("combobox", name="Files").select_option("both")
+    aovs.press("Enter")
+    group = dialog.get_by_role("group", name="AOVs in the EXR files")
+    for name in ("normal", "depth"):
+        group.get_by_role("checkbox", name=name, exact=True).press("Space")
+    expect(group.get_by_role("checkbox", name="depth", exact=True)).to_have_accessible_description(
+        "metres along the view axis; infinite where nothing is"
+    )
+    primvars = dialog.get_by_role("textbox", name="Primvars")
+    primvars.fill("primvars:")
+    expect(primvars).to_have_accessible_description("Type a name behind primvars:, such as primvars:st.")
+    primvars.fill("st")
+    expect(aovs).to_have_accessible_name("AOVs depth, normal, primvars:st")
+
+
+def check_reports(page: Page) -> None:
+    """Check that the focus report is there before the first frame is, in both formats."""
+    files = page.get_by_role("group", name="Files of all frames of second")
+    expect(files.get_by_role("link")).to_have_text(["Download focus report (.csv)", "Download focus report (.json)"])
+    contents = []
+    for link in files.get_by_role("link").all():
+        with page.expect_download() as download:
+            link.click()
+        contents.append(download.value.path().read_text())
+    table, report = contents
+    assert table.startswith("frame,focus_distance_m")
+    assert json.loads(report)["frames"] == "1-2"
+
+
+def check_remembered(page: Page) -> None:
+    """Check that the next render has the AOVs of the last one, and waits for none."""
+    page.get_by_role("dialog").get_by_role("button", name="Render…").click()
+    aovs = page.get_by_role("button", name=re.compile("^AOVs"))
+    expect(aovs).to_have_accessible_name("AOVs depth, normal, primvars:st")
+    expect(page.get_by_role("button", name="Wait for")).to_have_accessible_name("Wait for no other render")
+    page.set_viewport_size(PHONE)
+    aovs.click()
+    assert violations(page) == []
+    assert page.evaluate("document.querySelector('.renders-body').scrollWidth <= innerWidth")
 
 
 def test_the_list_of_renders_comes_when_it_is_wanted(page: Page) -> None:

@@ -1,16 +1,19 @@
+import { signal, type Signal } from "@preact/signals";
 import { RenderForm, type RenderSource } from "@/editor/render_form";
 import { errorOf, UnreachableError } from "@/net/errors";
 import { SHOT } from "./fake_service";
-import { FakeRenders } from "./render_fixtures";
+import { FakeRenders, render } from "./render_fixtures";
 
 interface Typed {
   readonly form: RenderForm;
   readonly service: FakeRenders;
   /** What is rendered; a test may change it. */
   readonly source: { revision: number; edits: Promise<void> };
+  /** AOVs that are remembered. */
+  readonly aovs: Signal<string>;
 }
 
-function typed(): Typed {
+function typed(remembered = ""): Typed {
   const service = new FakeRenders();
   const state = { revision: 0, edits: Promise.resolve() };
   const source: RenderSource = {
@@ -22,7 +25,8 @@ function typed(): Typed {
     motion: { peek: () => 1 },
     playhead: { played: { peek: () => ({ ...SHOT.range, start: 10, end: 20 }) } },
   };
-  return { form: new RenderForm(service, source, "1920"), service, source: state };
+  const aovs = signal(remembered);
+  return { form: new RenderForm(service, source, "1920", aovs), service, source: state, aovs };
 }
 
 beforeEach(() => {
@@ -63,6 +67,33 @@ describe("a render that is typed", () => {
     expect([form.plan.value, service.planned.length, service.sent.length]).toEqual([null, 1, 0]);
   });
 
+  it("is tried and sent with the AOVs that were sent last, and with the renders that it waits for", async () => {
+    const { form, service, aovs } = typed("depth,gone,primvars:st");
+    expect(form.draft.value).toMatchObject({ aovs: ["depth"], primvars: "primvars:st", after: [] });
+    form.type({ aovs: ["depth", "coc"], after: [render({ id: "r-7" })] });
+    await rest();
+    await form.send();
+    const wanted = { aovs: ["depth", "coc", "primvars:st"], after: ["r-7"] };
+    expect([service.planned.at(-1), service.sent[0]?.request]).toEqual([
+      expect.objectContaining(wanted),
+      expect.objectContaining(wanted),
+    ]);
+    expect(aovs.value).toBe("depth,coc,primvars:st");
+  });
+
+  it("remembers AOVs where it was taken, and where its files can hold some", async () => {
+    const { form, service, aovs } = typed("depth");
+    form.type({ aovs: ["normal"] });
+    service.failing = { send: new UnreachableError() };
+    await form.send();
+    form.type({ formats: "png" });
+    await form.send();
+    expect([service.sent.at(-1)?.request.aovs, aovs.value]).toEqual([undefined, "depth"]);
+    form.type({ formats: "both" });
+    await form.send();
+    expect([service.sent.at(-1)?.request.aovs, aovs.value]).toEqual([["normal"], "normal"]);
+  });
+
   it("is tried no more once it is closed", async () => {
     const { form, service } = typed();
     await rest();
@@ -90,6 +121,19 @@ describe("what the service finds", () => {
         { field: "width", message: "Too wide." },
         { field: "rays", message: "Too many." },
       ],
+    ],
+    [
+      { code: "render_not_found", detail: "There is no render 'r-7'.", path: "render" },
+      [{ field: "after", message: "There is no render 'r-7'." }],
+    ],
+    [
+      {
+        code: "invalid_request",
+        detail: "body.aovs.1: no AOV",
+        path: "body.aovs.1",
+        errors: [{ path: "body.aovs.1", detail: "no AOV" }],
+      },
+      [{ field: "primvars", message: "No AOV." }],
     ],
     [
       { code: "too_costly", detail: "it takes too long", path: "body" },

@@ -10,6 +10,7 @@ import {
   progressInWords,
   RENDER_ACTIONS,
   stateInWords,
+  waitableOf,
   type Render,
 } from "@/model/renders";
 import { render, task } from "./render_fixtures";
@@ -57,15 +58,38 @@ describe("in words", () => {
   it("a render tells how far it is, and what went wrong", () => {
     const ended = render({ state: "failed", ready: 0, done: 2, failed: 1, canceled: 1 });
     expect(progressInWords(ended)).toBe("2 of 4 frames, 1 failed, 1 given up");
-    expect(stateInWords(ended)).toBe("Ended with failures");
+    expect(stateInWords(ended, [])).toBe("Ended with failures");
     expect(progressInWords(render())).toBe("0 of 4 frames");
-    expect(stateInWords(render({ ...ended, state: "done", accepted: true }))).toBe("Accepted as it is");
-    expect(stateInWords(render({ state: "queued" }))).toBe("Waits for its turn");
-    expect(stateInWords(render({ state: "queued", waitsFor: ["r-1", "r-2"] }))).toBe("Waits for 2 other renders");
+    expect(stateInWords(render({ ...ended, state: "done", accepted: true }), [])).toBe("Accepted as it is");
+    expect(stateInWords(render({ state: "queued" }), [])).toBe("Waits for its turn");
+  });
+
+  it("a render tells those that it waits for by name where they are few and known", () => {
+    const named = (...names: string[]): Render[] => names.map((name) => render({ id: `r-${name}`, name }));
+    const waiting = (...names: string[]): Render => render({ waitsFor: names.map((name) => `r-${name}`) });
+    expect(stateInWords(waiting("b", "a"), named("a", "b", "c"))).toBe("Waits for a, b");
+    expect(stateInWords(waiting("a", "old"), named("a", "b"))).toBe("Waits for 2 other renders");
+    expect(stateInWords(waiting("a", "b", "c", "d"), named("a", "b", "c", "d"))).toBe("Waits for 4 other renders");
+    expect(stateInWords(waiting("old"), [])).toBe("Waits for 1 other render");
   });
 
   it("frames are runs", () => {
     expect(framesInWords([1, 2, 3, 8, -4].toSorted((a, b) => a - b))).toBe("-4, 1–3, 8");
+  });
+});
+
+describe("a render can wait", () => {
+  const states: Render["state"][] = ["queued", "running", "paused", "failed", "canceled", "done"];
+  const all = states.map((state) => render({ id: `r-${state}`, state }));
+
+  it("for those that are not done", () => {
+    expect(waitableOf(all, []).map(({ state }) => state)).toEqual(states.slice(0, -1));
+  });
+
+  it("for those that were chosen and are done by now, or not in the list any more", () => {
+    const chosen = [render({ id: "r-done" }), render({ id: "r-gone" }), render({ id: "r-paused" })];
+    const added = waitableOf(all, chosen).slice(5);
+    expect(added).toEqual([all[5], chosen[1]]);
   });
 });
 
@@ -100,7 +124,17 @@ describe("the frames of a render", () => {
 });
 
 describe("a draft", () => {
-  const draft: RenderDraft = { name: " ", frames: "1-9:2", width: "640", rays: "16", formats: "png", priority: "50" };
+  const draft: RenderDraft = {
+    name: " ",
+    frames: "1-9:2",
+    width: "640",
+    rays: "16",
+    formats: "png",
+    priority: "50",
+    aovs: [],
+    primvars: "",
+    after: [],
+  };
   const view = { shot: "demo", camera: "/World/cam", layers: 4, supersample: 0, motion: 16 };
 
   it("has the whole frames of what is played", () => {
@@ -132,6 +166,35 @@ describe("a draft", () => {
     expect([request.frames, request.camera]).toEqual([undefined, undefined]);
   });
 
+  it("asks for AOVs in EXR files alone, in the order of their parts, each once", () => {
+    const typed = { ...draft, aovs: ["coc", "depth"], primvars: " st, primvars:displayColor st" };
+    const aovs = ["depth", "coc", "primvars:st", "primvars:displayColor"];
+    expect(requestOf({ ...typed, formats: "both" }, view).aovs).toEqual(aovs);
+    expect(requestOf({ ...typed, formats: "exr" }, view).aovs).toEqual(aovs);
+    expect(requestOf(typed, view)).not.toHaveProperty("aovs");
+  });
+
+  it("waits for the renders that are chosen", () => {
+    const after = [render({ id: "r-2" }), render({ id: "r-1" })];
+    expect(requestOf({ ...draft, after }, view).after).toEqual(["r-2", "r-1"]);
+    const many = Array.from({ length: 17 }, (_, at) => render({ id: `r-${at}` }));
+    expect(faultsIn({ ...draft, after: many.slice(1) })).toEqual([]);
+    expect(faultsIn({ ...draft, after: many })).toEqual([
+      { field: "after", message: "A render waits for 16 others at most." },
+    ]);
+  });
+
+  it("has faults in its primvars where they count", () => {
+    const nameless = { ...draft, primvars: "st primvars:" };
+    const fault = { field: "primvars", message: "Type a name behind primvars:, such as primvars:st." };
+    expect([faultsIn({ ...nameless, formats: "exr" }), faultsIn(nameless)]).toEqual([[fault], []]);
+    const many = Array.from({ length: 32 }, (_, at) => `p${at}`).join(" ");
+    expect(faultsIn({ ...draft, formats: "exr", primvars: many })).toEqual([]);
+    expect(faultsIn({ ...draft, formats: "exr", primvars: many, aovs: ["coc"] })).toEqual([
+      { field: "primvars", message: "A render has 32 AOVs at most." },
+    ]);
+  });
+
   it("has its faults at their fields", () => {
     const typed = { ...draft, width: "wide", rays: "", priority: "1.5" };
     expect(faultsIn(typed).map(({ field }) => field)).toEqual(["width", "rays", "priority"]);
@@ -144,5 +207,6 @@ describe("a draft", () => {
       "Type 100 or less.",
     ]);
     expect(["body.width", "frames", "body", "shot", null].map(fieldOf)).toEqual(["width", "frames", null, null, null]);
+    expect(["body.aovs.12", "body.after.0", "render"].map(fieldOf)).toEqual(["primvars", "after", "after"]);
   });
 });

@@ -43,6 +43,8 @@ export class Remembered {
   readonly limit = remembered<Limit>("limit", "film", LIMITS);
   /** Width of delivered pictures, px. */
   readonly delivery = remembered<Delivery>("delivery", "1920", DELIVERIES);
+  /** AOVs of the render that was sent last, between commas. */
+  readonly aovs = remembered<string>("aovs", "", null);
   /** What a click on the picture means. */
   readonly pull = {
     reach: remembered<Reach>("pullReach", "from", REACHES),

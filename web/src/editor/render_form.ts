@@ -1,6 +1,7 @@
 /** A render that is typed: tried at the service while it is, and sent once. */
 
-import { computed, signal } from "@preact/signals";
+import { computed, signal, type Signal } from "@preact/signals";
+import { chosenAovs } from "../model/aovs";
 import { faultsIn, fieldOf, framesOf, requestOf, type DraftFault, type RenderDraft } from "../model/render_draft";
 import type { Render, RenderPlan, RenderRequest } from "../model/renders";
 import { restQuality } from "../model/quality";
@@ -27,6 +28,8 @@ export class RenderForm {
 
   readonly #service: RenderService;
   readonly #source: RenderSource;
+  /** AOVs of the render that was sent last, between commas. */
+  readonly #aovs: Signal<string>;
   /** What the service has found in the draft. */
   readonly #refused = signal<readonly DraftFault[]>([]);
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -34,11 +37,22 @@ export class RenderForm {
   /** What was sent last, and its key: the same once more is the same render. */
   #sent = { what: "", key: "" };
 
-  /** @param width of delivered pictures, px. */
-  constructor(service: RenderService, source: RenderSource, width: string) {
-    [this.#service, this.#source] = [service, source];
-    const frames = framesOf(source.playhead.played.peek());
-    this.draft = signal<RenderDraft>({ name: "", frames, width, rays: "100", formats: "exr", priority: "50" });
+  /**
+   * @param width of delivered pictures, px.
+   * @param aovs of the render that was sent last, between commas; written when one is sent.
+   */
+  constructor(service: RenderService, source: RenderSource, width: string, aovs: Signal<string>) {
+    [this.#service, this.#source, this.#aovs] = [service, source, aovs];
+    this.draft = signal<RenderDraft>({
+      name: "",
+      frames: framesOf(source.playhead.played.peek()),
+      width,
+      rays: "100",
+      formats: "exr",
+      priority: "50",
+      ...chosenAovs(aovs.peek()),
+      after: [],
+    });
     void this.#try();
   }
 
@@ -61,7 +75,9 @@ export class RenderForm {
     try {
       await this.#source.idle();
       const request = this.#request();
-      return await this.#service.send(request, this.#keyOf(request));
+      const render = await this.#service.send(request, this.#keyOf(request));
+      if (request.formats?.includes("exr")) this.#aovs.value = (request.aovs ?? []).join(",");
+      return render;
     } catch (error) {
       this.#refuse(error);
       return null;

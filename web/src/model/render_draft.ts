@@ -1,7 +1,8 @@
 /** A render as it is typed, before it is sent. */
 
+import { aovsOf, faultOfAovs } from "./aovs";
 import { faultOfFrames } from "./frame_range";
-import type { RenderRequest } from "./renders";
+import type { Render, RenderRequest } from "./renders";
 import type { FrameRange } from "./time";
 
 type FrameFormat = NonNullable<RenderRequest["formats"]>[number];
@@ -29,9 +30,22 @@ export interface RenderDraft {
   readonly rays: string;
   readonly formats: FileChoice;
   readonly priority: string;
+  /** Names of declared AOVs. */
+  readonly aovs: readonly string[];
+  /** Names of primvars, such as "st, displayColor". */
+  readonly primvars: string;
+  /** Renders that have to be done before. */
+  readonly after: readonly Render[];
 }
 
 export type DraftField = keyof RenderDraft;
+/** Fields of words and numbers. */
+export type TypedField = Exclude<DraftField, "formats" | "aovs" | "after">;
+
+/** Whether the files that are chosen can hold AOVs. */
+export function holdsAovs({ formats }: RenderDraft): boolean {
+  return FILE_CHOICES[formats].formats.some((format) => format === "exr");
+}
 
 /** What the page's picture is of, at rest. */
 export interface RenderedView {
@@ -56,23 +70,34 @@ export function framesOf({ start, end }: FrameRange): string {
 }
 
 /** Whole numbers, each with an example and the service's limits. */
-const WHOLE_NUMBERS: readonly (readonly [DraftField, string, number, number])[] = [
+const WHOLE_NUMBERS: readonly (readonly [TypedField, string, number, number])[] = [
   ["width", "1920", 1, 8192],
   ["rays", "100", 1, Infinity],
   ["priority", "50", 0, 100],
 ];
 
+/** Renders that one may wait for. */
+const MOST_NEEDED = 16;
+
 /** Faults that the page sees by itself; what a picture may cost is the service's. */
 export function faultsIn(draft: RenderDraft): readonly DraftFault[] {
   const range = draft.frames.trim();
-  const fault = range === "" ? null : faultOfFrames(range);
-  const frames: DraftFault[] = fault === null ? [] : [{ field: "frames", message: fault }];
-  return [...frames, ...WHOLE_NUMBERS.flatMap((number) => faultOfNumber(draft, ...number))];
+  const isTooMany = draft.after.length > MOST_NEEDED;
+  return [
+    ...faultAt("frames", range === "" ? null : faultOfFrames(range)),
+    ...WHOLE_NUMBERS.flatMap((number) => faultOfNumber(draft, ...number)),
+    ...faultAt("primvars", holdsAovs(draft) ? faultOfAovs(draft) : null),
+    ...faultAt("after", isTooMany ? `A render waits for ${MOST_NEEDED} others at most.` : null),
+  ];
+}
+
+function faultAt(field: DraftField, message: string | null): DraftFault[] {
+  return message === null ? [] : [{ field, message }];
 }
 
 function faultOfNumber(
   draft: RenderDraft,
-  field: DraftField,
+  field: TypedField,
   example: string,
   least: number,
   most: number,
@@ -87,6 +112,7 @@ function faultOfNumber(
 export function requestOf(draft: RenderDraft, view: RenderedView): RenderRequest {
   const { shot, camera, layers, supersample, motion } = view;
   const frames = draft.frames.trim();
+  const aovs = holdsAovs(draft) ? aovsOf(draft) : [];
   return {
     shot,
     ...(camera !== null && { camera }),
@@ -95,7 +121,9 @@ export function requestOf(draft: RenderDraft, view: RenderedView): RenderRequest
     width: Number(draft.width),
     rays: Number(draft.rays),
     formats: [...FILE_CHOICES[draft.formats].formats],
+    ...(aovs.length > 0 && { aovs }),
     priority: Number(draft.priority),
+    ...(draft.after.length > 0 && { after: draft.after.map(({ id }) => id) }),
     engine: "lens",
     layers,
     supersample,
@@ -106,8 +134,18 @@ export function requestOf(draft: RenderDraft, view: RenderedView): RenderRequest
 
 /** Where the service's finding about a request belongs: `body.width` is about the field `width`. */
 export function fieldOf(path: string | null): DraftField | null {
-  const last = path?.split(".").at(-1);
-  return FIELDS.find((field) => field === last) ?? null;
+  const last = path?.split(".").findLast((part) => !/^\d+$/.test(part)); // a number is a place in a list
+  return FIELDS[last ?? ""] ?? null;
 }
 
-const FIELDS: readonly DraftField[] = ["name", "frames", "width", "rays", "formats", "priority"];
+const FIELDS: Readonly<Record<string, DraftField>> = {
+  name: "name",
+  frames: "frames",
+  width: "width",
+  rays: "rays",
+  formats: "formats",
+  priority: "priority",
+  aovs: "primvars", // those that are not typed are right
+  after: "after",
+  render: "after", // one that is not there
+};

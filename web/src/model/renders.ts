@@ -42,11 +42,18 @@ export function isTaken(action: RenderAction, render: Render): boolean {
   }
 }
 
-/** The state of a render for people. */
-export function stateInWords({ state, running, waitsFor, accepted }: Render): string {
+/** Renders that a new one may wait for, the newest first: those that are not done, and those that are chosen already. */
+export function waitableOf(all: readonly Render[], chosen: readonly Render[]): readonly Render[] {
+  const isChosen = (id: string): boolean => chosen.some((each) => each.id === id);
+  const lost = chosen.filter(({ id }) => !all.some((each) => each.id === id));
+  return [...all.filter(({ id, state }) => state !== "done" || isChosen(id)), ...lost];
+}
+
+/** The state of a render among others for people. */
+export function stateInWords({ state, running, waitsFor, accepted }: Render, others: readonly Render[]): string {
   switch (state) {
     case "queued":
-      return waitsFor.length > 0 ? `Waits for ${plural(waitsFor.length, "other render")}` : "Waits for its turn";
+      return waitsFor.length > 0 ? `Waits for ${neededInWords(waitsFor, others)}` : "Waits for its turn";
     case "running":
       return running > 0 ? "Drawing" : "Waits to go on";
     case "pause-requested":
@@ -62,6 +69,16 @@ export function stateInWords({ state, running, waitsFor, accepted }: Render): st
     case "done":
       return accepted ? "Accepted as it is" : "Done";
   }
+}
+
+/** Most renders that are told by their names. */
+const MOST_NAMED = 3;
+
+/** Renders that another one waits for: by their names where they are few and known, else how many. */
+function neededInWords(ids: readonly string[], others: readonly Render[]): string {
+  const names = others.filter(({ id }) => ids.includes(id)).map(({ name }) => name);
+  const isTold = names.length === ids.length && names.length <= MOST_NAMED;
+  return isTold ? names.join(", ") : plural(ids.length, "other render");
 }
 
 /** How far a render is: "25 of 96 frames, 2 failed". */

@@ -1,22 +1,30 @@
 /** A render that is typed, with what it would be. */
 
-import type { ComponentChildren, JSX } from "preact";
-import { useEffect, useId, useRef, useState } from "preact/hooks";
+import type { JSX } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import { RenderForm } from "../../editor/render_form";
+import type { Renders } from "../../editor/renders";
 import type { Session } from "../../editor/session";
-import { FILE_CHOICES, type DraftField, type FileChoice } from "../../model/render_draft";
+import { FILE_CHOICES, holdsAovs, type FileChoice } from "../../model/render_draft";
 import { planInWords, type Render } from "../../model/renders";
+import { AovChoice } from "./AovChoice";
+import { NeedChoice } from "./NeedChoice";
+import { Row, Text } from "./DraftFields";
 
 interface NewRenderProps {
   readonly editor: Editor;
   readonly session: Session;
+  readonly renders: Renders;
   readonly onSent: (render: Render) => void;
   readonly onCancel: () => void;
 }
 
-export function NewRender({ editor, session, onSent, onCancel }: NewRenderProps): JSX.Element {
-  const [form] = useState(() => new RenderForm(editor.service.renders, session, editor.remembered.delivery.peek()));
+export function NewRender({ editor, session, renders, onSent, onCancel }: NewRenderProps): JSX.Element {
+  const [form] = useState(() => {
+    const { delivery, aovs } = editor.remembered;
+    return new RenderForm(editor.service.renders, session, delivery.peek(), aovs);
+  });
   const fields = useRef<HTMLFormElement>(null);
   useEffect(() => {
     fields.current?.querySelector<HTMLElement>("[data-field=frames]")?.focus();
@@ -56,66 +64,10 @@ export function NewRender({ editor, session, onSent, onCancel }: NewRenderProps)
       <Format form={form} />
       <Text form={form} field="priority" label="Priority" hint="0 to 100: renders of a higher one come first" />
       <Text form={form} field="name" label="Name" hint="For people and files" placeholder={form.shotName} />
+      {holdsAovs(form.draft.value) && <AovChoice form={form} />}
+      <NeedChoice form={form} renders={renders} />
       <Foot form={form} onCancel={onCancel} />
     </form>
-  );
-}
-
-interface RowProps {
-  readonly form: RenderForm;
-  readonly field: DraftField;
-  readonly label: string;
-  readonly children: (said: { "aria-invalid": boolean; "aria-describedby": string | undefined }) => ComponentChildren;
-}
-
-/** A field with what is wrong with it. */
-function Row({ form, field, label, children }: RowProps): JSX.Element {
-  const id = useId();
-  const faults = form.faults.value.filter((fault) => fault.field === field).map(({ message }) => message);
-  const isWrong = faults.length > 0;
-  return (
-    <label class={`render-field of-${field}`}>
-      <span>{label}</span>
-      {children({ "aria-invalid": isWrong, "aria-describedby": isWrong ? id : undefined })}
-      {isWrong && (
-        <span id={id} class="render-fault" role="alert">
-          {faults.join(" ")}
-        </span>
-      )}
-    </label>
-  );
-}
-
-interface TextProps extends Omit<RowProps, "children"> {
-  readonly field: Exclude<DraftField, "format">;
-  readonly hint: string;
-  readonly placeholder?: string;
-}
-
-function Text({ hint, placeholder, ...row }: TextProps): JSX.Element {
-  const { form, field } = row;
-  const isNumber = field !== "name" && field !== "frames";
-  return (
-    <Row {...row}>
-      {(said) => (
-        <input
-          {...said}
-          type="text"
-          class="text-field"
-          data-field={field}
-          title={hint}
-          inputMode={isNumber ? "numeric" : "text"}
-          autocomplete="off"
-          spellcheck={false}
-          maxLength={field === "name" ? 200 : 4000}
-          placeholder={placeholder}
-          value={form.draft.value[field]}
-          onInput={({ currentTarget }) => {
-            form.type({ [field]: currentTarget.value });
-          }}
-        />
-      )}
-    </Row>
   );
 }
 

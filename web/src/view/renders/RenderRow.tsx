@@ -75,7 +75,7 @@ export function RenderRow(props: RenderRowProps): JSX.Element {
           }}
         />
       </div>
-      <Progress render={render} />
+      <Progress render={render} all={renders.all.value ?? []} />
       {asked && isTaken(asked, render) && (
         <Question
           action={asked}
@@ -129,12 +129,13 @@ function Download({ address, children }: { address: string; children: string }):
   );
 }
 
-function factsOf({ frames, width, formats, rays, owner, createdAt }: Render): string {
+function factsOf({ frames, width, formats, aovs, rays, owner, createdAt }: Render): string {
   const files = `${width} px .${formats.join(" .")}, ${plural(rays, "ray")}`;
-  return `Frames ${frames} · ${files} · by ${owner}, ${formatEnd(createdAt, new Date())}`;
+  const parts = aovs.length > 0 ? ` · AOVs ${aovs.join(", ")}` : "";
+  return `Frames ${frames} · ${files}${parts} · by ${owner}, ${formatEnd(createdAt, new Date())}`;
 }
 
-function Progress({ render }: { render: Render }): JSX.Element {
+function Progress({ render, all }: { render: Render; all: readonly Render[] }): JSX.Element {
   const { count, done, failed, canceled, name, secondsLeft, state } = render;
   const share = (frames: number): { width: string } => ({ width: `${(100 * frames) / count}%` });
   const progress = progressInWords(render);
@@ -153,7 +154,7 @@ function Progress({ render }: { render: Render }): JSX.Element {
         <i class="failed" style={share(failed)} />
       </div>
       <p class="numbers">
-        <b>{stateInWords(render)}</b>
+        <b>{stateInWords(render, all)}</b>
         {` · ${progress}`}
         {secondsLeft !== null && state === "running" && ` · about ${durationInWords(secondsLeft)} left`}
       </p>

@@ -61,6 +61,7 @@ export function RendersPanel({ editor, close }: RendersPanelProps): JSX.Element 
             key={`${session.shot.id} ${session.camera ?? ""}`}
             editor={editor}
             session={session}
+            renders={renders}
             onSent={(render) => {
               renders.add(render);
               endNew();

@@ -38,6 +38,7 @@ def test_a_render_is_sent_followed_and_removed(page: Page, service: str) -> None
     dialog.get_by_role("combobox", name="Files").select_option("png")
     dialog.get_by_role("textbox", name="Name").fill("two small ones")
     expect(dialog.locator(".render-plan")).to_contain_text("2 frames, about ")
+    expect(dialog.locator(".render-plan")).to_contain_text(" px, ")
     sent: list[Request] = []
     page.on("request", lambda request: request.method == "POST" and sent.append(request))
     dialog.get_by_role("button", name="Send").dblclick()
@@ -107,6 +108,11 @@ def check_frames(page: Page, service: str) -> None:
     shown = {"time": 2, "camera": camera, "width": 64, "rays": 4, "format": "png"}
     direct = httpx.get(f"{service}/v1/shots/demo/frame", params=shown, timeout=120).raise_for_status()
     np.testing.assert_array_equal(Image.open(download.value.path()), Image.open(io.BytesIO(direct.content)))
+    shown = page.get_by_role("button", name="Show log")
+    shown.click()
+    log = page.get_by_role("log", name="Log of attempt 1 at frame 2")
+    expect(log).to_contain_text("stored png: ")
+    expect(log).to_contain_text("load scene: ")
     assert violations(page) == []
     wide = page.viewport_size
     assert wide is not None

@@ -1,7 +1,7 @@
 /** Renders and their frames for tests, and a service that records what it is asked for. */
 
 import type { Render, RenderAction, RenderPage, RenderPlan, RenderRequest, RenderTask } from "@/model/renders";
-import type { RenderService } from "@/net/renders";
+import type { FrameLogText, RenderService } from "@/net/renders";
 
 const RENDER: Render = {
   id: "r-1",
@@ -17,6 +17,7 @@ const RENDER: Render = {
   rays: 16,
   formats: ["png"],
   aovs: [],
+  lens: null,
   count: 4,
   ready: 4,
   running: 0,
@@ -54,8 +55,12 @@ export class FakeRenders implements RenderService {
   readonly calls: string[] = [];
   readonly sent: { request: RenderRequest; key: string }[] = [];
   readonly planned: RenderRequest[] = [];
+  /** What stands against a render that is tried. */
+  findings: RenderPlan["findings"] = [];
+  /** The log of each frame, as it is at each look. */
+  readonly logs: FrameLogText[] = [];
   /** Fails the next call of a kind with an error. */
-  failing: Partial<Record<"list" | "plan" | "send" | "act", unknown>> = {};
+  failing: Partial<Record<"list" | "plan" | "send" | "act" | "log", unknown>> = {};
   /** Holds up the next lists. */
   gate: () => Promise<void> = () => Promise.resolve();
 
@@ -73,7 +78,13 @@ export class FakeRenders implements RenderService {
     await Promise.resolve();
     this.planned.push(request);
     this.#failAt("plan");
-    return { frames: request.frames ?? "1-96", count: 96, secondsOfProcessor: 310 };
+    return {
+      frames: request.frames ?? "1-96",
+      count: 96,
+      secondsOfProcessor: 310,
+      settings: null,
+      findings: this.findings,
+    };
   }
 
   async send(request: RenderRequest, key: string): Promise<Render> {
@@ -95,6 +106,13 @@ export class FakeRenders implements RenderService {
   tasks(id: string): Promise<readonly RenderTask[]> {
     this.calls.push(`tasks ${id}`);
     return Promise.resolve(this.ofRender);
+  }
+
+  async log(id: string, frame: number, attempt: number): Promise<FrameLogText> {
+    await Promise.resolve();
+    this.calls.push(`log ${id} ${frame} ${attempt}`);
+    this.#failAt("log");
+    return this.logs.shift() ?? { text: "", hasEnded: true };
   }
 
   frameAddress(id: string, frame: number, format: string): string {

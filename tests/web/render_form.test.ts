@@ -67,6 +67,17 @@ describe("a render that is typed", () => {
     expect([form.plan.value, service.planned.length, service.sent.length]).toEqual([null, 1, 0]);
   });
 
+  it("is tried no more once it is closed", async () => {
+    const { form, service } = typed();
+    await rest();
+    form.type({ width: "64" });
+    form.close();
+    await rest();
+    expect(service.planned).toHaveLength(1);
+  });
+});
+
+describe("AOVs of a render", () => {
   it("is tried and sent with the AOVs that were sent last, and with the renders that it waits for", async () => {
     const { form, service, aovs } = typed("depth,gone,primvars:st");
     expect(form.draft.value).toMatchObject({ aovs: ["depth"], primvars: "primvars:st", after: [] });
@@ -93,14 +104,33 @@ describe("a render that is typed", () => {
     await form.send();
     expect([service.sent.at(-1)?.request.aovs, aovs.value]).toEqual([["normal"], "normal"]);
   });
+});
 
-  it("is tried no more once it is closed", async () => {
+describe("what stands against a render", () => {
+  it("stands against a render: it is told at its field, and nothing is sent", async () => {
     const { form, service } = typed();
     await rest();
-    form.type({ width: "64" });
-    form.close();
+    service.findings = [
+      { severity: "error", code: "bad_setting", path: "frames", message: "the step is 0" },
+      { severity: "error", code: "unknown_stock", path: "", message: "there is no such film" },
+      { severity: "warning", code: "not_honoured", path: "/World", message: "it is drawn otherwise" },
+    ];
+    form.type({ name: "dailies" });
     await rest();
-    expect(service.planned).toHaveLength(1);
+    const faults = [
+      { field: "frames", message: "The step is 0." },
+      { field: null, message: "There is no such film." },
+    ];
+    expect([form.faults.value, form.plan.value]).toEqual([faults, null]);
+    expect([await form.send(), service.sent, form.isSending.value]).toEqual([null, [], false]);
+  });
+
+  it("may be a warning, which holds nothing up", async () => {
+    const { form, service } = typed();
+    service.findings = [{ severity: "warning", code: "x", path: "", message: "it is drawn otherwise" }];
+    await rest();
+    expect(form.plan.value?.findings).toEqual(service.findings);
+    expect(await form.send()).not.toBeNull();
   });
 });
 

@@ -9,6 +9,7 @@ import {
   planInWords,
   progressInWords,
   RENDER_ACTIONS,
+  settingsInWords,
   stateInWords,
   waitableOf,
   type Render,
@@ -34,6 +35,31 @@ describe("what the service takes", () => {
   });
 });
 
+describe("a plan in words", () => {
+  it("a plan tells the picture that it is of", () => {
+    const settings = {
+      camera: "/World/cam",
+      width: 480,
+      height: 360,
+      lensName: "Planar 50 mm f/1.4",
+      lensModel: "prescription",
+      fStop: 2.83,
+      focalLengthMm: 50,
+      film: "velvia_50",
+      engine: "lens",
+      rays: 16,
+      formats: ["exr"],
+      aovs: [],
+      revision: "5a302e56",
+    } as const;
+    expect(settingsInWords({ settings })).toBe("480 × 360 px, Planar 50 mm f/1.4 at f/2.8, on velvia_50");
+    expect(settingsInWords({ settings: { ...settings, lensName: "", fStop: 0, film: null } })).toBe(
+      "480 × 360 px, a lens without a name",
+    );
+    expect(settingsInWords({ settings: null })).toBe("");
+  });
+});
+
 describe("in words", () => {
   it.each([
     [0.2, "1 s"],
@@ -49,10 +75,8 @@ describe("in words", () => {
   });
 
   it("a plan has its frames and its work", () => {
-    expect(planInWords({ frames: "1-9600", count: 9600, secondsOfProcessor: 120 })).toBe(
-      "9,600 frames, about 2 min of work",
-    );
-    expect(planInWords({ frames: "7", count: 1, secondsOfProcessor: 3 })).toBe("1 frame, about 3 s of work");
+    expect(planInWords({ count: 9600, secondsOfProcessor: 120 })).toBe("9,600 frames, about 2 min of work");
+    expect(planInWords({ count: 1, secondsOfProcessor: 3 })).toBe("1 frame, about 3 s of work");
   });
 
   it("a render tells how far it is, and what went wrong", () => {
@@ -123,20 +147,20 @@ describe("the frames of a render", () => {
   });
 });
 
-describe("a draft", () => {
-  const draft: RenderDraft = {
-    name: " ",
-    frames: "1-9:2",
-    width: "640",
-    rays: "16",
-    formats: "png",
-    priority: "50",
-    aovs: [],
-    primvars: "",
-    after: [],
-  };
-  const view = { shot: "demo", camera: "/World/cam", layers: 4, supersample: 0, motion: 16 };
+const draft: RenderDraft = {
+  name: " ",
+  frames: "1-9:2",
+  width: "640",
+  rays: "16",
+  formats: "png",
+  priority: "50",
+  aovs: [],
+  primvars: "",
+  after: [],
+};
+const view = { shot: "demo", camera: "/World/cam", layers: 4, supersample: 0, motion: 16 };
 
+describe("a draft", () => {
   it("has the whole frames of what is played", () => {
     expect(framesOf({ start: 1, end: 96, framesPerSecond: 24 })).toBe("1-96");
     expect(framesOf({ start: -2.5, end: 3.5, framesPerSecond: 24 })).toBe("-2-3");
@@ -165,7 +189,9 @@ describe("a draft", () => {
     const request = requestOf({ ...draft, frames: "  " }, { ...view, camera: null });
     expect([request.frames, request.camera]).toEqual([undefined, undefined]);
   });
+});
 
+describe("AOVs and renders before, in a draft", () => {
   it("asks for AOVs in EXR files alone, in the order of their parts, each once", () => {
     const typed = { ...draft, aovs: ["coc", "depth"], primvars: " st, primvars:displayColor st" };
     const aovs = ["depth", "coc", "primvars:st", "primvars:displayColor"];
@@ -194,7 +220,9 @@ describe("a draft", () => {
       { field: "primvars", message: "A render has 32 AOVs at most." },
     ]);
   });
+});
 
+describe("faults of a draft", () => {
   it("has its faults at their fields", () => {
     const typed = { ...draft, width: "wide", rays: "", priority: "1.5" };
     expect(faultsIn(typed).map(({ field }) => field)).toEqual(["width", "rays", "priority"]);

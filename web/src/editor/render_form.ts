@@ -75,6 +75,7 @@ export class RenderForm {
     try {
       await this.#source.idle();
       const request = this.#request();
+      if (!(await this.#isAccepted(request))) return null;
       const render = await this.#service.send(request, this.#keyOf(request));
       if (request.formats?.includes("exr")) this.#aovs.value = (request.aovs ?? []).join(",");
       return render;
@@ -98,11 +99,20 @@ export class RenderForm {
     }
     const trying = (this.#trying = new AbortController());
     try {
-      const plan = await this.#service.plan(this.#request(), trying.signal);
-      if (!trying.signal.aborted) this.plan.value = plan;
+      await this.#isAccepted(this.#request(), trying.signal);
     } catch (error) {
       if (!trying.signal.aborted) this.#refuse(error);
     }
+  }
+
+  /** Whether the service finds nothing that stands against a request. */
+  async #isAccepted(request: RenderRequest, signal?: AbortSignal): Promise<boolean> {
+    const plan = await this.#service.plan(request, signal);
+    if (signal?.aborted === true) return false;
+    this.#refused.value = faultsInPlan(plan);
+    const isAccepted = this.#refused.peek().length === 0;
+    this.plan.value = isAccepted ? plan : null;
+    return isAccepted;
   }
 
   #stop(): void {
@@ -134,6 +144,12 @@ export class RenderForm {
 /** Browsers have `randomUUID` on https alone. */
 function randomKey(): string {
   return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+/** What stands against a render that was tried, each at the field that it is about. */
+function faultsInPlan({ findings }: RenderPlan): readonly DraftFault[] {
+  const errors = findings.filter(({ severity }) => severity === "error");
+  return errors.map(({ path, message }) => ({ field: fieldOf(path), message: sentence(message) }));
 }
 
 /** What the service has found, each at the field that it is about. */

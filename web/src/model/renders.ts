@@ -98,8 +98,17 @@ export function durationInWords(seconds: number): string {
 }
 
 /** What a render would be: "96 frames, about 12 min of work". */
-export function planInWords({ count, secondsOfProcessor }: RenderPlan): string {
+export function planInWords({ count, secondsOfProcessor }: Pick<RenderPlan, "count" | "secondsOfProcessor">): string {
   return `${plural(count, "frame")}, about ${durationInWords(secondsOfProcessor)} of work`;
+}
+
+/** The picture that a render would be of: "480 × 360 px, Planar 50 mm f/1.4 at f/2, on vision3_500t_5219". */
+export function settingsInWords({ settings }: Pick<RenderPlan, "settings">): string {
+  if (!settings) return "";
+  const { width, height, lensName, fStop, film } = settings;
+  const stop = fStop > 0 ? ` at f/${Number(fStop.toPrecision(2))}` : "";
+  const lens = lensName === "" ? "a lens without a name" : lensName;
+  return `${width} × ${height} px, ${lens}${stop}${film === null ? "" : `, on ${film}`}`;
 }
 
 export function plural(count: number, noun: string): string {

@@ -8,6 +8,13 @@ import type { paths } from "./schema";
 
 export type ReportFormat = "csv" | "json";
 
+/** Log of an attempt at a frame. */
+export interface FrameLogText {
+  readonly text: string;
+  /** Whether no line follows. */
+  readonly hasEnded: boolean;
+}
+
 export interface RenderService {
   /** Renders of the project, the newest first, or those older than one. */
   list(most: number, before: string | null): Promise<RenderPage>;
@@ -19,6 +26,8 @@ export interface RenderService {
   act(render: string, action: RenderAction): Promise<Render | null>;
   /** The frames of a render, in rising order. */
   tasks(render: string): Promise<readonly RenderTask[]>;
+  /** The log of an attempt at a frame. */
+  log(render: string, frame: number, attempt: number, signal?: AbortSignal): Promise<FrameLogText>;
   /** Address of a frame that is drawn, in a format of its render. */
   frameAddress(render: string, frame: number, format: string): string;
   /** Address of a small picture of a frame that is drawn. */
@@ -65,6 +74,17 @@ export class HttpRenders implements RenderService {
   async tasks(render: string): Promise<readonly RenderTask[]> {
     const { tasks } = await result(this.#client.GET("/v1/renders/{render}/tasks", { params: { path: { render } } }));
     return tasks;
+  }
+
+  async log(render: string, frame: number, attempt: number, signal?: AbortSignal): Promise<FrameLogText> {
+    const params = { path: { render, frame }, query: { attempt } };
+    const answer = this.#client.GET("/v1/renders/{render}/frames/{frame}/log", {
+      params,
+      parseAs: "text",
+      ...abortable(signal),
+    });
+    const text = await result(answer);
+    return { text, hasEnded: (await answer).response.headers.get("Pullfocus-Ended") === "true" };
   }
 
   frameAddress(render: string, frame: number, format: string): string {

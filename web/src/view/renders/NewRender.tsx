@@ -7,7 +7,8 @@ import { RenderForm } from "../../editor/render_form";
 import type { Renders } from "../../editor/renders";
 import type { Session } from "../../editor/session";
 import { FILE_CHOICES, holdsAovs, type FileChoice } from "../../model/render_draft";
-import { planInWords, type Render } from "../../model/renders";
+import { planInWords, plural, settingsInWords, type Render, type RenderPlan } from "../../model/renders";
+import { sentence } from "../../net/errors";
 import { AovChoice } from "./AovChoice";
 import { NeedChoice } from "./NeedChoice";
 import { Row, Text } from "./DraftFields";
@@ -100,13 +101,19 @@ function Foot({ form, onCancel }: { form: RenderForm; onCancel: () => void }): J
   return (
     <div class="render-foot">
       <p role="status" class="render-plan">
-        {plan && planInWords(plan)}
+        {plan && (
+          <>
+            {planInWords(plan)}
+            <span class="muted"> {settingsInWords(plan)}</span>
+          </>
+        )}
       </p>
       {refusals.length > 0 && (
         <p class="render-fault" role="alert">
           {refusals.join(" ")}
         </p>
       )}
+      {plan && plan.findings.length > 0 && <Findings findings={plan.findings} />}
       <button type="button" class="button" onClick={onCancel}>
         Cancel
       </button>
@@ -114,5 +121,21 @@ function Foot({ form, onCancel }: { form: RenderForm; onCancel: () => void }): J
         {isSending ? "Sending…" : "Send"}
       </button>
     </div>
+  );
+}
+
+/** Findings that are listed. */
+const MOST_FINDINGS = 3;
+
+/** What is not drawn quite as the shot asks for. */
+function Findings({ findings }: Pick<RenderPlan, "findings">): JSX.Element {
+  const others = findings.length - MOST_FINDINGS;
+  return (
+    <ul class="render-findings muted" aria-label="Not drawn quite as asked for">
+      {findings.slice(0, MOST_FINDINGS).map(({ code, path, message }) => (
+        <li key={`${code} ${path}`}>{sentence(message)}</li>
+      ))}
+      {others > 0 && <li>{`And ${plural(others, "other finding")}.`}</li>}
+    </ul>
   );
 }

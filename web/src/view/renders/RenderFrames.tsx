@@ -2,7 +2,6 @@
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
-import { formatEnd } from "../../model/identity";
 import {
   failuresOf,
   framesInWords,
@@ -16,6 +15,7 @@ import {
 import { shownFormat } from "../../model/render_draft";
 import { sentence } from "../../net/errors";
 import { formatBytes } from "../numbers";
+import { Attempts, type ReadLog } from "./Attempts";
 import { FrameCells } from "./FrameCells";
 
 /** Most cells in a grid. */
@@ -28,9 +28,10 @@ interface RenderFramesProps {
   readonly address: (frame: number, format: string) => string;
   /** Address of a small picture of a frame. */
   readonly thumbnail: (frame: number) => string;
+  readonly readLog: ReadLog;
 }
 
-export function RenderFrames({ render, tasks, address, thumbnail }: RenderFramesProps): JSX.Element {
+export function RenderFrames({ render, tasks, address, thumbnail, readLog }: RenderFramesProps): JSX.Element {
   const [chosen, setChosen] = useState<number | null>(null);
   if (tasks === null) return <p class="muted">Reading the frames…</p>;
   const groups = groupsOf(tasks, MOST_CELLS);
@@ -61,7 +62,11 @@ export function RenderFrames({ render, tasks, address, thumbnail }: RenderFrames
           </>
         )}
         <Failures tasks={tasks} />
-        {task ? <Frame task={task} address={address} /> : <p class="muted">Choose a frame to see its attempts.</p>}
+        {task ? (
+          <Frame task={task} address={address} readLog={readLog} />
+        ) : (
+          <p class="muted">Choose a frame to see its attempts.</p>
+        )}
       </div>
     </>
   );
@@ -102,8 +107,12 @@ function Failures({ tasks }: { tasks: readonly RenderTask[] }): JSX.Element | nu
 /** Kinds of failures that are listed. */
 const MOST_FAILURES = 5;
 
-function Frame({ task, address }: Pick<RenderFramesProps, "address"> & { task: RenderTask }): JSX.Element {
-  const { frame, state, attempts, files } = task;
+interface FrameProps extends Pick<RenderFramesProps, "address" | "readLog"> {
+  readonly task: RenderTask;
+}
+
+function Frame({ task, address, readLog }: FrameProps): JSX.Element {
+  const { frame, state, files } = task;
   return (
     <div class="render-frame" role="group" aria-label={`Frame ${frame}`}>
       <p>
@@ -115,25 +124,7 @@ function Frame({ task, address }: Pick<RenderFramesProps, "address"> & { task: R
             </a>
           ))}
       </p>
-      <ol aria-label={`Attempts at frame ${frame}`}>
-        {attempts.map((attempt) => (
-          <li key={attempt.number}>
-            {`${OUTCOMES[attempt.outcome ?? "under way"]}, ${formatEnd(attempt.endedAt ?? attempt.startedAt, new Date())}`}
-            <span class="muted"> by {attempt.worker}</span>
-            {attempt.error !== null && <span class="render-fault">{sentence(attempt.error)}</span>}
-          </li>
-        ))}
-      </ol>
+      <Attempts task={task} readLog={readLog} />
     </div>
   );
 }
-
-type Outcome = NonNullable<RenderTask["attempts"][number]["outcome"]> | "under way";
-
-const OUTCOMES: Readonly<Record<Outcome, string>> = {
-  done: "Drawn",
-  failed: "Failed",
-  lost: "Lost, since its worker is gone",
-  "given-back": "Given back, nothing was wrong",
-  "under way": "Under way",
-};

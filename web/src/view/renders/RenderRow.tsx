@@ -17,6 +17,7 @@ import {
 } from "../../model/renders";
 import { shownFormat } from "../../model/render_draft";
 import type { ReportFormat } from "../../net/renders";
+import type { ReadLog } from "./Attempts";
 import { RenderFrames } from "./RenderFrames";
 
 interface RenderRowProps {
@@ -28,6 +29,7 @@ interface RenderRowProps {
   readonly thumbnailAddress: (frame: number) => string;
   readonly productAddress: (product: "movie" | "contact-sheet") => string;
   readonly reportAddress: (format: ReportFormat) => string;
+  readonly readLog: ReadLog;
 }
 
 export function RenderRow(props: RenderRowProps): JSX.Element {
@@ -94,11 +96,17 @@ export function RenderRow(props: RenderRowProps): JSX.Element {
 
 /** What is shown below the row of a render that is looked at. */
 function Opened(props: RenderRowProps & { readonly id: string }): JSX.Element {
-  const { id, renders, render, frameAddress, thumbnailAddress } = props;
+  const { id, renders, render, frameAddress, thumbnailAddress, readLog } = props;
   return (
     <div id={id} class="render-frames">
       <Products {...props} />
-      <RenderFrames render={render} tasks={renders.tasks.value} address={frameAddress} thumbnail={thumbnailAddress} />
+      <RenderFrames
+        render={render}
+        tasks={renders.tasks.value}
+        address={frameAddress}
+        thumbnail={thumbnailAddress}
+        readLog={readLog}
+      />
     </div>
   );
 }

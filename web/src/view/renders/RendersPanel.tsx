@@ -116,6 +116,7 @@ function List({ renders, editor, shot }: ListProps): JSX.Element {
             thumbnailAddress={(frame) => editor.service.renders.thumbnailAddress(render.id, frame)}
             productAddress={(product) => editor.service.renders.productAddress(render.id, product)}
             reportAddress={(format) => editor.service.renders.reportAddress(render.id, format)}
+            readLog={(frame, attempt, abort) => editor.service.renders.log(render.id, frame, attempt, abort)}
           />
         ))}
       </ul>

@@ -81,7 +81,7 @@ def _declared(item: Setting, slider: Slider) -> dict[str, Any]:
         "label": slider.label or item.label,
         "hint": item.help,
         "keyable": item.rest_keyable,
-        "allowed": {"least": item.sent.least, "most": item.sent.most, "above": item.sent.above},
+        "allowed": allowed_numbers(item),
         "slider": {
             "least": slider.least,
             "most": slider.most,
@@ -91,6 +91,14 @@ def _declared(item: Setting, slider: Slider) -> dict[str, Any]:
             "unit": slider.unit,
         },
     }
+
+
+def allowed_numbers(item: Setting) -> dict[str, Any]:
+    """Return the numbers that the service takes and a picture can be made with."""
+    sent, accepted = item.sent, item.accepted
+    least = sent.least if accepted.zero else max(sent.least, accepted.least)
+    above = sent.above if least == sent.least else accepted.above
+    return {"least": least, "most": min(sent.most, accepted.most), "above": above}
 
 
 def _constant(name: str, value: Any, check: str = "") -> str:

@@ -169,8 +169,8 @@ class FocusPoint:
         unit="none, a ratio above 0",
         hard=(0.001, None),
         soft=(0.1, 10),
-        bounds=Bounds(0, 1e6),
-        slider=Slider(0, 4, 0.1, unit="×", label="Depth"),
+        bounds=Bounds(0.001, 1e6),
+        slider=Slider(0.1, 4, 0.1, unit="×", label="Depth"),
     )
     color: FocusPointColor = setting(
         "color",

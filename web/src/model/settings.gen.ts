@@ -317,7 +317,7 @@ export const FILM_SLIDERS = {
     "keyable": true,
     "allowed": {
       "least": 0,
-      "most": 1000000000.0,
+      "most": 100.0,
       "above": false
     },
     "slider": {
@@ -337,7 +337,7 @@ export const FILM_SLIDERS = {
     "keyable": true,
     "allowed": {
       "least": 0,
-      "most": 1000000000.0,
+      "most": 1,
       "above": false
     },
     "slider": {
@@ -783,12 +783,12 @@ export const POINT_SLIDERS = {
     "hint": "Depth of field around the target in surface mode, relative to the lens's own: 2 is twice as deep.",
     "keyable": true,
     "allowed": {
-      "least": 0,
+      "least": 0.001,
       "most": 1000000.0,
       "above": false
     },
     "slider": {
-      "least": 0,
+      "least": 0.1,
       "most": 4,
       "step": 0.1,
       "scale": "linear",

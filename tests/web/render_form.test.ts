@@ -125,6 +125,18 @@ describe("what stands against a render", () => {
     expect([await form.send(), service.sent, form.isSending.value]).toEqual([null, [], false]);
   });
 
+  it("is asked for once more where the draft has changed, and not where it was found right", async () => {
+    const { form, service } = typed();
+    expect(form.isTrying.value).toBe(true);
+    await rest();
+    expect(form.isTrying.value).toBe(false);
+    await form.send();
+    expect([service.planned.length, service.sent.length]).toEqual([1, 1]);
+    form.type({ frames: "1-2" });
+    await form.send(); // before the rest after which it is tried
+    expect([service.planned.length, service.sent.length]).toEqual([2, 2]);
+  });
+
   it("may be a warning, which holds nothing up", async () => {
     const { form, service } = typed();
     service.findings = [{ severity: "warning", code: "x", path: "", message: "it is drawn otherwise" }];

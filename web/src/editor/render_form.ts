@@ -25,6 +25,8 @@ export class RenderForm {
   readonly plan = signal<RenderPlan | null>(null);
   readonly faults = computed(() => [...faultsIn(this.draft.value), ...this.#refused.value]);
   readonly isSending = signal(false);
+  /** Whether the service is checking the draft. */
+  readonly isTrying = signal(false);
 
   readonly #service: RenderService;
   readonly #source: RenderSource;
@@ -34,6 +36,8 @@ export class RenderForm {
   readonly #refused = signal<readonly DraftFault[]>([]);
   #timer: ReturnType<typeof setTimeout> | undefined;
   #trying = new AbortController();
+  /** What the service has found nothing against. */
+  #accepted = "";
   /** What was sent last, and its key: the same once more is the same render. */
   #sent = { what: "", key: "" };
 
@@ -75,7 +79,7 @@ export class RenderForm {
     try {
       await this.#source.idle();
       const request = this.#request();
-      if (!(await this.#isAccepted(request))) return null;
+      if (this.#accepted !== this.#whatOf(request) && !(await this.#isAccepted(request))) return null;
       const render = await this.#service.send(request, this.#keyOf(request));
       if (request.formats?.includes("exr")) this.#aovs.value = (request.aovs ?? []).join(",");
       return render;
@@ -98,26 +102,32 @@ export class RenderForm {
       return;
     }
     const trying = (this.#trying = new AbortController());
+    this.isTrying.value = true;
     try {
       await this.#isAccepted(this.#request(), trying.signal);
     } catch (error) {
       if (!trying.signal.aborted) this.#refuse(error);
+    } finally {
+      if (!trying.signal.aborted) this.isTrying.value = false;
     }
   }
 
   /** Whether the service finds nothing that stands against a request. */
   async #isAccepted(request: RenderRequest, signal?: AbortSignal): Promise<boolean> {
+    const what = this.#whatOf(request);
     const plan = await this.#service.plan(request, signal);
     if (signal?.aborted === true) return false;
     this.#refused.value = faultsInPlan(plan);
     const isAccepted = this.#refused.peek().length === 0;
     this.plan.value = isAccepted ? plan : null;
+    if (isAccepted) this.#accepted = what;
     return isAccepted;
   }
 
   #stop(): void {
     clearTimeout(this.#timer);
     this.#trying.abort();
+    this.isTrying.value = false;
   }
 
   #refuse(error: unknown): void {
@@ -133,9 +143,14 @@ export class RenderForm {
     return requestOf(draft, { ...restQuality(width, width / aspect, motion.peek()), shot: shot.id, camera });
   }
 
+  /** A request, and the edits that it would be of. */
+  #whatOf(request: RenderRequest): string {
+    return `${this.#source.document.revision.peek()} ${JSON.stringify(request)}`;
+  }
+
   /** A key for each render: another one for another request, and for other edits. */
   #keyOf(request: RenderRequest): string {
-    const what = `${this.#source.document.revision.peek()} ${JSON.stringify(request)}`;
+    const what = this.#whatOf(request);
     if (what !== this.#sent.what) this.#sent = { what, key: randomKey() };
     return this.#sent.key;
   }

@@ -101,7 +101,8 @@ function Foot({ form, onCancel }: { form: RenderForm; onCancel: () => void }): J
   return (
     <div class="render-foot">
       <p role="status" class="render-plan">
-        {plan && (
+        {form.isTrying.value && <span class="muted">Checking… </span>}
+        {plan && !form.isTrying.value && (
           <>
             {planInWords(plan)}
             <span class="muted"> {settingsInWords(plan)}</span>

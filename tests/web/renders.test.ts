@@ -54,7 +54,7 @@ describe("a plan in words", () => {
     } as const;
     expect(settingsInWords({ settings })).toBe("480 × 360 px, Planar 50 mm f/1.4 at f/2.8, on velvia_50");
     expect(settingsInWords({ settings: { ...settings, lensName: "", fStop: 0, film: null } })).toBe(
-      "480 × 360 px, a lens without a name",
+      "480 × 360 px, 50 mm",
     );
     expect(settingsInWords({ settings: null })).toBe("");
   });

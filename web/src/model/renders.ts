@@ -105,9 +105,9 @@ export function planInWords({ count, secondsOfProcessor }: Pick<RenderPlan, "cou
 /** The picture that a render would be of: "480 × 360 px, Planar 50 mm f/1.4 at f/2, on vision3_500t_5219". */
 export function settingsInWords({ settings }: Pick<RenderPlan, "settings">): string {
   if (!settings) return "";
-  const { width, height, lensName, fStop, film } = settings;
+  const { width, height, lensName, focalLengthMm, fStop, film } = settings;
   const stop = fStop > 0 ? ` at f/${Number(fStop.toPrecision(2))}` : "";
-  const lens = lensName === "" ? "a lens without a name" : lensName;
+  const lens = lensName === "" ? `${Number(focalLengthMm.toPrecision(3))} mm` : lensName;
   return `${width} × ${height} px, ${lens}${stop}${film === null ? "" : `, on ${film}`}`;
 }
 

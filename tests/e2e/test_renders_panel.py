@@ -123,9 +123,9 @@ def check_frames(page: Page, service: str) -> None:
 
 
 def test_a_render_waits_with_aovs_and_a_focus_report(page: Page, service: str) -> None:
-    with httpx.Client(base_url=f"{service}/v1/renders") as renders:
+    with httpx.Client(base_url=service) as client:
         failing = {"shot": "demo", "name": "first", "camera": "/World/none", "frames": "1", "width": 16}
-        first = renders.post("", json=failing).json()["id"]  # which fails, so that the other one waits
+        first = client.post("/v1/renders", json=failing).json()["id"]  # which fails, so that the other one waits
         dialog = open_form(page, name="second")
         choose_aovs(dialog)
         waits = dialog.get_by_role("button", name="Wait for")
@@ -140,14 +140,14 @@ def test_a_render_waits_with_aovs_and_a_focus_report(page: Page, service: str) -
         row = dialog.get_by_role("listitem").filter(has=page.get_by_role("button", name="second"))
         expect(row).to_contain_text("AOVs depth, normal, primvars:st")
         expect(row).to_contain_text("Waits for first")
-        second, _ = renders.get("").json()["renders"]
+        second, _ = client.get("/v1/renders").json()["renders"]
         assert (second["aovs"], second["waitsFor"]) == (["depth", "normal", "primvars:st"], [first])
         check_reports(page)
         check_remembered(page)
-        renders.post(f"/{second['id']}/cancel").raise_for_status()
+        client.post(f"/v1/renders/{second['id']}/cancel").raise_for_status()
         expect(dialog).to_contain_text("Ended with failures")
         for render in (second["id"], first):
-            renders.delete(f"/{render}").raise_for_status()
+            client.delete(f"/v1/renders/{render}").raise_for_status()
 
 
 def open_form(page: Page, name: str) -> Locator:

@@ -92,7 +92,7 @@ export function FoldedField({ form, field, label, summary, children }: FoldedFie
     if (isWrong) setOpen(true); // they stay open while it is put right
   }, [isWrong]);
   return (
-    <div class="render-choices">
+    <div class={`render-choices of-${field}`}>
       <button
         type="button"
         class="fold"

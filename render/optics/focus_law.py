@@ -1,7 +1,8 @@
 """Dependence of a camera's lens on its focus: growth of the circle of confusion, size of the pupil, focus range.
 
 Glass is treated to first order, at the d line: the position of its group decides the focus, the size of the entrance pupil and
-the size of the picture. So the law costs no tracing of rays, and holds at any f-number. All of it scales with the focal length.
+the size of the picture. So the law holds at any f-number, which is that of the real beam from infinity
+(`render.optics.prescription.f_numbers`); how the beam changes with focus is first-order. All of it scales with the focal length.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.lens import Prescription
 from render.model.lens_law import NO_LIMIT_W, LensLaw
+from render.optics.prescription.f_numbers import widest_f_number
 from render.optics.prescription.focus_mechanism import LONGEST_WAY, FocusMechanism
 from render.optics.prescription.mounting import has_surfaces, scale_to
 from render.optics.prescription.paraxial import entrance_pupil
@@ -65,14 +67,14 @@ class _Way:
         pupils: diameter of the entrance pupil over that of the stop.
         scales_mm: image scale.
         to_film_mm: from the entrance pupil to the film.
-        stop_mm: radius of the stop wide open.
+        widest_f_stop: f-number of the real beam wide open.
     """
 
     nearness: DoubleArray
     pupils: DoubleArray
     scales_mm: DoubleArray
     to_film_mm: DoubleArray
-    stop_mm: float
+    widest_f_stop: float
 
 
 def _law_of_glass(camera: Camera) -> LensLaw:
@@ -90,15 +92,14 @@ def _law_of_glass(camera: Camera) -> LensLaw:
         np.interp(w * scale / 1000, way.nearness, column) for column in (way.pupils, way.scales_mm * scale)
     )
     radii_at_f1_mm = focal_mm / 2 * pupils / way.pupils[0]
-    widest = focal_mm / (2 * way.stop_mm * scale * way.pupils[0])
     slopes = (scales_mm if camera.breathing else focal_mm) * 2 * radii_at_f1_mm / 1000
     return LensLaw(
         slopes_at_f1_mm_m=slopes[None],
         pupils_at_f1_mm=radii_at_f1_mm[None],
-        f_stops=np.array([max(camera.f_stop, widest)]),
+        f_stops=np.array([max(camera.f_stop, way.widest_f_stop)]),
         near_w=np.array([near_w]),
         far_w=np.zeros(1),
-        widest_f_stops=np.array([widest]),
+        widest_f_stops=np.array([way.widest_f_stop]),
     )
 
 
@@ -123,9 +124,7 @@ def _way_to(mechanism: FocusMechanism, end_mm: float) -> _Way:
         pupil_mm, pupil = entrance_pupil(replace(mechanism.system, vertices_mm=moved), mechanism.stop)
         rows.append((nearness, abs(pupil), seen.scale_mm, mechanism.film_mm - pupil_mm))
     nearness, pupils, scales_mm, to_film_mm = np.array(rows).T
-    return _Way(
-        nearness, pupils, scales_mm, to_film_mm, mechanism.prescription.surfaces[mechanism.stop].semi_diameter_mm
-    )
+    return _Way(nearness, pupils, scales_mm, to_film_mm, widest_f_number(mechanism.prescription))
 
 
 def _round_length(length_mm: float) -> float:

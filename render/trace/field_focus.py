@@ -54,7 +54,8 @@ class FieldFocus:
         heights: ``(h,)`` slopes of the ideal lens: positions in the picture.
         seen: ``(h,)`` slopes in object space seen there, growing, with distortion.
         shift_w: ``(h,)`` difference between the sharpest inverse depth and the focus, 1/m.
-        pupil: ``(h,)`` radius of the pupil seen from there (of a disc with the same spread as its rays) over the paraxial one.
+        pupil: ``(h,)`` radius of the pupil seen from there (of a disc with the same spread as its rays) over that of the beam on
+            the axis.
     """
 
     heights: DoubleArray

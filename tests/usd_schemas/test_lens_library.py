@@ -66,8 +66,8 @@ def test_a_mounted_lens_is_the_camera_s(stage: Usd.Stage, camera: LensCamera, me
     mounted = mount_lens(camera, entry.lens, focal_length_mm=entry.focal_length_mm, f_stop=entry.f_stop)
     assert camera.lens.read() == entry.lens
     assert camera.prim.GetAttribute("focalLength").Get() == pytest.approx(50.36 / (metres_per_unit * 100))
-    assert (mounted.focal_length_mm, mounted.f_stop) == (50.36, 2.03)  # USD's own f-number, 0, is no iris of a lens
-    assert camera.prim.GetAttribute("fStop").Get() == pytest.approx(2.03)
+    assert (mounted.focal_length_mm, mounted.f_stop) == (50.36, 2.0)  # USD's own f-number, 0, is no iris of a lens
+    assert camera.prim.GetAttribute("fStop").Get() == pytest.approx(2.0)
 
 
 def test_an_f_number_that_the_lens_has_stays(camera: LensCamera) -> None:

@@ -16,7 +16,7 @@ Row = tuple[float, float, float, float]
 """Radius, thickness (mm), index behind (0 marks the stop), clear diameter (mm)."""
 
 _SINGLET: tuple[Row, ...] = ((50.2792, 8.0, 1.5168, 17.8572), (-50.2792, 0, 1, 0))
-TELEPHOTO_ROWS: tuple[Row, ...] = (  # Sigler, 250 mm f/5.4
+TELEPHOTO_ROWS: tuple[Row, ...] = (  # Sigler, 250 mm f/5.6
     (54.6275, 12.52, 1.529, 47.5),
     (-86.365, 3.755, 1.599, 44.5),
     (271.7625, 2.8175, 1, 41.5),
@@ -25,7 +25,7 @@ TELEPHOTO_ROWS: tuple[Row, ...] = (  # Sigler, 250 mm f/5.4
     (49.5325, 12.52, 1.603, 33.5),
     (-50.945, 0, 1, 37),
 )
-WIDE_ROWS: tuple[Row, ...] = (  # Nakamura, 22 mm f/2.7
+WIDE_ROWS: tuple[Row, ...] = (  # Nakamura, 22 mm f/2.8
     (35.98738, 1.21638, 1.54, 23.716),
     (11.69718, 9.9957, 1, 17.996),
     (13.08714, 5.12622, 1.772, 12.364),

@@ -31,7 +31,7 @@ class LightPath:
     surface.
 
     Attributes:
-        f_stop: N, relative aperture: focal length over the diameter of the entrance pupil.
+        f_stop: N, relative aperture: focal length over the diameter of the entrance pupil; of glass, over that of the real beam.
         transmittance: T, share of the light that glass and filters let through (`nd_transmittance` is a filter's).
         magnification: m, size of the image over the object's; 0 focused at infinity.
         pupil_magnification: P, diameter of the exit pupil over the entrance pupil's.
@@ -135,15 +135,14 @@ def light_path(camera: Camera) -> LightPath:
         m = magnification(f_mm, distance_m) if camera.breathing else 0.0  # that of the picture, which is a thin lens's
         return LightPath(camera.f_stop, passes, m, camera.lens.pupil_magnification)
     lens = mount_lens(camera)
-    pupils = lens.exit_pupil_radius_mm / lens.entrance_pupil_radius_mm
     if not camera.breathing:
-        return LightPath(lens.f_stop, passes, pupil_magnification=pupils)
+        return LightPath(lens.f_stop, passes, pupil_magnification=lens.pupil_magnification)
     distance_mm = 1000 * camera.focus_distance_m or math.inf
     return LightPath(
         f_stop=lens.first.focal_length_mm / (2 * lens.entrance_pupil_radius_mm),
         transmittance=passes,
         magnification=abs(lens.image_scale_mm) / distance_mm,
-        pupil_magnification=pupils,
+        pupil_magnification=lens.pupil_magnification,
     )
 
 

@@ -16,10 +16,127 @@ from render.optics.prescription.tracing import PASSES, TracedRays, trace_backwar
 _RINGS = 32
 _TRIALS = 33
 _ROUNDS = 4
+_RIM_ROUNDS = 5
 _WIDEST_TRIAL = 1.6  # times the paraxial pupil: the aberrations of a pupil do not reach so far
 _GRAZING = 1 + 1e-6  # the grazing ray is known to that
 _STEEPEST_CHIEF = 2.0
 _SECANTS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class _AxialRays:
+    """Rays in the y-z plane from a point on the axis, by their heights in the plane of the entrance pupil."""
+
+    prescription: Prescription
+    object_mm: float
+    stop_radius_mm: float
+    wavelength_nm: float
+    vertices_mm: DoubleArray
+    stop: int
+    pupil_mm: float
+    magnification: float
+
+    @classmethod
+    def make(
+        cls,
+        prescription: Prescription,
+        object_mm: float,
+        stop_radius_mm: float,
+        wavelength_nm: float,
+        vertices_mm: DoubleArray | None,
+    ) -> _AxialRays:
+        placed = vertices(prescription) if vertices_mm is None else vertices_mm
+        stop = stop_index(prescription)
+        pupil_mm, magnification = entrance_pupil(paraxial_system(prescription, wavelength_nm, placed), stop)
+        return cls(prescription, object_mm, stop_radius_mm, wavelength_nm, placed, stop, pupil_mm, magnification)
+
+    def trace(self, heights_mm: DoubleArray, end: int, clip: bool) -> TracedRays:
+        """Trace rays from the front up to surface ``end − 1``."""
+        points, directions = _rays_from_axis(self.object_mm, self.pupil_mm, heights_mm, float(self.vertices_mm[0]))
+        return trace_forward(
+            self.prescription,
+            points,
+            directions,
+            self.wavelength_nm,
+            vertices_mm=self.vertices_mm,
+            stop_radius_mm=self.stop_radius_mm * _GRAZING,
+            clip=clip,
+            between=(0, end),
+        )
+
+    def grazing_mm(self) -> float:
+        """Height of the ray that grazes the iris, or of the last one that gets to it, whatever rims say.
+
+        Raises:
+            InputError: no ray but the axis itself gets to the iris.
+        """
+        low, high, at_low, at_high = 0.0, _WIDEST_TRIAL * self.stop_radius_mm * abs(self.magnification), 0.0, np.inf
+        for _ in range(_ROUNDS):
+            heights = np.linspace(low, high, _TRIALS)
+            met = np.abs(self.trace(heights, self.stop + 1, False).points_mm[self.stop, :, 1])
+            inside = met <= self.stop_radius_mm
+            outside = int(np.argmin(inside)) if not inside.all() else _TRIALS - 1
+            before = max(outside - 1, 0)
+            low, high = float(heights[before]), float(heights[outside])
+            at_low, at_high = float(met[before]), float(met[outside])
+        if low == 0:
+            lost = int(self.trace(np.array([high]), self.stop + 1, False).stopped_by[0])
+            raise _dark(self.prescription, self.stop if lost == PASSES else lost)
+        if at_low < self.stop_radius_mm < at_high:  # NaN, for a ray that is lost, is not beyond the iris
+            low += (high - low) * (self.stop_radius_mm - at_low) / (at_high - at_low)
+        return low
+
+    def open_mm(self) -> float:
+        """Height of the outermost ray up to which all get through iris and rims; 0 where the axis itself is blocked."""
+        low, high, count = 0.0, self.grazing_mm(), len(self.prescription.surfaces)
+        if self.trace(np.linspace(0.0, high, _TRIALS), count, True).passes.all():
+            return high
+        for _ in range(_RIM_ROUNDS):
+            heights = np.linspace(low, high, _TRIALS)
+            blocked = int(np.argmin(self.trace(heights, count, True).passes))
+            low, high = float(heights[max(blocked - 1, 0)]), float(heights[blocked])
+        return low
+
+
+@dataclass(frozen=True)
+class AxialEdge:
+    """The marginal ray: the outermost one from a point on the axis that gets through.
+
+    Attributes:
+        height_mm: where it crosses the plane of the entrance pupil; 0 where no ray gets through.
+        sine: of its angle to the axis behind the lens; 0 where no ray gets through.
+    """
+
+    height_mm: float
+    sine: float
+
+
+def axial_edge(
+    prescription: Prescription,
+    object_mm: float,
+    stop_radius_mm: float,
+    vertices_mm: DoubleArray | None = None,
+    *,
+    clip: bool = True,
+) -> AxialEdge:
+    """Find the marginal ray of a point on the axis, at the d line.
+
+    Args:
+        prescription: with a stop.
+        object_mm: z of the point; minus infinity sends parallel light.
+        stop_radius_mm: of the iris.
+        vertices_mm: ``(k,)`` where the surfaces stand, if not where the thicknesses put them.
+        clip: whether rims other than the iris block rays.
+
+    Raises:
+        InputError: no ray but the axis itself gets to the iris.
+    """
+    rays = _AxialRays.make(prescription, object_mm, stop_radius_mm, D_LINE_NM, vertices_mm)
+    height_mm = rays.open_mm() if clip else rays.grazing_mm()
+    if height_mm == 0:
+        return AxialEdge(0.0, 0.0)
+    sine = rays.trace(np.array([height_mm]), len(prescription.surfaces), False).directions[0, 1]
+    return AxialEdge(height_mm, abs(float(np.nan_to_num(sine))))
 
 
 def axial_beam(
@@ -47,33 +164,8 @@ def axial_beam(
     Raises:
         InputError: no ray but the axis itself gets to the iris.
     """
-    placed = vertices(prescription) if vertices_mm is None else vertices_mm
-    stop = stop_index(prescription)
-    pupil_mm, magnification = entrance_pupil(paraxial_system(prescription, wavelength_nm, placed), stop)
-
-    def traced(heights_mm: DoubleArray, end: int, clipped: bool) -> TracedRays:
-        points, directions = _rays_from_axis(object_mm, pupil_mm, heights_mm, float(placed[0]))
-        return trace_forward(
-            prescription,
-            points,
-            directions,
-            wavelength_nm,
-            vertices_mm=placed,
-            stop_radius_mm=stop_radius_mm * _GRAZING,
-            clip=clipped,
-            between=(0, end),
-        )
-
-    low, high = 0.0, _WIDEST_TRIAL * stop_radius_mm * abs(magnification)
-    for _ in range(_ROUNDS):
-        heights = np.linspace(low, high, _TRIALS)
-        inside = np.abs(traced(heights, stop + 1, False).points_mm[stop, :, 1]) <= stop_radius_mm
-        outside = int(np.argmin(inside)) if not inside.all() else _TRIALS - 1
-        low, high = float(heights[max(outside - 1, 0)]), float(heights[outside])
-    if low == 0:
-        lost = int(traced(np.array([high]), stop + 1, False).stopped_by[0])
-        raise _dark(prescription, stop if lost == PASSES else lost)
-    return traced(np.asarray(pupil_heights) * low, len(prescription.surfaces), clip)
+    rays = _AxialRays.make(prescription, object_mm, stop_radius_mm, wavelength_nm, vertices_mm)
+    return rays.trace(np.asarray(pupil_heights) * rays.grazing_mm(), len(prescription.surfaces), clip)
 
 
 def best_focus_mm(

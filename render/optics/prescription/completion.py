@@ -11,7 +11,14 @@ from render.model.arrays import DoubleArray
 from render.model.lens import Prescription, Surface
 from render.optics.prescription.beams import axial_beam
 from render.optics.prescription.clear_diameters import with_clear_diameters
-from render.optics.prescription.paraxial import FirstOrder, first_order, focal_points, paraxial_system, stop_index
+from render.optics.prescription.f_numbers import (
+    f_number,
+    iris_radius_mm,
+    marginal_height_mm,
+    paraxial_f_number,
+    widest_f_number,
+)
+from render.optics.prescription.paraxial import first_order, focal_points, paraxial_system, stop_index
 from render.optics.prescription.stop_placement import with_stop
 from render.optics.prescription.surface_shape import extent_mm
 from render.optics.prescription.tracing import Fate, TracedRays, trace_forward
@@ -25,24 +32,24 @@ _WAYS_TO_FAIL = {
 _FAN = 201
 _NOTICED = 0.01  # share of the f-number or of the focal length
 _ROUNDED = 5e-4  # share of a length that no note shows
+_SAME = 1e-6  # share of an f-number or of a radius
 
 
 def complete_prescription(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
     """Check a prescription and compute missing values: stop, aperture, back focus, clear diameters.
 
-    In this order: the stop's place (`render.optics.prescription.stop_placement`); the f-number from the stop's diameter, or
-    the diameter from
-    the f-number, or both from the widest beam on the axis that all rims let through; the back focal distance at the d line;
-    the clear diameters (`render.optics.prescription.clear_diameters`).
+    In this order: the stop's place (`render.optics.prescription.stop_placement`); the stop's diameter, by the real ray of the
+    stated f-number (`render.optics.prescription.f_numbers`), which a stop that is given narrower cuts, or without one by the
+    widest beam on the axis that all rims let through; the back focal distance at the d line; the clear diameters
+    (`render.optics.prescription.clear_diameters`); the f-number of the beam that comes through all of it.
 
     Args:
         prescription: as read from a file.
         image_height_mm: half the diagonal that the lens is to cover.
 
     Returns:
-        A prescription that `render.optics.prescription.focusing.focus_lens` and the tracers take, with ``f_stop`` as its stop
-        has it. ``notes``
-        say what was solved for, and where rims limit the beam more than the stop does.
+        A prescription that `render.optics.prescription.focusing.focus_lens` and the tracers take, with ``f_stop`` that of the
+        real beam. ``notes`` say what was solved for, and where stop and rims leave less of the beam than the file states.
 
     Raises:
         SettingsError: the image height is no positive number.
@@ -53,7 +60,7 @@ def complete_prescription(prescription: Prescription, *, image_height_mm: float 
     check_prescription(prescription)
     whole = with_clear_diameters(_with_back_focus(_with_aperture(with_stop(prescription))), image_height_mm)
     check_overlaps(whole)
-    return _check_light(whole)
+    return _with_real_f_number(_check_light(whole), prescription.f_stop)
 
 
 def scale_prescription(prescription: Prescription, factor: float) -> Prescription:
@@ -91,38 +98,53 @@ def _with_surface(prescription: Prescription, index: int, note: str, **changes: 
 
 
 def _with_aperture(prescription: Prescription) -> Prescription:
-    """Complete stop diameter and f-number, which the paraxial pupil relates; where both are given, the diameter counts."""
-    first, stop = _pupil(prescription), stop_index(prescription)
-    full_aperture = first.focal_length_mm / (2 * abs(first.entrance_pupil_magnification))
+    """Complete the stop's diameter: a stated f-number sets the beam, and a given stop can only cut it."""
+    stop = _stop_with_image(prescription)
     radius, stated = prescription.surfaces[stop].semi_diameter_mm, prescription.f_stop
-    if radius > 0:
-        f_stop = full_aperture / radius
-        if f_stop < FASTEST_F_STOP:
-            what = f"as the stop, its clear semi-diameter of {radius:g} mm makes it f/{f_stop:.3g}, which is impossible"
-            raise bad_lens(prescription, f"{what}: expected f/{FASTEST_F_STOP:g} or slower", stop)
-        notes = prescription.notes
-        if stated > 0 and abs(f_stop / stated - 1) > _NOTICED:
-            notes = (*notes, f"It is said to be f/{stated:.3g}, but its stop's diameter makes it f/{f_stop:.3g}.")
-        return replace(prescription, f_stop=f_stop, notes=notes)
-    if stated > 0:
-        radius = full_aperture / stated
-        note = f"The stop's diameter of {2 * radius:.4g} mm was solved for from f/{stated:.3g}."
-        solved = _with_surface(prescription, stop, note, semi_diameter_mm=radius)
-        _check_marginal_ray(solved, radius)
-        return solved
-    radius = _stop_radius_by_rims(prescription)
-    note = f"The stop's diameter of {2 * radius:.4g} mm was solved for: the widest beam on the axis that all rims let through."
-    solved = _with_surface(prescription, stop, note, semi_diameter_mm=radius)
-    return replace(solved, f_stop=full_aperture / radius)
+    if not stated:
+        return _with_aperture_by_rims(prescription, stop, radius)
+    solved = iris_radius_mm(prescription, stated)
+    if radius == 0:
+        _check_marginal_ray(prescription)
+        note = f"The stop's diameter of {2 * solved:.4g} mm was solved for from f/{stated:.3g}."
+        return _with_surface(prescription, stop, note, semi_diameter_mm=solved)
+    if radius <= solved * (1 + _SAME):
+        return prescription
+    by_stop, by_rims = (f_number(prescription, radius, clip=clip) for clip in (False, True))
+    if by_stop >= stated * (1 - _SAME) or abs(by_rims / stated - 1) < _SAME:  # completed: what its rims leave is stated
+        return prescription
+    closed = replace(prescription.surfaces[stop], semi_diameter_mm=solved)
+    surfaces = (*prescription.surfaces[:stop], closed, *prescription.surfaces[stop + 1 :])
+    notes = prescription.notes
+    if by_stop < stated * (1 - _NOTICED):
+        notes = (
+            *notes,
+            f"The iris opens to f/{stated:.3g} as is stated; its clear diameter would let f/{by_stop:.3g} through.",
+        )
+    return replace(prescription, surfaces=surfaces, notes=notes)
 
 
-def _pupil(prescription: Prescription) -> FirstOrder:
-    """First-order properties of a lens that has an entrance pupil."""
-    first = first_order(prescription)
+def _with_aperture_by_rims(prescription: Prescription, stop: int, radius: float) -> Prescription:
+    """Complete stop and f-number without a stated one; radius 0 is solved for too."""
+    if radius == 0:
+        radius = _stop_radius_by_rims(prescription)
+        how = "the widest beam on the axis that all rims let through"
+        note = f"The stop's diameter of {2 * radius:.4g} mm was solved for: {how}."
+        prescription = _with_surface(prescription, stop, note, semi_diameter_mm=radius)
+    f_stop = paraxial_f_number(prescription, radius) if radius > 0 else 0.0
+    if f_stop < FASTEST_F_STOP:
+        what = f"as the stop, its clear semi-diameter of {radius:g} mm makes it f/{f_stop:.3g}, which is impossible"
+        raise bad_lens(prescription, f"{what}: expected f/{FASTEST_F_STOP:g} or slower", stop)
+    return replace(prescription, f_stop=f_number(prescription, radius, clip=False))
+
+
+def _stop_with_image(prescription: Prescription) -> int:
+    """Index of the stop of a lens that has an entrance pupil."""
+    first, stop = first_order(prescription), stop_index(prescription)
     if not abs(first.entrance_pupil_mm) < 1e3 * first.focal_length_mm:
         what = "it is the stop, and its image is infinitely far off: no entrance pupil to measure distances from"
-        raise bad_lens(prescription, what, stop_index(prescription))
-    return first
+        raise bad_lens(prescription, what, stop)
+    return stop
 
 
 def _stop_radius_by_rims(prescription: Prescription) -> float:
@@ -141,14 +163,15 @@ def _stop_radius_by_rims(prescription: Prescription) -> float:
     return float(_parallel_rays(prescription, np.array([low])).points_mm[stop, 0, 1])
 
 
-def _parallel_rays(prescription: Prescription, heights_mm: DoubleArray) -> TracedRays:
+def _parallel_rays(prescription: Prescription, heights_mm: DoubleArray, *, clip: bool = True) -> TracedRays:
     points = np.stack([0 * heights_mm, heights_mm, 0 * heights_mm], axis=1)
-    return trace_forward(prescription, points, np.tile([0.0, 0.0, 1.0], (len(heights_mm), 1)))
+    return trace_forward(prescription, points, np.tile([0.0, 0.0, 1.0], (len(heights_mm), 1)), clip=clip)
 
 
-def _check_marginal_ray(prescription: Prescription, stop_radius_mm: float) -> None:
+def _check_marginal_ray(prescription: Prescription) -> None:
     """Raise `InputError` where glass does not bring the marginal ray of the f-number through: rims are yet to be looked at."""
-    edge = axial_beam(prescription, -np.inf, np.array([1.0, 1.002]), stop_radius_mm, clip=False)
+    heights = marginal_height_mm(prescription, prescription.f_stop) * np.array([1.0, 1.002])
+    edge = _parallel_rays(prescription, heights, clip=False)
     if not edge.passes.all():
         ray = int(np.argmin(edge.passes))
         what = f"f/{prescription.f_stop:.3g} wide open is impossible: {_WAYS_TO_FAIL[Fate(edge.fates[ray])]} the edge of the beam"
@@ -160,15 +183,30 @@ def _check_light(prescription: Prescription) -> Prescription:
     heights = np.linspace(0, 1, _FAN)[1:]
     stop_radius = prescription.surfaces[stop_index(prescription)].semi_diameter_mm
     beam = axial_beam(prescription, -np.inf, heights, stop_radius)
-    if not beam.passes.any():
+    if not beam.passes[0]:
         what = f"no light gets through: {_WAYS_TO_FAIL[Fate(beam.fates[0])]} all rays along the axis"
         raise bad_lens(prescription, what, int(beam.stopped_by[0]))
-    widest = float(heights[beam.passes][-1])
-    if widest > 1 - _NOTICED:
+    if beam.passes[heights <= 1 - _NOTICED].all():
         return prescription
     by = int(beam.stopped_by[int(np.argmin(beam.passes))]) + 1
-    note = f"Surface {by} cuts the beam on the axis to f/{prescription.f_stop / widest:.3g}."
+    note = f"Surface {by} cuts the beam on the axis to f/{widest_f_number(prescription):.3g}."
     return prescription if note in prescription.notes else replace(prescription, notes=(*prescription.notes, note))
+
+
+def _with_real_f_number(prescription: Prescription, stated: float) -> Prescription:
+    """Set the f-number to that of the real beam; add a note where it is not what is stated."""
+    f_stop, stop = widest_f_number(prescription), stop_index(prescription)
+    if not FASTEST_F_STOP <= f_stop < np.inf:
+        what = f"its light makes it f/{f_stop:.3g}, which is impossible: expected f/{FASTEST_F_STOP:g} or slower"
+        raise bad_lens(prescription, what, stop)
+    if stated and abs(f_stop / stated - 1) < _SAME:
+        return replace(prescription, f_stop=stated)
+    notes = prescription.notes
+    if stated and f_stop > stated * (1 + _NOTICED):
+        paraxial = paraxial_f_number(prescription, prescription.surfaces[stop].semi_diameter_mm)
+        said = f"It is said to be f/{stated:.3g}, but its stop and rims let f/{f_stop:.3g} through"
+        notes = (*notes, f"{said} (f/{paraxial:.3g} by the stop's paraxial image).")
+    return replace(prescription, f_stop=f_stop, notes=notes)
 
 
 def _with_back_focus(prescription: Prescription) -> Prescription:

@@ -6,6 +6,7 @@ Distances are measured from the centre of the entrance pupil, which moves along;
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -14,8 +15,15 @@ from render.disk_cache import ArrayCache
 from render.errors import InputError, SettingsError
 from render.model.arrays import DoubleArray
 from render.model.lens import Prescription
+from render.optics.prescription.beams import axial_edge
+from render.optics.prescription.f_numbers import (
+    iris_radius_mm,
+    paraxial_f_number,
+    widest_f_number,
+    working_f_number,
+)
 from render.optics.prescription.focus_mechanism import FocusMechanism
-from render.optics.prescription.paraxial import FirstOrder, first_order, stop_index
+from render.optics.prescription.paraxial import FirstOrder, first_order
 
 FocusCriterion = Literal["spot", "paraxial"]
 _cache = ArrayCache("spot-focus", ("model", "optics"))
@@ -31,11 +39,12 @@ class FocusedLens:
         film_mm: z of the film.
         stop: index of the aperture stop.
         stop_radius_mm: of the iris at the f-number.
+        nearness_per_mm: 1 over the focus distance; 0 is infinity.
         entrance_pupil_mm: z.
-        entrance_pupil_radius_mm: at the f-number.
         exit_pupil_mm: z; infinite for a telecentric lens.
-        exit_pupil_radius_mm: at the f-number.
-        f_stop: as reached: no less than wide open.
+        exit_pupil_radius_mm: of the image of the iris by rays close to the axis.
+        f_stop: as reached, of the real beam from infinity: no less than wide open.
+        paraxial_f_stop: by the paraxial pupil in place of the real beam.
         image_scale_mm: paraxial height on the film per unit of slope in object space, through the entrance pupil's centre; at
             infinity the focal length.
         first: first-order properties of the lens as focused.
@@ -46,13 +55,42 @@ class FocusedLens:
     film_mm: float
     stop: int
     stop_radius_mm: float
+    nearness_per_mm: float
     entrance_pupil_mm: float
-    entrance_pupil_radius_mm: float
     exit_pupil_mm: float
     exit_pupil_radius_mm: float
     f_stop: float
+    paraxial_f_stop: float
     image_scale_mm: float
     first: FirstOrder
+
+    @property
+    def object_mm(self) -> float:
+        """z of what is in focus on the axis; minus infinity is infinity."""
+        return self.entrance_pupil_mm - 1 / self.nearness_per_mm if self.nearness_per_mm else -np.inf
+
+    @property
+    def pupil_magnification(self) -> float:
+        """Diameter of the exit pupil over the entrance pupil's, to first order."""
+        return abs(self.first.exit_pupil_magnification / self.first.entrance_pupil_magnification)
+
+    @cached_property
+    def entrance_pupil_radius_mm(self) -> float:
+        """Radius, in the plane of the entrance pupil, of the real beam from what is in focus on the axis.
+
+        Raises:
+            InputError: no ray but the axis itself gets to the iris.
+        """
+        return axial_edge(self.prescription, self.object_mm, self.stop_radius_mm, self.vertices_mm).height_mm
+
+    @cached_property
+    def working_f_stop(self) -> float:
+        """F-number as focused: ``1 / (2·sin u′)`` of the real marginal ray (`f_numbers.working_f_number`).
+
+        Raises:
+            InputError: no ray but the axis itself gets to the iris.
+        """
+        return working_f_number(self.prescription, self.object_mm, self.stop_radius_mm, self.vertices_mm)
 
 
 def focus_lens(
@@ -63,7 +101,8 @@ def focus_lens(
     Args:
         prescription: complete (`render.optics.prescription.completion.complete_prescription`).
         focus_distance_m: from the centre of the entrance pupil; infinity (or 0, as USD has it) focuses at infinity.
-        f_stop: requested f-number; a lens that does not open so far is wide open.
+        f_stop: requested f-number, of the real beam from infinity (`render.optics.prescription.f_numbers`); a lens that does
+            not open so far is wide open.
         by: what is sharpest: ``spot`` where the rays at the d line, on the axis and at that f-number, have the least
             root-mean-square distance from their centre on the film; ``paraxial`` where those close to the axis meet.
 
@@ -77,12 +116,13 @@ def focus_lens(
         raise SettingsError(f"focus distance must be 0 (infinity) or more, got {focus_distance_m} m")
     _check_complete(prescription)
     nearness = 1 / (1000 * focus_distance_m) if focus_distance_m > 0 else 0.0
-    stop_radius_mm = _stop_radius_mm(prescription, f_stop)
     mechanism = FocusMechanism.from_prescription(prescription)
+    wide_open_mm = prescription.surfaces[mechanism.stop].semi_diameter_mm
+    radius_mm = min(wide_open_mm, iris_radius_mm(prescription, f_stop))
     shift_mm = mechanism.paraxial_shift(nearness)
     if by == "spot":
-        shift_mm = _spot_shift_mm(mechanism, nearness, shift_mm, stop_radius_mm)
-    return _assemble(prescription, mechanism, shift_mm, stop_radius_mm)
+        shift_mm = _spot_shift_mm(mechanism, nearness, shift_mm, radius_mm)
+    return _assemble(mechanism, nearness, shift_mm, radius_mm, max(f_stop, widest_f_number(prescription)))
 
 
 def _spot_shift_mm(mechanism: FocusMechanism, nearness: float, shift_mm: float, stop_radius_mm: float) -> float:
@@ -105,36 +145,29 @@ def _check_complete(prescription: Prescription) -> None:
         raise InputError(f"{prescription.name or 'the lens'} is not complete: {what} is missing", code="bad_lens")
 
 
-def _stop_radius_mm(prescription: Prescription, f_stop: float) -> float:
-    """Radius of the stop; the f-number refers to the lens focused at infinity."""
-    first = first_order(prescription)
-    wide_open = prescription.surfaces[stop_index(prescription)].semi_diameter_mm
-    return min(wide_open, first.focal_length_mm / (2 * f_stop * abs(first.entrance_pupil_magnification)))
-
-
 def _assemble(
-    prescription: Prescription, mechanism: FocusMechanism, shift_mm: float, stop_radius_mm: float
+    mechanism: FocusMechanism, nearness: float, shift_mm: float, stop_radius_mm: float, f_stop: float
 ) -> FocusedLens:
     """The lens with what focuses it moved by ``shift_mm``."""
-    moved = mechanism.shifted_vertices(shift_mm)
+    prescription, moved = mechanism.prescription, mechanism.shifted_vertices(shift_mm)
     gaps = np.diff([*moved, mechanism.film_mm])
     surfaces = tuple(
         replace(surface, thickness_mm=float(gap)) for surface, gap in zip(prescription.surfaces, gaps, strict=True)
     )
-    as_focused, at_infinity = replace(prescription, surfaces=surfaces), first_order(prescription)
+    as_focused = replace(prescription, surfaces=surfaces)
     first, front_mm = first_order(as_focused), float(moved[0])
-    wide_open_mm = 2 * stop_radius_mm * abs(at_infinity.entrance_pupil_magnification)
     return FocusedLens(
         prescription=as_focused,
         vertices_mm=moved,
         film_mm=mechanism.film_mm,
         stop=mechanism.stop,
         stop_radius_mm=stop_radius_mm,
+        nearness_per_mm=nearness,
         entrance_pupil_mm=front_mm + first.entrance_pupil_mm,
-        entrance_pupil_radius_mm=stop_radius_mm * abs(first.entrance_pupil_magnification),
         exit_pupil_mm=front_mm + first.exit_pupil_mm,
         exit_pupil_radius_mm=stop_radius_mm * abs(first.exit_pupil_magnification),
-        f_stop=at_infinity.focal_length_mm / wide_open_mm,
+        f_stop=f_stop,
+        paraxial_f_stop=paraxial_f_number(prescription, stop_radius_mm),
         image_scale_mm=mechanism.film_through_lens(shift_mm).scale_mm,
         first=first,
     )

@@ -35,8 +35,8 @@ def _lens(pullfocus: Command, shot: Path, lens: object) -> tuple[float, float, s
 def test_a_library_lens_sets_focal_length_and_widest_f_number(pullfocus: Command, shot: Path) -> None:
     before = shot.read_bytes()
     focal_length, f_stop, said = _lens(pullfocus, shot, "telephoto_250")
-    assert (focal_length, f_stop) == pytest.approx((249.57, 5.42))
-    assert said.splitlines() == ["lens: Telephoto 250 mm f/5.4 (focal length 249.57 mm, f-number raised to f/5.42)"]
+    assert (focal_length, f_stop) == pytest.approx((249.57, 5.6))
+    assert said.splitlines() == ["lens: Telephoto 250 mm f/5.6 (focal length 249.57 mm, f-number raised to f/5.6)"]
     assert shot.read_bytes() == before
     assert [path.name for path in shot.parent.iterdir()] == [shot.name]
 

@@ -1,7 +1,7 @@
 """The six lenses that tests measure by: rows from patents, with focal lengths and back focal distances recomputed from them.
 
 Numbers run front to rear, in millimetres. Where a patent gives no clear diameters (the two Zeiss lenses), the semi-diameters
-are 0 (Distagon) or estimates (Planar).
+are 0 (Distagon) or estimates (Planar), and the stop is as wide as the real beam of the stated f-number.
 """
 
 from __future__ import annotations
@@ -49,14 +49,14 @@ _PLANAR: tuple[GlassRow, ...] = (
     (34.062, 1.5891, 1, 0, 16),
     (47.086, 1.18695, 1.68893, 31.17, 15),
     (15.324, 14.27265 / 2, 1, 0, 13.5),
-    (0, 14.27265 / 2, 1, 0, 24.86 / 2),
+    (0, 14.27265 / 2, 1, 0, 24.292 / 2),
     (-17.3185, 1.1477, 1.72830, 28.68, 12.5),
-    (374.0215, 5.1499, 1.78831, 47.37, 12.5),
-    (-30.357, 0.28445, 1, 0, 14),
-    (-87.426, 4.3848, 1.78831, 47.37, 14),
-    (-28.25, 0.1275, 1, 0, 14),
-    (164.6795, 2.8349, 1.74400, 44.77, 14),
-    (-130.808, 0, 1, 0, 13.5),
+    (374.0215, 5.1499, 1.78831, 47.37, 14.25),
+    (-30.357, 0.28445, 1, 0, 14.75),
+    (-87.426, 4.3848, 1.78831, 47.37, 15.25),
+    (-28.25, 0.1275, 1, 0, 15.25),
+    (164.6795, 2.8349, 1.74400, 44.77, 14.25),
+    (-130.808, 0, 1, 0, 14),
 )
 _DISTAGON: tuple[GlassRow, ...] = (
     (291.6375, 2.21445, 1.5827, 46.5, 0),
@@ -69,7 +69,7 @@ _DISTAGON: tuple[GlassRow, ...] = (
     (-73.248, 0.0483, 1, 0, 0),
     (27.3315, 6.43195, 1.7130, 53.9, 0),
     (29.162, 6.5576, 1, 0, 0),
-    (0, 8.2516 - 6.5576, 1, 0, 26.64 / 2),
+    (0, 8.2516 - 6.5576, 1, 0, 28.454 / 2),
     (-241.85, 2.3688, 1.5481, 45.8, 0),
     (39.4485, 4.46775, 1, 0, 0),
     (-41.489, 1.55015, 1.8467, 23.8, 0),
@@ -124,10 +124,10 @@ def _from_glass_rows(name: str, rows: tuple[GlassRow, ...], asphere: int | None 
     return Prescription(tuple(surfaces), name=name)
 
 
-DOUBLE_GAUSS = KnownLens(_from_rows("Double Gauss 50 mm", _DOUBLE_GAUSS), 50.36, 36.11, 2.03, 21.6)
-WIDE = KnownLens(_from_rows("Wide 22 mm", WIDE_ROWS), 22.02, 14.32, 2.68, 18.0)
-FISHEYE = KnownLens(_from_rows("Fisheye 10 mm", _FISHEYE), 9.99, 23.16, 3.95, 12.0)
-TELEPHOTO = KnownLens(_from_rows("Telephoto 250 mm", TELEPHOTO_ROWS), 249.6, 105.07, 5.42, 21.6)
+DOUBLE_GAUSS = KnownLens(_from_rows("Double Gauss 50 mm", _DOUBLE_GAUSS), 50.36, 36.11, 2.0, 21.6)
+WIDE = KnownLens(_from_rows("Wide 22 mm", WIDE_ROWS), 22.02, 14.32, 2.8, 18.0)
+FISHEYE = KnownLens(_from_rows("Fisheye 10 mm", _FISHEYE), 9.99, 23.16, 4.0, 12.0)
+TELEPHOTO = KnownLens(_from_rows("Telephoto 250 mm", TELEPHOTO_ROWS), 249.6, 105.07, 5.6, 21.6)
 PLANAR = KnownLens(_from_glass_rows("Zeiss Planar 50/1.4", _PLANAR), 50.0, 35.498, 1.4, 21.6)
 DISTAGON = KnownLens(_from_glass_rows("Zeiss Distagon 35/1.4", _DISTAGON, _DISTAGON_ASPHERE), 35.0, 34.498, 1.4, 21.6)
 

@@ -66,7 +66,8 @@ def test_a_completed_lens_lacks_nothing(lens: KnownLens) -> None:
     whole = complete_prescription(lens.prescription, image_height_mm=lens.field_mm)
     assert all(surface.semi_diameter_mm > 0 for surface in whole.surfaces)
     assert whole.surfaces[-1].thickness_mm == pytest.approx(lens.back_focal_mm, rel=1e-3)
-    assert whole.f_stop == pytest.approx(lens.f_stop, rel=2e-3)
+    assert whole.f_stop == pytest.approx(lens.f_stop, rel=0.01)  # of the real beam: as the maker states it
+    assert not any("It is said to be" in note for note in whole.notes)
     assert any("back focal distance" in note for note in whole.notes)
     assert complete_prescription(whole, image_height_mm=lens.field_mm) == whole
 
@@ -76,7 +77,7 @@ def test_a_stop_of_unknown_diameter_follows_from_the_f_number(lens: KnownLens) -
     stop = stop_index(lens.prescription)
     whole = complete_prescription(replace(changed(lens.prescription, stop, semi_diameter_mm=0.0), f_stop=lens.f_stop))
     stated = lens.prescription.surfaces[stop].semi_diameter_mm
-    assert whole.surfaces[stop].semi_diameter_mm == pytest.approx(stated, rel=2e-3)
+    assert whole.surfaces[stop].semi_diameter_mm == pytest.approx(stated, rel=0.01)
     assert any("stop's diameter" in note for note in whole.notes)
 
 
@@ -211,7 +212,7 @@ def test_bad_numbers_are_named_by_surface(index: int, changes: dict[str, object]
             "surface 2 of Singlet: f/0.6 wide open is impossible",
         ),
         (
-            replace(changed(FISHEYE.prescription, 6, semi_diameter_mm=30.0), f_stop=2.0),
+            changed(FISHEYE.prescription, 6, semi_diameter_mm=30.0),
             "surface 7 of Fisheye 10 mm: as the stop, its clear semi-diameter of 30 mm makes it f/0.4",
         ),
         (changed(changed(SINGLET, 0, semi_diameter_mm=0.0), 1, semi_diameter_mm=0.0), "neither the f-number nor the stop"),

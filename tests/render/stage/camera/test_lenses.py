@@ -82,6 +82,7 @@ def test_library_lenses_have_their_stated_focal_length_and_speed(
     whole = complete_prescription(prescription)
     assert first_order(whole).focal_length_mm == pytest.approx(entry.focal_length_mm, rel=1e-3)
     assert whole.f_stop == pytest.approx(entry.f_stop, rel=0.01)
+    assert not any("said to be" in note for note in whole.notes)
 
 
 def test_the_double_gauss_of_the_library_is_corrected_for_colour(stage: Usd.Stage, camera: LensCamera) -> None:

@@ -79,8 +79,8 @@ def test_an_unknown_lens_has_neighbours(client):
 
 def test_a_mounted_lens_brings_its_numbers_and_is_reported(client, shot):
     camera = mount(client, shot, lens="telephoto_250")
-    assert (camera["lensName"], camera["lensModel"]) == ("Telephoto 250 mm f/5.4", "prescription")
-    assert (camera["focalLengthMm"], camera["fStop"]) == pytest.approx((249.57, 5.42))
+    assert (camera["lensName"], camera["lensModel"]) == ("Telephoto 250 mm f/5.6", "prescription")
+    assert (camera["focalLengthMm"], camera["fStop"]) == pytest.approx((249.57, 5.6))
     readout = client.get(f"{shot}/readout", params={"time": 1}).json()
     assert (readout["lensName"], readout["lensModel"]) == (camera["lensName"], camera["lensModel"])
     [listed] = client.get(f"{shot}/cameras", params={"time": 1}).json()["cameras"]

@@ -2,7 +2,7 @@
 
     RDM; LEN                            radii are given; RDM N: curvatures
     TITLE 'Double Gauss F/2'
-    EPD 25                              entrance pupil's diameter; or FNO, the f-number
+    EPD 25                              the entrance beam's diameter; or FNO, the f-number; or NA, in image space
     DIM M                               millimetres; C centimetres, I inches
     SO 0.0 0.1e14                       the object: radius and distance
     S 61.47 6.0 NBK7_SCHOTT             a surface: radius, thickness, glass (or a code such as 517642)
@@ -20,17 +20,23 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_glass import PrivateGlasses
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
 from render.optics.lens_files.glass_names import find_glass
 from render.optics.lens_files.lens_text import LensText
-from render.optics.lens_files.speed import f_stop_of
+from render.optics.lens_files.speed import SystemAperture, with_system_aperture
 
 _UNITS_MM = {"M": 1.0, "MM": 1.0, "C": 10.0, "CM": 10.0, "I": 25.4, "IN": 25.4}
 _POWERS = {letter: 4 + 2 * place for place, letter in enumerate("ABCDEFGHJ")}
 _TILTS = ("XDE", "YDE", "ZDE", "ADE", "BDE", "CDE")
+_APERTURES: dict[str, tuple[str, Literal["pupil", "f_number", "image_na"]]] = {
+    "EPD": ("entrance pupil's diameter", "pupil"),
+    "FNO": ("f-number", "f_number"),
+    "NA": ("numerical aperture", "image_na"),
+}
 _UNSUPPORTED = ("XTO", "YTO", "CYL", "AAS", "SPS", "DIF", "GRT", "HOE", "GRX", "GRY", "SCO")
 _WORD = re.compile(r"'[^']*'?|\"[^\"]*\"?|;|[^\s;'\"]+")
 _SURFACE = re.compile(r"S(\d{1,4}|O|I)?", re.ASCII)
@@ -95,7 +101,7 @@ class _Reader:
         self._has_radii: bool | None = None
         self._surfaces: list[DraftSurface] = []
         self._has_image = False
-        self._pupil_diameter = 0.0
+        self._aperture = SystemAperture()
         self._private = PrivateGlasses(text)
 
     def take(self, command: _Command) -> None:
@@ -106,6 +112,8 @@ class _Reader:
             self._begin(command)
         elif command.name in (*_TILTS, *_UNSUPPORTED):
             self._refuse(command)
+        elif command.name in _APERTURES:
+            self._take_aperture(command)
         elif self._surfaces:
             self._of_surface(command)
         else:
@@ -127,7 +135,7 @@ class _Reader:
             draft.surfaces[-1].thickness += self._surfaces[-1].thickness
         if self._has_radii is None:
             draft.notes.append("The file does not say RDM, so its surfaces are taken to have curvatures, as in CODE V.")
-        return f_stop_of(finish(draft), self._pupil_diameter * draft.unit_mm, self._text)
+        return with_system_aperture(finish(draft), self._aperture, draft.unit_mm, self._text)
 
     def _of_system(self, command: _Command) -> None:
         name, words, line = command.name[:3], command.words, command.line
@@ -140,11 +148,11 @@ class _Reader:
             if unit not in _UNITS_MM:
                 raise self._text.error(f"DIM must be M, C or I, got {unit or 'nothing'}", line)
             self._draft.unit_mm = _UNITS_MM[unit]
-        elif name == "EPD":
-            what = "entrance pupil's diameter (EPD)"
-            self._pupil_diameter = self._text.number(_first(words), what, line, at_least=0)
-        elif name == "FNO":
-            self._draft.f_stop = self._text.number(_first(words), "f-number (FNO)", line, at_least=0)
+
+    def _take_aperture(self, command: _Command) -> None:
+        what, kind = _APERTURES[command.name]
+        value = self._text.number(_first(command.words), f"{what} ({command.name})", command.line, at_least=0)
+        self._aperture = SystemAperture(kind, value)
 
     def _begin(self, command: _Command) -> None:
         line, words = command.line, command.words

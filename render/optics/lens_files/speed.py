@@ -1,9 +1,14 @@
-"""The f-number of a lens whose file gives the entrance pupil instead."""
+"""The system aperture of a lens file: what sets the beam that enters, as lens-design programs have it.
+
+A program launches the beam that its aperture states and sizes the iris to it; a clear diameter, that of the iris too, can only
+cut the beam. Where the iris itself is the aperture ("float by stop size"), its clear diameter is the beam's.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -13,25 +18,43 @@ from render.optics.lens_files.lens_text import LensText
 from render.optics.prescription.paraxial import focal_points, paraxial_system
 
 
-def f_stop_of(lens: Prescription, entrance_pupil_mm: float, text: LensText) -> Prescription:
-    """The lens with its f-number wide open: focal length over the entrance pupil's diameter.
+@dataclass(frozen=True)
+class SystemAperture:
+    """Aperture that a file states.
+
+    Attributes:
+        kind: diameter of the entrance beam, f-number or numerical aperture in image space, or the stop's own clear diameter.
+        value: a diameter in the file's unit; 0 where the file gives none.
+    """
+
+    kind: Literal["stop", "pupil", "f_number", "image_na"] = "stop"
+    value: float = 0.0
+
+
+def with_system_aperture(lens: Prescription, aperture: SystemAperture, unit_mm: float, text: LensText) -> Prescription:
+    """The lens with its f-number wide open; unknown where the file gives none, or where the stop's diameter has to tell it.
 
     Args:
         lens: as read.
-        entrance_pupil_mm: the pupil's diameter; 0 where the file gives none, and the lens stays as it is.
+        aperture: of the file.
+        unit_mm: the file's unit of length.
         text: the file.
 
     Raises:
         InputError: the lens has no focal length.
     """
-    if entrance_pupil_mm <= 0:
+    if aperture.kind == "stop" or aperture.value <= 0:
         return lens
+    if aperture.kind == "f_number":
+        return replace(lens, f_stop=aperture.value)
+    if aperture.kind == "image_na":
+        return replace(lens, f_stop=1 / (2 * aperture.value))
     try:
         with np.errstate(all="ignore"):  # numbers beyond all measure are refused below
             focal_length_mm, _, _ = focal_points(paraxial_system(lens))
     except InputError as error:
         raise text.error(error.detail) from error
-    f_stop = abs(focal_length_mm) / entrance_pupil_mm
+    f_stop = abs(focal_length_mm) / (aperture.value * unit_mm)
     if not (math.isfinite(f_stop) and f_stop > 0):
         raise text.error("the lens has no focal length, its numbers are beyond all measure")
     return replace(lens, f_stop=f_stop)

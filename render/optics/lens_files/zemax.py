@@ -1,7 +1,7 @@
 """Reads Zemax's sequential `.zmx` files.
 
     UNIT MM X W X CM MR CPMM            or CM, IN, M
-    FNUM 2.1 0                          or ENPD, the entrance pupil's diameter
+    FNUM 2.1 0                          or ENPD, the entrance beam's diameter; FLOA: that of the stop's DIAM
     SURF 4                              0 is the object, the last one the image
       STOP
       TYPE EVENASPH                     or STANDARD
@@ -25,7 +25,7 @@ from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
 from render.optics.lens_files.glass_names import find_glass
 from render.optics.lens_files.lens_text import LensText
-from render.optics.lens_files.speed import f_stop_of
+from render.optics.lens_files.speed import SystemAperture, with_system_aperture
 
 _UNITS_MM = {"MM": 1.0, "CM": 10.0, "IN": 25.4, "INCH": 25.4, "INCHES": 25.4, "M": 1000.0, "METER": 1000.0}
 _TYPES = ("STANDARD", "EVENASPH")
@@ -58,7 +58,8 @@ class _Reader:
         self._text = text
         self._draft = Draft(text)
         self._surfaces: list[DraftSurface] = []
-        self._pupil_diameter = 0.0
+        self._aperture = SystemAperture()
+        self._floats_by_stop = False
         self._object_is_far = True
         self._is_asphere = False  # the surface that is being read
         self._of_system: dict[str, Callable[[list[str], str, int], None]] = {
@@ -67,6 +68,7 @@ class _Reader:
             "UNIT": self._unit,
             "FNUM": self._f_number,
             "ENPD": self._pupil,
+            "FLOA": self._float_by_stop,
             "MNUM": self._configurations,
             "SURF": self._begin,
         }
@@ -103,7 +105,8 @@ class _Reader:
         if not self._object_is_far:
             draft.surfaces[-1].thickness = 0.0
             draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
-        return f_stop_of(finish(draft), self._pupil_diameter * draft.unit_mm, self._text)
+        aperture = SystemAperture() if self._floats_by_stop else self._aperture
+        return with_system_aperture(finish(draft), aperture, draft.unit_mm, self._text)
 
     def _mode(self, words: list[str], rest: str, line: int) -> None:
         if words and words[0].upper() != "SEQ":
@@ -119,10 +122,15 @@ class _Reader:
         self._draft.unit_mm = _UNITS_MM[unit]
 
     def _f_number(self, words: list[str], rest: str, line: int) -> None:
-        self._draft.f_stop = self._text.number(_first(words), "f-number (FNUM)", line, at_least=0)
+        f_stop = self._text.number(_first(words), "f-number (FNUM)", line, at_least=0)
+        self._aperture = SystemAperture("f_number", f_stop)
 
     def _pupil(self, words: list[str], rest: str, line: int) -> None:
-        self._pupil_diameter = self._text.number(_first(words), "entrance pupil's diameter (ENPD)", line, at_least=0)
+        diameter = self._text.number(_first(words), "entrance pupil's diameter (ENPD)", line, at_least=0)
+        self._aperture = SystemAperture("pupil", diameter)
+
+    def _float_by_stop(self, words: list[str], rest: str, line: int) -> None:
+        self._floats_by_stop = True
 
     def _configurations(self, words: list[str], rest: str, line: int) -> None:
         if words and words[0].isdecimal() and words[0] not in ("0", "1"):

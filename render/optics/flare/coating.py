@@ -6,10 +6,14 @@ Lens Flare Rendering", section 4.3), and glass and coating absorb nothing.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
+from render.model.lens import Surface
+from render.optics.glass import D_LINE_NM, refractive_index
 
 MGF2_INDEX = 1.38
 """Refractive index of magnesium fluoride, the material of single coatings (Macleod, "Thin-Film Optical Filters")."""
@@ -51,6 +55,22 @@ def reflectance(
     else:
         shares = [s**2, p**2]
     return np.asarray(np.where(passes, (shares[0] + shares[1]) / 2, 1.0))
+
+
+def axial_transmittance(surfaces: Sequence[Surface], wavelength_nm: float = D_LINE_NM) -> float:
+    """Share of the light along the axis that no surface reflects; glass absorbs nothing, and ghosts are left out.
+
+    Args:
+        surfaces: of a lens, from front to rear.
+        wavelength_nm: of the light.
+    """
+    share, before = 1.0, 1.0
+    for surface in surfaces:
+        behind = float(refractive_index(surface.glass, wavelength_nm))
+        if behind != before:
+            share *= 1 - float(reflectance(before, behind, 1.0, wavelength_nm, surface.coating_nm))
+        before = behind
+    return share
 
 
 def _cosine(sine: DoubleArray) -> tuple[DoubleArray, NDArray[np.bool_]]:

@@ -33,8 +33,12 @@ def _setting(report: LensReport) -> Iterator[Row]:
     yield "focal length", f"{camera.focal_length_mm:.2f} mm"
     if report.f_stop:
         yield "f-number", _f_number(report)
-    if 0 < camera.lens.transmittance < 1:
-        yield "T-stop", f"T{report.f_stop / math.sqrt(camera.lens.transmittance):.3g}"
+    if report.paraxial_f_stop:
+        paraxial = f"by the paraxial pupil f/{report.paraxial_f_stop:.3g}"
+        yield "working f-number", f"f/{report.working_f_stop:.3g} as focused; {paraxial}"
+    if report.f_stop and 0 < report.transmittance < 1:
+        source = "as stated" if camera.lens.transmittance < 1 else "by its coatings"
+        yield "T-stop", f"T{report.t_stop:.3g}: {100 * report.transmittance:.0f} % of the light pass, {source}"
     yield "focused at", metres(camera.focus_distance_m) + ("" if report.is_at_infinity else " from the entrance pupil")
     if camera.lens.close_focus_m:
         yield "close focus", f"{metres(camera.lens.close_focus_m)} from the film, as marked"

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from render.errors import SettingsError
 from render.model.camera import Camera
+from render.model.lens import Lens
 from render.optics.data_sheet import at_heights
+from render.optics.flare.coating import axial_transmittance
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.mounting import distance_from_film_m, has_surfaces, mount_lens, nearer_than_marked
@@ -47,7 +50,11 @@ class LensReport:
     Attributes:
         camera: the lens, its f-number and focus, and the gate behind it.
         focused: its surfaces as they stand; None for a lens that has none.
-        f_stop: as reached; 0 for a pinhole.
+        f_stop: as reached, of the real beam from infinity; 0 for a pinhole.
+        working_f_stop: of the real beam as focused, ``1 / (2·sin u′)``; 0 for a lens without surfaces.
+        paraxial_f_stop: by the paraxial pupil; 0 for a lens without surfaces.
+        transmittance: share of the light that passes: as stated, else what the coated surfaces of its glass let through on the
+            axis; 1 where neither is known.
         set_f_stop: as it was set.
         wide_open: f-number; 0 for a pinhole, or where any goes.
         nearest_m: distance from the entrance pupil that its glass and its mount reach, whatever is engraved on it; 0 for no
@@ -66,6 +73,9 @@ class LensReport:
     camera: Camera
     focused: FocusedLens | None
     f_stop: float
+    working_f_stop: float
+    paraxial_f_stop: float
+    transmittance: float
     set_f_stop: float
     wide_open: float
     nearest_m: float
@@ -78,6 +88,11 @@ class LensReport:
     curves: FieldCurves
     bokeh: BokehSheet | None
     notes: tuple[str, ...]
+
+    @property
+    def t_stop(self) -> float:
+        """``N / √T``; infinite where nothing comes through, 0 for a pinhole."""
+        return self.f_stop / math.sqrt(self.transmittance) if self.transmittance > 0 else math.inf
 
     @property
     def is_at_infinity(self) -> bool:
@@ -111,6 +126,9 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         camera=camera,
         focused=lens,
         f_stop=f_stop,
+        working_f_stop=lens.working_f_stop if lens else 0.0,
+        paraxial_f_stop=lens.paraxial_f_stop if lens else 0.0,
+        transmittance=_transmittance(camera.lens),
         set_f_stop=set_f_stop,
         wide_open=lens.prescription.f_stop if lens else wide_open,
         nearest_m=nearest_m(lens, camera.focus_distance_m) if lens else 0.0,
@@ -124,6 +142,14 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         bokeh=lens_bokeh(camera),
         notes=_notes(camera, lens),
     )
+
+
+def _transmittance(lens: Lens) -> float:
+    """Transmittance as stated, else by the coatings; bare glass counts only beside coated."""
+    surfaces = lens.prescription.surfaces if lens.prescription is not None else ()
+    if lens.transmittance < 1 or not any(surface.coating_nm > 0 for surface in surfaces):
+        return lens.transmittance
+    return axial_transmittance(surfaces)
 
 
 def _curves(rays: FilmRays, camera: Camera) -> FieldCurves:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import os
 from pathlib import Path
 from typing import Any
@@ -47,6 +48,8 @@ def test_the_numbers_of_a_lens_are_reported_with_their_units(pullfocus: Command)
     for words in (
         "50.00 mm",
         "f/1.4, wide open",
+        "f/1.41 as focused; by the paraxial pupil f/1.43",
+        "T1.43: 96 % of the light pass, by its coatings",
         "infinity",
         "40.1° across",
         "35.50 mm; film",
@@ -67,6 +70,19 @@ def test_the_f_number_as_set_and_as_reached(lens: str, widest: float, pullfocus:
     assert (report["fStopSet"], report["fStop"]) == pytest.approx((0.5, widest), rel=1e-3)
     output = pullfocus("lenses", "show", lens, "--f-stop", "0.5").out
     assert f"f/{widest}: set to f/0.5, and it opens no wider" in output
+
+
+def test_f_numbers_of_beam_cone_and_pupil_are_in_the_json(pullfocus: Command) -> None:
+    far, near = (shown(pullfocus, "distagon_35", "--f-stop", "2", *more) for more in ((), ("--focus", "0.5")))
+    for report in (far, near):
+        assert (report["fStop"], report["fStopWideOpen"]) == pytest.approx((2, 1.4), rel=1e-3)
+        assert report["fStopParaxial"] < 0.98 * report["fStop"]
+        assert report["tStop"] == pytest.approx(report["fStop"] / math.sqrt(report["transmittance"]))
+        assert 0.9 < report["transmittance"] < 1
+    assert far["fStopWorking"] == pytest.approx(2, rel=0.01)
+    assert near["fStopWorking"] > 1.02 * far["fStopWorking"]
+    thin = shown(pullfocus, "thin_50")
+    assert (thin["fStopWorking"], thin["fStopParaxial"], thin["transmittance"]) == (None, None, 1)
 
 
 def test_the_gate_decides_the_field(pullfocus: Command) -> None:

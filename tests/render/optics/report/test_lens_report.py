@@ -75,6 +75,21 @@ def test_numbers_of_the_six_lenses_are_those_that_are_known(lens: KnownLens) -> 
     assert 0 < report.nearest_m < 4 * lens.focal_length_mm / 1000
 
 
+def test_the_t_stop_counts_what_is_stated_or_else_the_coatings() -> None:
+    surfaces = tuple(replace(s, coating_nm=540.0 if s.glass.index == 1 else 0.0) for s in SINGLET.surfaces)
+    coated = replace(SINGLET, surfaces=surfaces)
+    lens = Lens("spherical", prescription=coated)
+    by_coatings, bare, stated = (
+        lens_report(camera_with(each, 50.0, 4.0))
+        for each in (lens, replace(lens, prescription=SINGLET), replace(lens, transmittance=0.81))
+    )
+    fresnel = ((1.5168 - 1) / (1.5168 + 1)) ** 2  # of the bare front; the rear's layer takes away most of it
+    assert 1 - 2 * fresnel < by_coatings.transmittance < 1 - fresnel
+    assert by_coatings.t_stop == pytest.approx(by_coatings.f_stop / math.sqrt(by_coatings.transmittance))
+    assert (bare.transmittance, bare.t_stop) == (1, bare.f_stop)  # it says nothing of its coatings
+    assert stated.t_stop == pytest.approx(4 / 0.9)
+
+
 def test_light_ends_where_the_image_circle_does() -> None:
     report = lens_report(known(FISHEYE))
     assert 24 < report.image_circle_mm < 2 * report.corner_mm

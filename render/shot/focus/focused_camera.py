@@ -64,8 +64,8 @@ class FocusedCamera:
 
     @cached_property
     def law(self) -> LensLaw:
-        """Law by which focusing changes the lens."""
-        return focus_law(self.camera).at_stops(self.camera.f_stop)
+        """Law by which focusing changes the lens, at the f-number that it reaches."""
+        return focus_law(self.camera)
 
     @cached_property
     def _field(self) -> FieldFocus | None:
@@ -104,7 +104,7 @@ class FocusedCamera:
             return DepthOfField(0.0, math.inf, 0.0)
         reach = self.coc_limit_mm / growth
         start, pitch = (float(part[0]) for part in self.law.reciprocal_near(np.zeros(1)))
-        limit_at_f1 = self.coc_limit_mm * self.camera.f_stop
+        limit_at_f1 = self.coc_limit_mm * float(self.law.f_stops[0])
         return DepthOfField(
             near_m=1 / (w_f + reach) if w_f + reach > 0 else math.inf,
             far_m=1 / (w_f - reach) if w_f > reach else math.inf,
@@ -221,7 +221,7 @@ def _surface(
     focus, frame = inputs.focus[index], _frame(camera)
     surface = FocalSurface(plane, halves=_halves(inputs, index, frame))
     if focus.mode == "surface" and focus.expressive > 0:
-        growth = focus_law(camera).at_stops(camera.f_stop).coc_slope_mm_m(np.array([plane.w0]))
+        growth = focus_law(camera).coc_slope_mm_m(np.array([plane.w0]))
         controls = focal_controls(
             _surface_points(inputs, track, index),
             plane=plane,

@@ -228,6 +228,18 @@ def test_a_lens_set_wider_than_it_opens_exposes_by_its_widest(tmp_path: Path) ->
     assert shot.exposure.read(CAMERA, 1.0).settings.f_stop == pytest.approx(4, rel=1e-3)
 
 
+def test_a_lens_set_wider_than_it_opens_is_as_deep_as_its_widest(tmp_path: Path) -> None:
+    shot = open_wall(tmp_path, **SET, focusDistance=4.0)
+    shot.camera.mount_lens(CAMERA, choose_lens("planar_50"))
+    fields = []
+    for f_stop in (0.5, 1.4, 2.8):
+        shot.camera.set(CAMERA, f_stop=f_stop)
+        read = shot.focus.read(CAMERA, 1.0)
+        fields.append([read.near_m, read.far_m, read.hyperfocal_m])
+    assert fields[0] == pytest.approx(fields[1])
+    assert fields[1][2] == pytest.approx(2 * fields[2][2], rel=1e-3)
+
+
 def test_what_the_picture_is_multiplied_by_is_what_the_readout_says(tmp_path: Path) -> None:
     """Light that came through the lens has lost what glass and filters take."""
     for values in (

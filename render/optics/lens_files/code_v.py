@@ -126,16 +126,16 @@ class _Reader:
         if len(self._surfaces) < 3:
             raise self._text.error("there is no surface (S) between the object (SO) and the image (SI)")
         draft = self._draft
-        distance = self._surfaces[0].thickness * draft.unit_mm
+        is_near = self._surfaces[0].thickness * draft.unit_mm < FAR_AWAY_MM
         draft.surfaces = self._surfaces[1:-1]
-        if distance < FAR_AWAY_MM:
+        if is_near:
             draft.surfaces[-1].thickness = 0.0
             draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
         else:
             draft.surfaces[-1].thickness += self._surfaces[-1].thickness
         if self._has_radii is None:
             draft.notes.append("The file does not say RDM, so its surfaces are taken to have curvatures, as in CODE V.")
-        return with_system_aperture(finish(draft), self._aperture, draft.unit_mm, self._text)
+        return with_system_aperture(finish(draft), self._aperture, draft.unit_mm, self._text, object_is_near=is_near)
 
     def _of_system(self, command: _Command) -> None:
         name, words, line = command.name[:3], command.words, command.line
@@ -152,7 +152,7 @@ class _Reader:
     def _take_aperture(self, command: _Command) -> None:
         what, kind = _APERTURES[command.name]
         value = self._text.number(_first(command.words), f"{what} ({command.name})", command.line, at_least=0)
-        self._aperture = SystemAperture(kind, value)
+        self._aperture = SystemAperture(kind, value, is_working=kind != "pupil")
 
     def _begin(self, command: _Command) -> None:
         line, words = command.line, command.words

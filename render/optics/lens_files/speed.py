@@ -25,13 +25,17 @@ class SystemAperture:
     Attributes:
         kind: diameter of the entrance beam, f-number or numerical aperture in image space, or the stop's own clear diameter.
         value: a diameter in the file's unit; 0 where the file gives none.
+        is_working: whether it is that of the cone from the file's object, near or far.
     """
 
     kind: Literal["stop", "pupil", "f_number", "image_na"] = "stop"
     value: float = 0.0
+    is_working: bool = False
 
 
-def with_system_aperture(lens: Prescription, aperture: SystemAperture, unit_mm: float, text: LensText) -> Prescription:
+def with_system_aperture(
+    lens: Prescription, aperture: SystemAperture, unit_mm: float, text: LensText, *, object_is_near: bool
+) -> Prescription:
     """The lens with its f-number wide open; unknown where the file gives none, or where the stop's diameter has to tell it.
 
     Args:
@@ -39,12 +43,16 @@ def with_system_aperture(lens: Prescription, aperture: SystemAperture, unit_mm: 
         aperture: of the file.
         unit_mm: the file's unit of length.
         text: the file.
+        object_is_near: whether the file's object is; then a working f-number is taken for that at infinity, and a note says so.
 
     Raises:
         InputError: the lens has no focal length.
     """
     if aperture.kind == "stop" or aperture.value <= 0:
         return lens
+    if aperture.is_working and object_is_near:
+        note = "The file's f-number is that of its near object; it is taken for the one at infinity."
+        lens = replace(lens, notes=(*lens.notes, note))
     if aperture.kind == "f_number":
         return replace(lens, f_stop=aperture.value)
     if aperture.kind == "image_na":

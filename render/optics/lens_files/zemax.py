@@ -106,7 +106,9 @@ class _Reader:
             draft.surfaces[-1].thickness = 0.0
             draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
         aperture = SystemAperture() if self._floats_by_stop else self._aperture
-        return with_system_aperture(finish(draft), aperture, draft.unit_mm, self._text)
+        return with_system_aperture(
+            finish(draft), aperture, draft.unit_mm, self._text, object_is_near=not self._object_is_far
+        )
 
     def _mode(self, words: list[str], rest: str, line: int) -> None:
         if words and words[0].upper() != "SEQ":
@@ -123,7 +125,7 @@ class _Reader:
 
     def _f_number(self, words: list[str], rest: str, line: int) -> None:
         f_stop = self._text.number(_first(words), "f-number (FNUM)", line, at_least=0)
-        self._aperture = SystemAperture("f_number", f_stop)
+        self._aperture = SystemAperture("f_number", f_stop, is_working=words[1:2] == ["1"])
 
     def _pupil(self, words: list[str], rest: str, line: int) -> None:
         diameter = self._text.number(_first(words), "entrance pupil's diameter (ENPD)", line, at_least=0)

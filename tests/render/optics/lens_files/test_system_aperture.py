@@ -96,6 +96,15 @@ def test_an_aperture_after_the_surfaces_is_read_too() -> None:
     assert parse_lens_file(text.encode(), "a.seq").f_stop == 2.5
 
 
+@pytest.mark.parametrize(
+    ("aperture", "is_told"), [("ENPD 14.0", False), ("FNUM 4.0 0", False), ("FNUM 4.0 1", True), ("FLOA", False)]
+)
+def test_a_working_f_number_of_a_near_object_is_told(aperture: str, is_told: bool) -> None:
+    text = TRIPLET_ZMX.replace("ENPD 14.2857", aperture).replace("DISZ INFINITY", "DISZ 500")
+    lens = parse_lens_file(text.encode(), "a.zmx")
+    assert any("near object; it is taken for the one at infinity" in note for note in lens.notes) == is_told
+
+
 @pytest.mark.parametrize(("line", "words"), [("NA -1", "numerical aperture .NA."), ("FNO x", "f-number .FNO.")])
 def test_an_aperture_that_is_none_is_refused(line: str, words: str) -> None:
     with pytest.raises(InputError, match=rf"a.seq, line 3: .*{words}"):

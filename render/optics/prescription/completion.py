@@ -17,6 +17,7 @@ from render.optics.prescription.f_numbers import (
     marginal_height_mm,
     paraxial_f_number,
     widest_f_number,
+    without_rims,
 )
 from render.optics.prescription.paraxial import first_order, focal_points, paraxial_system, stop_index
 from render.optics.prescription.stop_placement import with_stop
@@ -171,7 +172,7 @@ def _parallel_rays(prescription: Prescription, heights_mm: DoubleArray, *, clip:
 def _check_marginal_ray(prescription: Prescription) -> None:
     """Raise `InputError` where glass does not bring the marginal ray of the f-number through: rims are yet to be looked at."""
     heights = marginal_height_mm(prescription, prescription.f_stop) * np.array([1.0, 1.002])
-    edge = _parallel_rays(prescription, heights, clip=False)
+    edge = _parallel_rays(without_rims(prescription), heights, clip=False)
     if not edge.passes.all():
         ray = int(np.argmin(edge.passes))
         what = f"f/{prescription.f_stop:.3g} wide open is impossible: {_WAYS_TO_FAIL[Fate(edge.fates[ray])]} the edge of the beam"

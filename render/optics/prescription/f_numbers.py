@@ -9,6 +9,7 @@ close to the axis, gives another number where what stands before the iris has sp
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -36,7 +37,8 @@ def f_number(prescription: Prescription, stop_radius_mm: float, *, clip: bool = 
     Raises:
         InputError: no ray but the axis itself gets to the iris.
     """
-    height_mm = axial_edge(prescription, -math.inf, stop_radius_mm, clip=clip).height_mm
+    glass = prescription if clip else without_rims(prescription)
+    height_mm = axial_edge(glass, -math.inf, stop_radius_mm, clip=clip).height_mm
     return focal_length_mm(prescription) / (2 * height_mm) if height_mm > 0 else math.inf
 
 
@@ -59,9 +61,17 @@ def iris_radius_mm(prescription: Prescription, f_stop: float) -> float:
     """
     stop = stop_index(prescription)
     point, direction = np.array([[0.0, marginal_height_mm(prescription, f_stop), 0.0]]), np.array([[0.0, 0.0, 1.0]])
-    ray = trace_forward(prescription, point, direction, clip=False, between=(0, stop + 1))
+    ray = trace_forward(without_rims(prescription), point, direction, clip=False, between=(0, stop + 1))
     radius = abs(float(ray.points_mm[stop, 0, 1]))
     return radius if math.isfinite(radius) else math.inf
+
+
+def without_rims(prescription: Prescription) -> Prescription:
+    """Prescription whose aspheres are known as far as their formula goes: with a rim, rays beyond it miss them."""
+    surfaces = tuple(
+        replace(surface, semi_diameter_mm=0.0) if surface.aspheric else surface for surface in prescription.surfaces
+    )
+    return replace(prescription, surfaces=surfaces)
 
 
 def marginal_height_mm(prescription: Prescription, f_stop: float) -> float:

@@ -91,6 +91,15 @@ def test_a_narrower_rim_cuts_the_beam_and_a_wider_one_does_not(
     assert entrance_beam_mm(wide) == pytest.approx(entrance_beam_mm(whole), rel=1e-6)
 
 
+@pytest.mark.parametrize("stop_mm", [0.0, 9.0])
+def test_the_rim_of_an_asphere_cuts_the_beam_too(stop_mm: float) -> None:
+    sphere, asphere = "SURF 1\n  TYPE STANDARD\n", "SURF 1\n  TYPE EVENASPH\n  PARM 2 1E-9\n"
+    text = TRIPLET_ZMX.replace(sphere, asphere).replace("DIAM 9 ", "DIAM 5 ", 1).replace("DIAM 5.5", f"DIAM {stop_mm}")
+    lens = complete_prescription(parse_lens_file(text.encode(), "a.zmx"))
+    assert entrance_beam_mm(lens) == pytest.approx(10.0, rel=1e-5)
+    assert stop_radius_mm(lens) == pytest.approx(stop_radius_mm(zemax("ENPD 14.2857")), rel=1e-4)
+
+
 def test_an_aperture_after_the_surfaces_is_read_too() -> None:
     text = DOUBLE_GAUSS_SEQ.replace("EPD   50.0\n", "").replace("GO\n", "NA 0.2\nGO\n")
     assert parse_lens_file(text.encode(), "a.seq").f_stop == 2.5

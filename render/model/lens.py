@@ -77,7 +77,7 @@ class Prescription:
         surfaces: at least one that refracts; once completed (`render.optics.prescription.completion`), one is the stop and
             neither a clear diameter nor the back focal distance is missing.
         focus_group: first and last index of the surfaces that move to focus; None moves the whole lens.
-        f_stop: f-number wide open; 0 where it is unknown.
+        f_stop: f-number of the real beam wide open; 0 where it is unknown. It limits the stop, whose own diameter may cut it.
         name: for messages.
         notes: values that were computed or approximated, one sentence each.
     """

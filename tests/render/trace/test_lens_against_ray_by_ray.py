@@ -35,7 +35,7 @@ WIDTH, HEIGHT = 80, 60
     ("lens", "focal_length_mm", "f_stop", "rays"),
     [
         (Lens("spherical", prescription=SINGLET), 50.0, 2.8, 32),
-        (Lens("prescription", prescription=WIDE.prescription), 22.0, 2.8, 32),
+        (Lens("prescription", prescription=WIDE.prescription), 22.0, 2.9, 32),
         (Lens("seidel", seidel=SeidelErrors(w040=4, w131=4, w222=3, reference_f_stop=2.0)), 50.0, 2.0, 32),
     ],
     ids=["spherical", "prescription", "seidel"],

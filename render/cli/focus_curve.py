@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
     format = arguments.format or (LAYER if arguments.source else "json")
     _check_options(arguments, format)
     frames = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
-    lens = shared.read_lens(arguments.lens)
+    lens = shared.read_lens(arguments)
     shot = shared.open_shot(arguments)
     if arguments.out is not None:
         shot.check_not_own(arguments.out)

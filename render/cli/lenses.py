@@ -1,4 +1,4 @@
-"""`pullfocus lenses`: the lens library, and the report and sheet of one lens."""
+"""`pullfocus lenses`: the lens library, the report and sheet of one lens, and glass by its names."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ from rich import box
 from rich.table import Table
 
 from render.cli.console import print_json, print_message
+from render.cli.options.shared import add_unknown_glass, glass_advice
 from render.cli.rich_output import print_result
+from render.cli.tables.glass import glass_json, glass_table
 from render.cli.tables.lens import lens_json, lens_table
 from render.cli.tables.sheet_path import resolve_sheet_path
 from render.errors import InputError, NotFoundError, SettingsError
 from render.files import check_writable, write_atomic
-from render.optics.lens_files import data_sheet_text, is_data_sheet
+from render.optics.dispersion.names import find_glass, find_in_catalogue, near_glasses
+from render.optics.lens_files import UNKNOWN_GLASS, data_sheet_text, is_data_sheet
 from render.optics.report import LensReport, lens_report
 from render.shot.lens.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
 from render.shot.lens.measured_lens import measured_lens
@@ -46,8 +49,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
     show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
     show.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
+    add_unknown_glass(show)
     # No default here, so that --json before `show` is kept.
     show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
+    glass = actions.add_parser("glass", help="numbers of a glass, by any of its names, and its refractive indices")
+    glass.set_defaults(run=run_glass)
+    glass.add_argument(
+        "glass", metavar="NAME", help="such as N-BK7, or with its maker NBK7_SCHOTT, or a code such as 517642"
+    )
+    glass.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
 
 
 def run_list(arguments: argparse.Namespace) -> None:
@@ -94,7 +104,7 @@ def run_show(arguments: argparse.Namespace) -> None:
         InputError: the file has no usable lens, or one that cannot focus at infinity.
         OutputError: the sheet cannot be written.
     """
-    lens = _read_lens(arguments.lens)
+    lens = _read_lens(arguments)
     if arguments.tables is not None:
         if not is_data_sheet(arguments.tables):
             raise SettingsError(f"--tables writes a .lens file, got {arguments.tables}")
@@ -115,6 +125,27 @@ def run_show(arguments: argparse.Namespace) -> None:
         print_message(f"drawn: {target}")
 
 
+def run_glass(arguments: argparse.Namespace) -> None:
+    """Print the numbers of a glass.
+
+    Args:
+        arguments: as `add_arguments` declares them.
+
+    Raises:
+        SettingsError: no catalogue has such a glass; the message has the nearest names.
+    """
+    name = arguments.glass
+    found, medium = find_in_catalogue(name), find_glass(name)
+    if medium is None:
+        near = near_glasses(name)
+        hint = f", did you mean {' or '.join(near)}?" if near else ""
+        raise SettingsError(f"glass {name[:40]!r} is in no catalogue{hint}", code=UNKNOWN_GLASS)
+    if arguments.json:
+        print_json(glass_json(medium, found))
+    else:
+        print_result(glass_table(medium, found))
+
+
 def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
     camera = lens.set_to(arguments.f_stop, arguments.focus, _read_gate(arguments.gate))
     try:
@@ -127,9 +158,10 @@ def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
         raise
 
 
-def _read_lens(name_or_file: str) -> LensAlone:
+def _read_lens(arguments: argparse.Namespace) -> LensAlone:
     try:
-        return lens_alone(name_or_file)
+        with glass_advice():
+            return lens_alone(arguments.lens, arguments.allow_unknown_glass)
     except NotFoundError as error:
         raise SettingsError(error.detail, code=error.code, path=error.path) from error
 

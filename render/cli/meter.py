@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.key is not None:
         _check_key(arguments.key)
     frames = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
-    lens = shared.read_lens(arguments.lens)
+    lens = shared.read_lens(arguments)
     shot = shared.open_shot(arguments)
     if arguments.key is not None:
         shot.check_not_own(arguments.key)

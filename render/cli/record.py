@@ -280,7 +280,7 @@ def read_options(arguments: argparse.Namespace) -> RecordOptions:
         flare=flare.read_flare_options(arguments),
         axes=axes,
         long_exposure=long_exposure.read_long_exposure(arguments),
-        lens=shared.read_lens(arguments.lens),
+        lens=shared.read_lens(arguments),
         is_progressive=arguments.progressive,
         is_movie=is_movie,
     )

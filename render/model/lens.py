@@ -22,15 +22,29 @@ LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "pr
 
 
 @dataclass(frozen=True)
+class Dispersion:
+    """Refractive index over the wavelength by a formula of a glass catalogue.
+
+    Attributes:
+        formula: name in `render.optics.dispersion.formulas`.
+        coefficients: of the formula, with wavelengths in micrometres.
+    """
+
+    formula: str
+    coefficients: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Glass:
     """An optical medium; its index at a wavelength is `render.optics.glass.refractive_index`.
 
     Attributes:
         index: refractive index at the d line (587.56 nm); 1 is air.
         abbe: Abbe number V_d; 0 for a medium without dispersion.
-        sellmeier_b: B1, B2, B3 of Sellmeier's equation; where given they win over index and Abbe number.
+        sellmeier_b: B1, B2, B3 of Sellmeier's equation; where given they win over all else.
         sellmeier_c: C1, C2, C3 in square micrometres.
-        name: catalogue name, for people.
+        name: catalogue name.
+        dispersion: formula that wins over index and Abbe number.
     """
 
     index: float = 1.0
@@ -38,6 +52,7 @@ class Glass:
     sellmeier_b: tuple[float, float, float] | None = None
     sellmeier_c: tuple[float, float, float] | None = None
     name: str = ""
+    dispersion: Dispersion | None = None
 
 
 AIR = Glass()

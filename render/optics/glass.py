@@ -1,4 +1,4 @@
-"""Refractive index of optical media over wavelength: Sellmeier's equation, or the Abbe number, or a constant.
+"""Refractive index of optical media over wavelength.
 
 Light is named by its vacuum wavelength in nanometres; air is taken as vacuum, as lens catalogues do.
 """
@@ -11,30 +11,9 @@ import numpy as np
 
 from render.model.arrays import DoubleArray
 from render.model.lens import Glass
-
-# Fraunhofer's lines of helium and hydrogen, for which catalogues give index and Abbe number (ISO 7944).
-D_LINE_NM, F_LINE_NM, C_LINE_NM = 587.5618, 486.1327, 656.2725
-
-# The coefficients of SF10 are those of today's lead-free melt (N-SF10), and so are the two numbers beside them.
-CATALOGUE: dict[str, Glass] = {
-    glass.name: glass
-    for glass in (
-        Glass(
-            1.51680,
-            64.17,
-            sellmeier_b=(1.03961212, 0.231792344, 1.01046945),
-            sellmeier_c=(0.00600069867, 0.0200179144, 103.560653),
-            name="BK7",
-        ),
-        Glass(
-            1.72828,
-            28.53,
-            sellmeier_b=(1.62153902, 0.256287842, 1.64447552),
-            sellmeier_c=(0.0122241457, 0.0595736775, 147.468793),
-            name="SF10",
-        ),
-    )
-}
+from render.optics.dispersion.formulas import index_at
+from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM
+from render.optics.dispersion.model_glass import model_index
 
 
 @overload
@@ -48,8 +27,8 @@ def refractive_index(glass: Glass, wavelength_nm: DoubleArray) -> DoubleArray: .
 def refractive_index(glass: Glass, wavelength_nm: float | DoubleArray) -> float | DoubleArray:
     """Index of a medium by the best that is known of it.
 
-    Sellmeier's equation (Sellmeier 1871; Lee, Eisemann & Seidel 2010, section 4) where the coefficients are given; else
-    Cauchy's law ``A + B/λ²`` through n_d that spreads ``n_F − n_C = (n_d − 1)/V_d``; else the index at the d line.
+    Sellmeier's equation (Sellmeier 1871; Lee, Eisemann & Seidel 2010, section 4) where the coefficients are given; else the
+    formula of its catalogue; else that of a glass of its index and Abbe number; else the index at the d line.
 
     Args:
         glass: the medium.
@@ -61,8 +40,10 @@ def refractive_index(glass: Glass, wavelength_nm: float | DoubleArray) -> float 
     wavelengths_nm = np.asarray(wavelength_nm, np.float64)
     if glass.sellmeier_b is not None and glass.sellmeier_c is not None:
         index = _sellmeier(glass.sellmeier_b, glass.sellmeier_c, wavelengths_nm)
+    elif glass.dispersion is not None:
+        index = index_at(glass.dispersion, wavelengths_nm)
     elif glass.abbe != 0:
-        index = _cauchy(glass.index, glass.abbe, wavelengths_nm)
+        index = model_index(glass.index, glass.abbe, wavelengths_nm)
     else:
         index = np.full(wavelengths_nm.shape, glass.index)
     return index if isinstance(wavelength_nm, np.ndarray) else float(index)
@@ -75,7 +56,4 @@ def _sellmeier(b: tuple[float, ...], c: tuple[float, ...], wavelengths_nm: Doubl
         return np.asarray(np.sqrt(1 + sum(terms)))
 
 
-def _cauchy(index_d: float, abbe: float, wavelengths_nm: DoubleArray) -> DoubleArray:
-    spread = (index_d - 1) / abbe
-    b = spread / (F_LINE_NM**-2 - C_LINE_NM**-2)
-    return np.asarray(index_d + b * (wavelengths_nm**-2 - D_LINE_NM**-2))
+__all__ = ["C_LINE_NM", "D_LINE_NM", "F_LINE_NM", "refractive_index"]

@@ -43,7 +43,8 @@ class Prescription:
         (),
         "Abbe Numbers",
         "Abbe number V_d of the medium behind each surface; 0 for no dispersion.",
-        "Sellmeier coefficients, where given, win.",
+        "Sellmeier coefficients, where given, win; else the dispersion is that of the glass that is named, or of glasses "
+        "of about that index and Abbe number.",
         unit="none, a ratio",
     )
     sellmeier_b: Triples = setting(
@@ -51,7 +52,7 @@ class Prescription:
         (),
         "Sellmeier B",
         "B1, B2, B3 of the medium behind each surface, n^2 = 1 + sum B_i L^2 / (L^2 - C_i) with the wavelength L in "
-        "micrometres; (0, 0, 0) where index and Abbe number say it.",
+        "micrometres; (0, 0, 0) where name, index and Abbe number say it.",
         unit="none",
     )
     sellmeier_c: Triples = setting(
@@ -65,8 +66,8 @@ class Prescription:
         "lens:prescription:glass",
         (),
         "Glass Names",
-        'Catalogue name of the medium behind each surface, such as "BK7", for people and for lens files; it changes '
-        "nothing in the picture.",
+        'Catalogue name of the medium behind each surface, such as "N-BK7"; where index and Abbe number are those of that '
+        "glass, so is the dispersion.",
         unit="none, text",
         keyable=False,
     )

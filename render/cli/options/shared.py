@@ -10,7 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from render.cli.console import print_findings, print_message
-from render.errors import NotFoundError, PullfocusError, SettingsError
+from render.errors import InputError, NotFoundError, PullfocusError, SettingsError
+from render.optics.lens_files import UNKNOWN_GLASS
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
 from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice, choose_lens
@@ -110,20 +111,46 @@ def add_lens(parser: argparse.ArgumentParser) -> None:
         help="mount a lens: one of the library (pullfocus lenses), or a .dat, .zmx, .seq, Optical Bench .txt or data sheet"
         " .lens file; it sets the camera's focal length, and its f-number where that is wider than the lens opens",
     )
+    add_unknown_glass(parser)
 
 
-def read_lens(typed: str | None) -> LensChoice | None:
+def add_unknown_glass(parser: argparse.ArgumentParser) -> None:
+    """Add --allow-unknown-glass, for commands that read lens files."""
+    parser.add_argument(
+        "--allow-unknown-glass",
+        action="store_true",
+        help="take a lens file's glass that is in no catalogue by the index and the Abbe number beside its name",
+    )
+
+
+@contextmanager
+def glass_advice() -> Iterator[None]:
+    """Add the option that allows unknown glass to the error of one."""
+    try:
+        yield
+    except InputError as error:
+        if error.code != UNKNOWN_GLASS:
+            raise
+        advice = "--allow-unknown-glass takes it by index and Abbe number, where the file has them beside its name"
+        detail = error.detail if error.detail.endswith("?") else f"{error.detail};"
+        raise InputError(f"{detail} {advice}", code=error.code, path=error.path) from error
+
+
+def read_lens(arguments: argparse.Namespace) -> LensChoice | None:
     """Read the lens that --lens names.
 
     Args:
-        typed: value of --lens; None where it is not given.
+        arguments: as `add_lens` declares them.
 
     Raises:
         SettingsError: the library has no such lens; the message has the nearest names.
         InputError: the file has no usable lens.
     """
+    if arguments.lens is None:
+        return None
     try:
-        return None if typed is None else choose_lens(typed)
+        with glass_advice():
+            return choose_lens(arguments.lens, arguments.allow_unknown_glass)
     except NotFoundError as error:
         raise SettingsError(f"--lens: {error.detail}", code=error.code, path=error.path) from error
 

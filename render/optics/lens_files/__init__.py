@@ -8,14 +8,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from render.errors import InputError
 from render.model.lens import Prescription
 from render.optics.lens_files.data_sheet import SUFFIX, MeasuredLens, data_sheet_text, read_data_sheet
-from render.optics.lens_files.lens_text import MAX_BYTES, LensText, decode
+from render.optics.lens_files.lens_text import MAX_BYTES, UNKNOWN_GLASS, LensText, decode
 
-Reader = Callable[[LensText], Prescription]
+if TYPE_CHECKING:
+    from render.optics.lens_files.file_glasses import FileGlasses
+
+Reader = Callable[[LensText, "FileGlasses"], Prescription]
 
 LENS_FILE_SUFFIXES = (".dat", ".zmx", ".seq", ".txt", SUFFIX)
 _BY_SUFFIX = {".dat": "pbrt", ".zmx": "zemax", ".seq": "code_v"}
@@ -27,17 +32,19 @@ _BY_CONTENT = (
 )
 
 
-def read_lens_file(path: str | Path) -> Prescription:
+def read_lens_file(path: str | Path, allow_unknown_glass: bool = False) -> Prescription:
     """Read the lens of a file. Its format follows from the suffix, else from the content.
 
     Args:
-        path: of a .dat, .zmx, .seq or Optical Bench .txt file.
+        path: of a .dat, .zmx, .seq or Optical Bench .txt file. Glass catalogues (.agf) in its folder win over the makers'.
+        allow_unknown_glass: take glass that no catalogue has by the index and the Abbe number beside its name.
 
     Raises:
         InputError: the file is missing, not a lens file, cut off, or has unsupported features; the message names file,
-            line and surface.
+            line and surface. The code of a glass that no catalogue has is ``unknown_glass``.
     """
-    return parse_lens_file(_content(path), Path(path).name)
+    path = Path(path)
+    return parse_lens_file(_content(path), path.name, path.parent, allow_unknown_glass)
 
 
 def read_measured_lens(path: str | Path) -> MeasuredLens:
@@ -79,25 +86,35 @@ def _content(path: str | Path) -> bytes:
         raise InputError(f"lens file {path} cannot be read: {why}", code="bad_lens_file", path=str(path)) from error
 
 
-def parse_lens_file(data: bytes, name: str) -> Prescription:
+def parse_lens_file(
+    data: bytes, name: str, folder: Path | None = None, allow_unknown_glass: bool = False
+) -> Prescription:
     """The lens of a file that is in memory.
 
     Args:
         data: all of the file.
         name: name of the file; its suffix selects the format.
+        folder: where glass catalogues (.agf) are looked for; None for none.
+        allow_unknown_glass: as in `read_lens_file`.
 
     Raises:
         InputError: as `read_lens_file`.
     """
+    from render.optics.lens_files.file_glasses import FileGlasses
+
     text = decode(data, name)
-    return _reader(_format_of(text))(text)
+    glasses = FileGlasses(text, folder, allow_unknown_glass)
+    lens = _reader(_format_of(text))(text, glasses)
+    return replace(lens, notes=(*lens.notes, *glasses.notes))
 
 
 def _reader(name: str) -> Reader:
     """Import the reader of a format: together they take a while, and most processes read no lens file."""
     if name == "pbrt":
-        from render.optics.lens_files.pbrt import read_pbrt as read
-    elif name == "zemax":
+        from render.optics.lens_files.pbrt import read_pbrt
+
+        return lambda text, _: read_pbrt(text)
+    if name == "zemax":
         from render.optics.lens_files.zemax import read_zemax as read
     elif name == "code_v":
         from render.optics.lens_files.code_v import read_code_v as read
@@ -122,6 +139,7 @@ def _format_of(text: LensText) -> str:
 
 __all__ = [
     "LENS_FILE_SUFFIXES",
+    "UNKNOWN_GLASS",
     "MeasuredLens",
     "data_sheet_text",
     "is_data_sheet",

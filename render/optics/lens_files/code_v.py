@@ -25,7 +25,7 @@ from typing import Literal
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_glass import PrivateGlasses
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
-from render.optics.lens_files.glass_names import find_glass
+from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture
 
@@ -49,16 +49,17 @@ class _Command:
     words: tuple[str, ...]
 
 
-def read_code_v(text: LensText) -> Prescription:
+def read_code_v(text: LensText, glasses: FileGlasses) -> Prescription:
     """The lens of a `.seq` file.
 
     Args:
         text: the file.
+        glasses: finds those that the file names.
 
     Raises:
         InputError: the file is not of this format, is cut off, or has unsupported features.
     """
-    reader = _Reader(text)
+    reader = _Reader(text, glasses)
     for command in _commands(text):
         reader.take(command)
     return reader.finish()
@@ -95,8 +96,8 @@ def _command(words: Sequence[str], line: int) -> Iterator[_Command]:
 class _Reader:
     """Takes one command after the other."""
 
-    def __init__(self, text: LensText) -> None:
-        self._text = text
+    def __init__(self, text: LensText, glasses: FileGlasses) -> None:
+        self._text, self._glasses = text, glasses
         self._draft = Draft(text)
         self._has_radii: bool | None = None
         self._surfaces: list[DraftSurface] = []
@@ -232,9 +233,7 @@ class _Reader:
         if name.upper().startswith("REFL"):
             raise self._text.error("mirrors are not supported", line, label)
         plain = name.strip("'\"")
-        glass = self._private.find(plain) or find_glass(plain)
-        if glass is None:
-            raise self._text.error(f"glass {plain} is not known, and is not in the file's own catalogue", line, label)
+        glass = self._private.find(plain) or self._glasses.find(plain, line, label)
         return check_glass(self._text, glass, line, label)
 
 

@@ -12,10 +12,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.model.lens import Glass
-from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM
+from render.model.lens import Dispersion, Glass
+from render.optics.dispersion.formulas import index_and_abbe
 from render.optics.lens_files.drafts import check_glass
 from render.optics.lens_files.lens_text import LensText
+
+_LONGEST_NM = 1e5  # a hundred micrometres: no glass is transparent there
+_POWERS = np.array([0.0, -2.0, -4.0, 2.0])
 
 
 class PrivateGlasses:
@@ -54,17 +57,20 @@ class PrivateGlasses:
         if len(words) != len(wavelengths) or len(np.unique(wavelengths)) != len(wavelengths) or not words:
             expected = f"expected one index for each of the {len(wavelengths)} wavelengths (PWL), got {len(words)}"
             raise self._text.error(f"glass {name}: {expected}", line)
+        if wavelengths.max() > _LONGEST_NM:
+            raise self._text.error(f"wavelengths (PWL) must be at most {_LONGEST_NM:g} nm", line)
         indices = np.array([self._text.number(word, f"index of glass {name}", line, at_least=1) for word in words])
         self._glasses[name.upper()] = check_glass(self._text, _fit(name, wavelengths, indices), line, "")
 
 
 def _fit(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> Glass:
-    """The glass through some indices: n = A + B/λ² (+ C/λ⁴ where there are three or more), by least squares."""
-    powers = np.arange(min(len(indices), 3))
-    table = (wavelengths_nm[:, None] / D_LINE_NM) ** (-2 * powers)
-    coefficients = np.linalg.lstsq(table, indices, rcond=None)[0]
-    at_d, at_f, at_c = (
-        np.sum(coefficients * (nm / D_LINE_NM) ** (-2 * powers)) for nm in (D_LINE_NM, F_LINE_NM, C_LINE_NM)
-    )
-    spread = float(at_f - at_c)
-    return Glass(float(at_d), float(at_d - 1) / spread if spread > 1e-9 else 0.0, name=name)
+    """The glass through some indices: n = A + B/L² + C/L⁴ + D·L², as many terms as there are indices, by least squares.
+
+    One or two indices do not tell how the dispersion bends: then it is that of a glass of this index and Abbe number.
+    """
+    powers = _POWERS[: len(indices)]
+    coefficients = np.linalg.lstsq((wavelengths_nm[:, None] / 1000) ** powers, indices, rcond=None)[0]
+    pairs = zip(coefficients.tolist(), powers.tolist(), strict=True)
+    dispersion = Dispersion("cauchy", tuple(number for pair in pairs for number in pair))
+    index, abbe = index_and_abbe(dispersion)
+    return Glass(index, abbe, name=name, dispersion=dispersion if len(indices) > 2 else None)

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription, Surface
+from render.optics.dispersion.formulas import index_at
 from render.optics.lens_files.lens_text import LensText
 
 MAX_SURFACES = 200
@@ -14,6 +17,7 @@ FAR_AWAY_MM = 1e7  # an object beyond it is at infinity: CODE V writes 1e13
 _MAX_LENGTH_MM = 1e5
 _PLANE_RADIUS_MM, _LEAST_RADIUS_MM = 1e9, 1e-3
 _INDEX_RANGE, _LEAST_ABBE = (1.0, 5.0), 5.0
+_VISIBLE_NM = np.linspace(400.0, 700.0, 31)
 
 
 @dataclass
@@ -75,9 +79,14 @@ def check_glass(text: LensText, glass: Glass, line: int, surface: str) -> Glass:
     low, high = _INDEX_RANGE
     if not low <= glass.index <= high:
         raise text.error(f"the refractive index must be from {low:g} to {high:g}, got {glass.index:g}", line, surface)
-    if glass.abbe != 0 and glass.abbe < _LEAST_ABBE:
+    if glass.abbe != 0 and not glass.abbe >= _LEAST_ABBE:
         expected = f"the Abbe number must be 0 (no dispersion) or at least {_LEAST_ABBE:g}"
         raise text.error(f"{expected}, got {glass.abbe:g}", line, surface)
+    if glass.dispersion is not None:
+        indices = index_at(glass.dispersion, _VISIBLE_NM)
+        if not ((indices >= low) & (indices <= high)).all():
+            wanted = f"expected one from {low:g} to {high:g} from {_VISIBLE_NM[0]:g} to {_VISIBLE_NM[-1]:g} nm"
+            raise text.error(f"glass {glass.name} has an impossible refractive index: {wanted}", line, surface)
     return AIR if glass.index == 1 else glass
 
 
@@ -100,7 +109,7 @@ def finish(draft: Draft) -> Prescription:
         raise text.error("no surface has glass behind it: expected at least one")
     if surfaces[-1].glass != AIR:
         raise _error(surfaces[-1], draft, "it is the last one, and has glass behind it where the film must be")
-    if all(surface.glass.abbe == 0 and surface.glass.sellmeier_b is None for surface in surfaces):
+    if all(surface.glass.abbe == 0 for surface in surfaces):
         draft.notes.append("The file has no Abbe numbers, so the lens has no chromatic aberration.")
     group = draft.focus_group
     if group is not None and not all(any(each is surface for surface in surfaces) for each in group):

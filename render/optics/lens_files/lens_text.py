@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 from render.errors import InputError
 
+UNKNOWN_GLASS = "unknown_glass"
+"""Code of the error of a glass that no catalogue has."""
 MAX_BYTES = 2**20  # a zoom of fifty surfaces with all its coatings takes some tens of kilobytes
 
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -63,19 +65,20 @@ class LensText:
         return value
 
 
-def decode(data: bytes, name: str) -> LensText:
+def decode(data: bytes, name: str, at_most: int = MAX_BYTES) -> LensText:
     """The text of a lens file: UTF-16 (as Zemax writes it), UTF-8 or any 8-bit encoding.
 
     Args:
         data: all of the file.
         name: of the file, for messages.
+        at_most: bytes that such a file may have.
 
     Raises:
         InputError: it is too long for a lens file, or no text.
     """
-    if len(data) > MAX_BYTES:
+    if len(data) > at_most:
         raise InputError(
-            f"{name} is too long for a lens file: {len(data)} bytes, expected at most {MAX_BYTES}",
+            f"{name} is too long for a lens file: {len(data)} bytes, expected at most {at_most}",
             code="bad_lens_file",
             path=name,
         )

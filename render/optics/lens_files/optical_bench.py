@@ -26,6 +26,7 @@ from collections.abc import Sequence
 
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish
+from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.optical_bench_positions import Positions
 
@@ -35,11 +36,12 @@ _SECTIONS = ("descriptive data", "constants", "variable distances", "lens data",
 Row = tuple[int, list[str]]  # line and words
 
 
-def read_optical_bench(text: LensText) -> Prescription:
+def read_optical_bench(text: LensText, glasses: FileGlasses) -> Prescription:
     """The lens of an Optical Bench `.txt` file.
 
     Args:
         text: the file.
+        glasses: finds those whose name stands behind the Abbe number.
 
     Raises:
         InputError: the file is not of this format, is cut off, or has unsupported features.
@@ -49,7 +51,7 @@ def read_optical_bench(text: LensText) -> Prescription:
     draft = Draft(text, name=_title(sections["descriptive data"]), f_stop=positions.first("f-number") or 0.0)
     thickness_names: list[str] = []
     for line, words in sections["lens data"]:
-        draft.surfaces.append(_surface(text, words, line, positions))
+        draft.surfaces.append(_surface(text, words, line, positions, glasses))
         thickness_names.append(_word(words, 2).lower())
     if not draft.surfaces:
         raise text.error("there is no surface in it: expected rows below [lens data]")
@@ -79,7 +81,9 @@ def _word(words: Sequence[str], place: int) -> str:
     return words[place] if place < len(words) else ""
 
 
-def _surface(text: LensText, words: Sequence[str], line: int, positions: Positions) -> DraftSurface:
+def _surface(
+    text: LensText, words: Sequence[str], line: int, positions: Positions, glasses: FileGlasses
+) -> DraftSurface:
     label, radius = words[0], _word(words, 1)
     if len(words) < 3:
         expected = "expected surface, radius and thickness, parted by tabs"
@@ -90,18 +94,19 @@ def _surface(text: LensText, words: Sequence[str], line: int, positions: Positio
         line,
         0.0 if is_plane else text.number(radius, "radius", line, label),
         positions.length(words[2], "thickness", line, label) if words[2] else 0.0,
-        _glass(text, words, line, label),
+        _glass(text, words, line, label, glasses),
         abs(positions.length(_word(words, 4), "diameter", line, label)) / 2 if _word(words, 4) else 0.0,
         is_stop=radius.upper() == "AS",
     )
 
 
-def _glass(text: LensText, words: Sequence[str], line: int, label: str) -> Glass:
+def _glass(text: LensText, words: Sequence[str], line: int, label: str, glasses: FileGlasses) -> Glass:
     if not _word(words, 3):
         return AIR
     index = text.number(words[3], "refractive index", line, label)
     abbe = text.number(words[5], "Abbe number", line, label) if _word(words, 5) else 0.0
-    return check_glass(text, Glass(index, abbe, name=_word(words, 6)), line, label)
+    described = check_glass(text, Glass(index, abbe, name=_word(words, 6)), line, label)
+    return glasses.agreeing(described)
 
 
 def _add_aspheres(draft: Draft, sections: dict[str, list[Row]]) -> None:

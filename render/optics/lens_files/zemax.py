@@ -1,6 +1,7 @@
 """Reads Zemax's sequential `.zmx` files.
 
     UNIT MM X W X CM MR CPMM            or CM, IN, M
+    GCAT SCHOTT OHARA                   catalogues, the first wins
     FNUM 2.1 0                          or ENPD, the entrance beam's diameter; FLOA: that of the stop's DIAM
     SURF 4                              0 is the object, the last one the image
       STOP
@@ -8,7 +9,7 @@
       CURV 1.117818019226E-001 0 0 0 0 ""   1/radius
       PARM 2 1.10721E-5                 PARM i: coefficient of r^(2i)
       DISZ 4.25                         thickness
-      GLAS N-BK7 0 0 1.5168 64.17 0 …   name, kind, catalogue, n_d, V_d; kind 1 is a model glass without name, ___BLANK
+      GLAS N-BK7 0 0 1.5168 64.17 0 …   name, kind, pickup, n_d, V_d, ΔP_gF; kind 1 is a model glass without name, ___BLANK
       CONI 2.0E-2
       DIAM 5.58 1 0 0 1 ""              semi-diameter
 
@@ -22,8 +23,9 @@ from collections.abc import Callable, Sequence
 
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
+from render.optics.dispersion.model_glass import deviating_glass
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
-from render.optics.lens_files.glass_names import find_glass
+from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture
 
@@ -31,20 +33,21 @@ _UNITS_MM = {"MM": 1.0, "CM": 10.0, "IN": 25.4, "INCH": 25.4, "INCHES": 25.4, "M
 _TYPES = ("STANDARD", "EVENASPH")
 _PARAMETERS = tuple("12345678")
 _MODEL_GLASS = "___BLANK"
-# Placeholder behind the name of a catalogue glass: not its own index, as files written by OpticStudio show.
-_NO_INDEX = (1.5, 40.0)
+_MODEL_KIND = "1"
+_LARGEST_DEVIATION = 0.1  # of glasses; KZFS has -0.01
 
 
-def read_zemax(text: LensText) -> Prescription:
+def read_zemax(text: LensText, glasses: FileGlasses) -> Prescription:
     """The lens of a `.zmx` file.
 
     Args:
         text: the file.
+        glasses: finds those that the file names.
 
     Raises:
         InputError: the file is not of this format, is cut off, or has unsupported features.
     """
-    reader = _Reader(text)
+    reader = _Reader(text, glasses)
     for line, raw in enumerate(text.lines, 1):
         command, _, rest = raw.strip().partition(" ")
         reader.take(command.upper(), rest.split(), rest.strip(), line)
@@ -54,8 +57,8 @@ def read_zemax(text: LensText) -> Prescription:
 class _Reader:
     """Takes one line after the other."""
 
-    def __init__(self, text: LensText) -> None:
-        self._text = text
+    def __init__(self, text: LensText, glasses: FileGlasses) -> None:
+        self._text, self._glasses = text, glasses
         self._draft = Draft(text)
         self._surfaces: list[DraftSurface] = []
         self._aperture = SystemAperture()
@@ -66,6 +69,7 @@ class _Reader:
             "MODE": self._mode,
             "NAME": self._name,
             "UNIT": self._unit,
+            "GCAT": self._catalogues,
             "FNUM": self._f_number,
             "ENPD": self._pupil,
             "FLOA": self._float_by_stop,
@@ -122,6 +126,9 @@ class _Reader:
         if unit not in _UNITS_MM:
             raise self._text.error(f"the UNIT must be one of {', '.join(_UNITS_MM)}, got {unit or 'nothing'}", line)
         self._draft.unit_mm = _UNITS_MM[unit]
+
+    def _catalogues(self, words: list[str], rest: str, line: int) -> None:
+        self._glasses.makers = tuple(words)
 
     def _f_number(self, words: list[str], rest: str, line: int) -> None:
         f_stop = self._text.number(_first(words), "f-number (FNUM)", line, at_least=0)
@@ -183,21 +190,33 @@ class _Reader:
         name = _first(words)
         if name.upper() == "MIRROR":
             raise self._error(surface, "mirrors are not supported", line)
-        known = None if name == _MODEL_GLASS else find_glass(name)
-        surface.glass = check_glass(self._text, known or self._model(surface, words, line), line, surface.label)
+        if name == _MODEL_GLASS or words[1:2] == [_MODEL_KIND]:
+            surface.glass = self._model(surface, words, line)
+            return
+        # What stands behind the name of a catalogue's glass is left over from another one, as files by OpticStudio show.
+        glass = self._glasses.find(name, line, surface.label, lambda: self._described(surface, words, line))
+        surface.glass = check_glass(self._text, glass, line, surface.label)
 
     def _model(self, surface: DraftSurface, words: Sequence[str], line: int) -> Glass:
+        """The glass by index, Abbe number and deviation from the normal line."""
+        described = self._described(surface, words, line)
+        if described is None:
+            raise self._error(surface, "a model glass has no index and Abbe number in the file", line)
+        glass = check_glass(self._text, described, line, surface.label)
+        deviation = self._number(surface, words[5], "deviation of P_gF", line) if len(words) > 5 else 0.0
+        if abs(deviation) > _LARGEST_DEVIATION:
+            limits = f"from {-_LARGEST_DEVIATION:g} to {_LARGEST_DEVIATION:g}"
+            raise self._error(surface, f"the deviation of P_gF must be {limits}, got {deviation:g}", line)
+        # 0 is what is written where nobody chose a deviation.
+        return deviating_glass(glass, deviation) if deviation and glass.abbe else glass
+
+    def _described(self, surface: DraftSurface, words: Sequence[str], line: int) -> Glass | None:
         """The glass by the index and the Abbe number that stand behind its name."""
-        name = _first(words)
-        numbers = words[3:5]
-        if len(numbers) == 2:
-            index, abbe = (
-                self._number(surface, word, what, line)
-                for word, what in zip(numbers, ("refractive index", "Abbe number"), strict=True)
-            )
-            if name == _MODEL_GLASS or (index, abbe) != _NO_INDEX:
-                return Glass(index, abbe, name="" if name == _MODEL_GLASS else name)
-        raise self._error(surface, f"glass {name or 'without name'} is not known, and has no index in the file", line)
+        if len(words) < 5:
+            return None
+        index = self._number(surface, words[3], "refractive index", line)
+        abbe = self._number(surface, words[4], "Abbe number", line)
+        return Glass(index, abbe, name="" if words[0] == _MODEL_GLASS else words[0])
 
     def _number(self, surface: DraftSurface, word: str, what: str, line: int) -> float:
         return self._text.number(word, what, line, surface.label)

@@ -72,8 +72,12 @@ class LensAlone:
         )
 
 
-def lens_alone(name_or_file: str) -> LensAlone:
+def lens_alone(name_or_file: str, allow_unknown_glass: bool = False) -> LensAlone:
     """Read a lens: a file where the name has a lens file's suffix or a folder, else a lens of the library.
+
+    Args:
+        name_or_file: the lens.
+        allow_unknown_glass: take a file's glass that no catalogue has by the index and the Abbe number beside its name.
 
     Raises:
         NotFoundError: the library has no such lens; the message has the nearest names.
@@ -83,7 +87,7 @@ def lens_alone(name_or_file: str) -> LensAlone:
         return library_lens_alone(name_or_file)
     if is_data_sheet(name_or_file):
         return _from_data_sheet(Path(name_or_file).stem, read_measured_lens(name_or_file))
-    prescription = read_lens_file(name_or_file)
+    prescription = read_lens_file(name_or_file, allow_unknown_glass)
     lens = Lens("prescription", prescription.name, prescription)
     return _mount_alone(Path(name_or_file).stem, prescription.name, "", lens, IrisShape())
 

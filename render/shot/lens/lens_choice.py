@@ -48,8 +48,12 @@ THIN = LensChoice("the thin lens", LensData())
 """The ideal lens, at the focal length and f-number of the camera."""
 
 
-def choose_lens(name_or_file: str) -> LensChoice:
+def choose_lens(name_or_file: str, allow_unknown_glass: bool = False) -> LensChoice:
     """Read a lens: a file where the name has a lens file's suffix or a folder, else a lens of the library.
+
+    Args:
+        name_or_file: the lens.
+        allow_unknown_glass: take a file's glass that no catalogue has by the index and the Abbe number beside its name.
 
     Raises:
         NotFoundError: the library has no such lens; the message has the nearest names.
@@ -58,7 +62,7 @@ def choose_lens(name_or_file: str) -> LensChoice:
     if is_data_sheet(name_or_file):
         return measured_choice(read_measured_lens(name_or_file))
     if is_lens_file(name_or_file):
-        return prescription_choice(read_lens_file(name_or_file))
+        return prescription_choice(read_lens_file(name_or_file, allow_unknown_glass))
     return library_choice(name_or_file)
 
 

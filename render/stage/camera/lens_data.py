@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from render.errors import InputError
-from render.model.lens import Prescription
+from render.model.lens import Glass, Prescription
+from render.optics.dispersion.names import agreeing_glass
+from render.optics.dispersion.sellmeier_fit import as_sellmeier
 from render.optics.lens_files import MeasuredLens
 from usd_schemas import DataSheet, LensData
 from usd_schemas import Prescription as PrescriptionData
@@ -24,7 +27,7 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
     Raises:
         InputError: it has terms that the schema cannot hold.
     """
-    surfaces = prescription.surfaces
+    surfaces = [replace(surface, glass=_portable(surface.glass)) for surface in prescription.surfaces]
     longest = max(len(surface.aspheric) for surface in surfaces)
     if longest > len(ASPHERIC):
         raise InputError(f"{prescription.name} has a term of r^{2 * longest + 2}, USD has them up to r^20")
@@ -55,6 +58,14 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         f_stop_range=(prescription.f_stop, 0.0),
         prescription=data,
     )
+
+
+def _portable(glass: Glass) -> Glass:
+    """The glass as USD holds it: by a name of the catalogue, by Sellmeier coefficients, or by index and Abbe number."""
+    if glass.dispersion is None:
+        return glass
+    known = agreeing_glass(glass.name, glass.index, glass.abbe)
+    return glass if known == glass else as_sellmeier(glass)
 
 
 def measured_lens_data(lens: MeasuredLens) -> LensData:

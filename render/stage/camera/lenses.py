@@ -24,6 +24,7 @@ from render.model.lens import (
     SeidelErrors,
     Surface,
 )
+from render.optics.dispersion.names import agreeing_glass
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.stage.camera.lens_data import ASPHERIC
 from render.stage.camera.planes import read_plane, rotate_plane
@@ -172,10 +173,12 @@ def _column(rows: PrescriptionData, field: str, count: int, camera: str) -> Sequ
 
 
 def _glass(columns: dict[str, Sequence[Any]], i: int) -> Glass:
-    index, abbe, b, c = (columns[field][i] for field in ("index", "abbe", "sellmeier_b", "sellmeier_c"))
+    name, index, abbe, b, c = (columns[field][i] for field in ("glass", "index", "abbe", "sellmeier_b", "sellmeier_c"))
     if not any(b):
-        return AIR if index == 1 and abbe == 0 else Glass(index, abbe, name=columns["glass"][i])
-    glass = Glass(index, abbe, tuple(b), tuple(c), columns["glass"][i])
+        if index == 1 and abbe == 0:
+            return AIR
+        return agreeing_glass(name, index, abbe) or Glass(index, abbe, name=name)
+    glass = Glass(index, abbe, tuple(b), tuple(c), name)
     # Sellmeier's equation wins; the number is used where only the index at the d line is needed.
     return Glass(refractive_index(glass, D_LINE_NM), abbe, glass.sellmeier_b, glass.sellmeier_c, glass.name)
 

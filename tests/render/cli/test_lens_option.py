@@ -47,6 +47,18 @@ def test_an_f_number_that_the_lens_has_is_kept(pullfocus: Command, shot: Path) -
     assert "f-number" not in said
 
 
+def test_unknown_glass_is_mounted_where_it_is_allowed(pullfocus: Command, shot: Path) -> None:
+    file = shot.parent / "triplet.zmx"
+    file.write_text(FILES["triplet.zmx"].replace("GLAS N-SK16 0 0 1.5 4.0E+1", "GLAS XYZZY 0 0 1.62 60.3"))
+    options = ("focus-curve", shot, "--camera", "/World/main_cam", "--frames", "1", "--lens", file)
+    refused = pullfocus(*options)
+    assert refused.status == 1
+    assert "glass XYZZY is in no catalogue; --allow-unknown-glass takes it" in refused.err
+    allowed = pullfocus(*options, "--allow-unknown-glass")
+    assert allowed.status == 0
+    assert "lens: Glass XYZZY is in no catalogue: n_d 1.62 and V_d 60.3 are the file's." in allowed.err
+
+
 @pytest.mark.parametrize(("name", "focal_length"), [("achromat.seq", 100.03), ("double gauss.dat", 50.36)])
 def test_a_lens_file_is_mounted_and_its_gaps_are_reported(
     name: str, focal_length: float, pullfocus: Command, shot: Path
@@ -75,7 +87,7 @@ def test_a_wrong_lens_ends_with_one_line_and_its_exit_status(pullfocus: Command,
     broken.write_text(ACHROMAT_SEQ.replace("NBK7_SCHOTT", "XYZZY"))
     for lens, status, words in (
         ("planr_50", 2, "--lens: there is no lens named 'planr_50' in the library: did you mean planar_50"),
-        (broken, 1, "broken.seq, line 10, surface 1: glass XYZZY is not known"),
+        (broken, 1, "broken.seq, line 10, surface 1: glass XYZZY is in no catalogue"),
         (shot.parent / "none.zmx", 1, "none.zmx cannot be read"),
     ):
         ended = pullfocus("focus-curve", shot, "--camera", "/World/main_cam", "--lens", lens)

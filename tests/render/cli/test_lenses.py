@@ -113,6 +113,40 @@ def test_a_lens_file_is_shown_as_one_of_the_library_is(pullfocus: Command, tmp_p
     assert report["barrelMm"]["surfaces"] == 3
 
 
+def test_a_glass_is_shown_by_any_of_its_names(pullfocus: Command) -> None:
+    for name in ("N-BK7", "nbk7_schott", "BK7"):
+        ended = pullfocus("lenses", "glass", name)
+        assert ended.status == 0
+        for words in (
+            "N-BK7 of Schott",
+            "1.51680, 64.17",
+            "0.5349",
+            "1.52668 at 435.83 nm",
+            "sellmeier: 1 0 1.03961212",
+        ):
+            assert words in ended.out
+    report = json.loads(pullfocus("lenses", "glass", "517642", "--json").out)
+    assert (report["maker"], report["index"], report["abbe"]) == (None, pytest.approx(1.517), 64.2)
+    assert report["indices"]["F"] > report["indices"]["d"] > report["indices"]["C"]
+
+
+def test_a_glass_that_no_catalogue_has_is_refused_with_the_nearest(pullfocus: Command) -> None:
+    ended = pullfocus("lenses", "glass", "N-BK77")
+    assert (ended.status, ended.out) == (2, "")
+    assert "glass 'N-BK77' is in no catalogue, did you mean N-BK7 or " in ended.err
+
+
+def test_unknown_glass_is_refused_unless_it_is_allowed(pullfocus: Command, tmp_path: Path) -> None:
+    file = tmp_path / "triplet.zmx"
+    file.write_text(FILES["triplet.zmx"].replace("GLAS N-SK16 0 0 1.5 4.0E+1", "GLAS N-SK166 0 0 1.62 60.3"))
+    refused = pullfocus("lenses", "show", file)
+    assert refused.status == 1
+    assert "glass N-SK166 is in no catalogue, did you mean N-SK16 " in refused.err
+    assert "? --allow-unknown-glass takes it by index and Abbe number, where the file has them" in refused.err
+    report = shown(pullfocus, file, "--allow-unknown-glass")
+    assert "Glass N-SK166 is in no catalogue: n_d 1.62 and V_d 60.3 are the file's." in report["notes"]
+
+
 @pytest.mark.parametrize(
     ("name", "suffix"), [("double_gauss_50", "png"), ("soft_focus_85", "svg"), ("pinhole_35", "svg")]
 )

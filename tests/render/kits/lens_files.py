@@ -159,6 +159,13 @@ DOUBLE_GAUSS_DAT = """\
 -39.73\t72.2\t1\t20
 """
 
+# One glass in Zemax's format of catalogues, by Schott's data sheet.
+BK7_AGF = """\
+NM N-BK7 2 517642 1.5168 64.17 0 1
+CD 1.03961212 6.00069867E-3 2.31792344E-1 2.00179144E-2 1.01046945 1.03560653E+2
+LD 0.31 2.5
+"""
+
 FILES = {
     "double gauss.dat": DOUBLE_GAUSS_DAT,
     "triplet.zmx": TRIPLET_ZMX,

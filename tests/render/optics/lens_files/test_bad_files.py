@@ -62,7 +62,7 @@ def test_a_wrong_row_of_a_pbrt_file(old: str, new: str, expected: str) -> None:
         ),
         ("MODE SEQ", "MODE NSC", "line 2: the MODE must be SEQ"),
         ("UNIT MM", "UNIT FURLONG", "line 4: the UNIT must be one of MM, CM, IN.*got FURLONG"),
-        ("GLAS N-SK16 0 0", "GLAS XYZZY 0 0", "line 17, surface 1: glass XYZZY is not known, and has no index"),
+        ("GLAS N-SK16 0 0", "GLAS XYZZY 0 0", "line 17, surface 1: glass XYZZY is in no catalogue"),
         ("GLAS N-SK16 0 0 1.5", "GLAS MIRROR 0 0 1.5", "line 17, surface 1: mirrors are not supported"),
         ("1.62004 36.37", "1.62004 -36.37", "surface 3: the Abbe number must be 0 .* got -36.37"),
         ("CURV 5.0E-002", "CURV x", r"surface 1: the curvature \(CURV\) must be a number, got 'x'"),
@@ -82,7 +82,11 @@ def test_a_wrong_line_of_a_zemax_file(old: str, new: str, expected: str) -> None
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("NBK7_SCHOTT", "NBK77_SCHOTT", "line 10, surface 1: glass NBK77_SCHOTT is not known"),
+        (
+            "NBK7_SCHOTT",
+            "NBK77_SCHOTT",
+            "line 10, surface 1: glass NBK77_SCHOTT is in no catalogue, did you mean N-BK7 ",
+        ),
         ("NBK7_SCHOTT", "REFL", "line 10, surface 1: mirrors are not supported"),
         ("DIM   M", "DIM   Q", "line 4: DIM must be M, C or I, got Q"),
         ("SI    0.0 0.0", "", "it ends before the image surface"),
@@ -100,6 +104,16 @@ def test_a_wrong_line_of_a_zemax_file(old: str, new: str, expected: str) -> None
             "  PIM",
             "  PIM\nPRV\nPWL 650 550\n'x' 1.5\nEND",
             "line 20: glass X: expected one index for each of the 2 wavelengths",
+        ),
+        (
+            "  PIM",
+            "  PIM\nPRV\nPWL 650 1e9\n'x' 1.5 1.4\nEND",
+            "line 20: wavelengths .PWL. must be at most 100000 nm",
+        ),
+        (
+            "  PIM",
+            "  PIM\nPRV\nPWL 650 640 630\n'x' 1.5 1.7 1.5\nEND",
+            "line 20: (glass x has an impossible refractive index|the (refractive index|Abbe number) must be)",
         ),
     ],
 )

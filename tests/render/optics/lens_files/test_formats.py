@@ -6,9 +6,8 @@ import pytest
 
 from render.errors import InputError
 from render.model.lens import AIR, Prescription
-from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM, refractive_index
+from render.optics.glass import C_LINE_NM, F_LINE_NM
 from render.optics.lens_files import parse_lens_file, read_lens_file
-from render.optics.lens_files.glass_names import find_glass
 from render.optics.prescription.paraxial import first_order
 from tests.render.kits.lens_files import ACHROMAT_SEQ, DOUBLE_GAUSS_DAT, DOUBLE_GAUSS_SEQ, TRIPLET_ZMX, ZOOM_TXT
 from tests.render.kits.lenses import DOUBLE_GAUSS
@@ -161,18 +160,3 @@ def test_a_file_is_read_from_disk(tmp_path) -> None:
     path = tmp_path / "a lens.DAT"
     path.write_text(DOUBLE_GAUSS_DAT)
     assert len(read_lens_file(path).surfaces) == 11
-
-
-@pytest.mark.parametrize("name", ["BK7", "N-BK7", "NBK7_SCHOTT", "nbk7", "n-bk7_schott"])
-def test_one_glass_by_all_the_names_that_programs_give_it(name: str) -> None:
-    glass = find_glass(name)
-    assert glass is not None
-    assert refractive_index(glass, D_LINE_NM) == pytest.approx(1.51680, abs=2e-5)
-
-
-def test_glass_codes_say_index_and_abbe_number() -> None:
-    for code, index, abbe in (("517642", 1.517, 64.2), ("517.642", 1.517, 64.2), ("516800.6417", 1.5168, 64.17)):
-        glass = find_glass(code)
-        assert glass is not None
-        assert (glass.index, glass.abbe) == pytest.approx((index, abbe))
-    assert find_glass("unobtainium") is None

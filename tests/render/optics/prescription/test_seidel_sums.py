@@ -9,10 +9,11 @@ import pytest
 
 from render.model.arrays import DoubleArray
 from render.model.lens import Glass, Prescription, Surface
-from render.optics.glass import C_LINE_NM, CATALOGUE, D_LINE_NM, F_LINE_NM
+from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM
 from render.optics.prescription.paraxial import first_order
 from render.optics.prescription.seidel_sums import SeidelSums, seidel_sums
 from render.optics.prescription.tracing import trace_forward
+from tests.render.kits.glasses import glass
 from tests.render.kits.lenses import SIX_LENSES, KnownLens
 
 NAMES = [lens.prescription.name for lens in SIX_LENSES]
@@ -179,7 +180,7 @@ def test_blue_light_of_a_simple_lens_focuses_nearest_to_it() -> None:
 
 
 def test_an_achromat_brings_blue_and_red_together() -> None:
-    crown, flint = CATALOGUE["BK7"], CATALOGUE["SF10"]
+    crown, flint = glass("N-BK7"), glass("N-SF10")
     share = crown.abbe / (crown.abbe - flint.abbe)
     power = np.array([share, 1 - share]) / 100.0
     middle = -1 / (power[0] / (crown.index - 1) / 2)

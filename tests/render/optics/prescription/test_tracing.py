@@ -11,13 +11,15 @@ from hypothesis import strategies as st
 
 from render.model.arrays import DoubleArray
 from render.model.lens import AIR, Glass, Prescription, Surface
-from render.optics.glass import CATALOGUE, refractive_index
+from render.optics.glass import refractive_index
 from render.optics.prescription.paraxial import first_order, paraxial_ray, paraxial_system
 from render.optics.prescription.surface_shape import intersect, sag_mm
 from render.optics.prescription.tracing import PASSES, Fate, TracedRays, trace_backward, trace_forward
+from tests.render.kits.glasses import glass
 from tests.render.kits.lenses import DISTAGON, DOUBLE_GAUSS, SIX_LENSES
 
 INDEX = 1.5
+SF10 = glass("SF10")
 ALL_LENSES = st.sampled_from([lens.prescription for lens in SIX_LENSES])
 
 
@@ -190,7 +192,7 @@ def test_the_reversed_lens_has_the_same_focal_length() -> None:
 
 
 def test_each_ray_can_have_its_own_wavelength() -> None:
-    lens = lens_of(Surface(30.0, 5.0, CATALOGUE["SF10"]), Surface(-30.0, 0.0))
+    lens = lens_of(Surface(30.0, 5.0, SF10), Surface(-30.0, 0.0))
     lines = np.array([475.0, 510.0, 650.0])
     together = trace_forward(lens, *rays([6.0] * 3, [0.1] * 3), lines)
     for i, line in enumerate(lines):
@@ -234,7 +236,7 @@ def test_a_ray_beside_a_mounted_surface_is_blocked_by_the_mount() -> None:
 
 
 def test_dispersion_bends_blue_more() -> None:
-    prism_like = lens_of(Surface(0.0, 1.0, CATALOGUE["SF10"]), Surface(-30.0, 0.0))
+    prism_like = lens_of(Surface(0.0, 1.0, SF10), Surface(-30.0, 0.0))
     slopes = trace_forward(prism_like, *rays([5.0, 5.0], 0.0), np.array([475.0, 650.0])).directions[:, 1]
     assert abs(slopes[0]) > abs(slopes[1])
-    assert refractive_index(CATALOGUE["SF10"], 475.0) > refractive_index(CATALOGUE["SF10"], 650.0)
+    assert refractive_index(SF10, 475.0) > refractive_index(SF10, 650.0)

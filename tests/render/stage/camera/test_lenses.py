@@ -24,6 +24,7 @@ from render.stage import find_not_honoured, read_camera
 from render.stage.camera.lens_data import lens_data
 from render.stage.camera.lenses import make_iris, make_lens
 from render.stage.camera.planes import rotate_plane
+from tests.render.kits.glasses import glass
 from tests.render.kits.lenses import SIX_LENSES, KnownLens
 from tests.render.kits.stages import new_stage, write_picture
 from usd_schemas import (
@@ -127,7 +128,8 @@ def test_a_singlets_colour_as_a_wavefront_is_that_of_its_glass(stage: Usd.Stage,
     thin = Prescription((Surface(2 * f_mm * 0.5168, 1e-6, Glass(1.5168, abbe)), Surface(-2 * f_mm * 0.5168, 0.0)))
     stop = replace(thin, surfaces=(replace(thin.surfaces[0], is_stop=True), thin.surfaces[1]))
     blue, red = (first_order(stop, nm).back_focal_mm for nm in (475, 650))
-    assert seidel.axial_color_mm == pytest.approx(blue - red, rel=0.01)
+    # A wavefront has no glass: between the lines it runs by Cauchy's law, of which crown glass is 1 % off.
+    assert seidel.axial_color_mm == pytest.approx(blue - red, rel=0.015)
 
 
 def test_light_that_glass_and_filter_leave(stage: Usd.Stage, camera: LensCamera) -> None:
@@ -284,6 +286,36 @@ def test_a_prescription_goes_into_usd_and_back(stage: Usd.Stage, camera: LensCam
     assert _read(stage).lens.prescription == lens
     with pytest.raises(InputError, match=r"has a term of r\^22"):
         lens_data(replace(lens, surfaces=(replace(asphere, aspheric=(1e-30,) * 10),)))
+
+
+def _glass_of_a_shot(stage: Usd.Stage, camera: LensCamera, glass: Glass) -> Glass:
+    """The glass of a lens that was mounted on the camera and read again."""
+    lens = Prescription((Surface(20.0, 3.0, glass, 8.0, is_stop=True), Surface(-20.0, 30.0)), None, 2.0, "A lens")
+    camera.lens.author(lens_data(lens))
+    read = _read(stage).lens.prescription
+    assert read is not None
+    return read.surfaces[0].glass
+
+
+@pytest.mark.parametrize("name", ["N-BK7", "FCD1", "F2_CDGM", "SK19", "E48R"])
+def test_glass_of_the_catalogue_keeps_its_dispersion_in_a_shot(name: str, stage: Usd.Stage, camera: LensCamera) -> None:
+    known, wavelengths = glass(name), np.linspace(400.0, 700.0, 31)
+    read = _glass_of_a_shot(stage, camera, known)
+    assert read.name == name
+    assert refractive_index(read, wavelengths) == pytest.approx(refractive_index(known, wavelengths), rel=1e-14)
+
+
+def test_foreign_glass_is_carried_as_sellmeier_coefficients(stage: Usd.Stage, camera: LensCamera) -> None:
+    foreign = replace(glass("FCD1"), name="MY-OWN")
+    read = _glass_of_a_shot(stage, camera, foreign)
+    assert read.sellmeier_b is not None
+    wavelengths = np.linspace(400.0, 700.0, 31)
+    assert refractive_index(read, wavelengths) == pytest.approx(refractive_index(foreign, wavelengths), abs=1e-6)
+
+
+def test_a_name_alone_does_not_change_the_glass(stage: Usd.Stage, camera: LensCamera) -> None:
+    assert _glass_of_a_shot(stage, camera, Glass(1.5, 60.0, name="FCD1")) == Glass(1.5, 60.0, name="FCD1")
+    assert _glass_of_a_shot(stage, camera, Glass(1.497, 0.0, name="FCD1")).dispersion is None
 
 
 def test_what_is_honoured_is_no_finding_and_what_is_not_is(stage: Usd.Stage, camera: LensCamera) -> None:

@@ -145,7 +145,7 @@ def test_a_lens_file_is_mounted(client, shot):
     [
         ("lens.pdf", ACHROMAT, 415, "unsupported_type", "lens.pdf was sent; expected a lens file"),
         ("../../etc/lens.seq", ACHROMAT[:-15], 422, "bad_lens_file", "lens.seq: it ends before the image surface"),
-        ("lens.seq", ACHROMAT.replace("NBK7", "XYZ"), 422, "bad_lens_file", "lens.seq, line 6, surface 1: glass XYZ"),
+        ("lens.seq", ACHROMAT.replace("NBK7", "XYZ"), 422, "unknown_glass", "lens.seq, line 6, surface 1: glass XYZ"),
         ("lens.zmx", "\0\1\2", 422, "bad_lens_file", "lens.zmx is no lens file: expected text"),
         ("lens.dat", "50 5 1.5 20\n-50 0 1 20\n" * 2000, 422, "bad_lens_file", "at most 200 surfaces"),
         ("lens.dat", "-50 5 1.5 20\n50 0 1 20\n", 422, "bad_lens", "surface 1 of lens: its power of -10 dioptres"),

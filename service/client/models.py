@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Literal, TypedDict
 
@@ -178,17 +178,17 @@ class RenderPlan:
 
     Attributes:
         count: Number of frames.
-        findings: Errors first. Without errors, it can be sent.
+        findings: Errors first: it would be refused, or its frames would fail. Default: [].
         frames: All frames, as a range; empty where they are no range.
         seconds_of_processor: Processor time that is expected for all of them, s; 0 where they would be refused.
         settings: Settings of its first frame; null where no picture can be made.
     """
 
     count: int
-    findings: list[PlanFinding]
+    findings: list[PlanFinding] = field(default_factory=list)
     frames: str
     seconds_of_processor: float
-    settings: PlannedSettings | None
+    settings: PlannedSettings | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

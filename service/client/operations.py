@@ -224,7 +224,7 @@ class LogReader:
         self.has_ended = False
         self._render = render
         self._frame = frame
-        self._attempt = attempt
+        self._wanted = self._attempt = attempt
         self._retries = retries
         self._length = 0
 
@@ -236,8 +236,10 @@ class LogReader:
                     _log_call(self._render, self._frame, {"attempt": self._attempt}), self._retries
                 )
             except RefusedError as error:
-                if error.code != "frame_not_begun":
+                is_put_off = error.code == "attempt_not_found" and self._wanted is None and self._attempt is not None
+                if error.code != "frame_not_begun" and not is_put_off:
                     raise
+                self._attempt, self._length = self._wanted, 0
             else:
                 text = answer.content.decode("utf-8", "replace")
                 number = answer.headers.get("Pullfocus-Attempt", "")

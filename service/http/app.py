@@ -12,6 +12,7 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import OutputError, PullfocusError
+from service.hidden_folders import hide_folder
 from service.http.auditing import AuditMiddleware
 from service.http.bucket_upkeep import tidy_bucket
 from service.http.cache_upkeep import end_greedy_workers, fill_caches, retry_filling
@@ -19,7 +20,6 @@ from service.http.change_notes import note_empty_shots
 from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
-from service.http.hidden_folders import hide_folder
 from service.http.identity import Identity, IdentityMiddleware
 from service.http.last_shot import draw_last_shot
 from service.http.metrics import MetricsMiddleware

@@ -25,7 +25,7 @@ _HEAD = '''\
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Literal, TypedDict
 '''
@@ -64,9 +64,11 @@ def _answer(name: str, schema: Json) -> str:
 
 
 def _default(kind: str) -> str:
-    if not kind.endswith("| None"):
-        raise ValueError(f"an answer may lack a value that is {kind}: only what can be null may be left out")
-    return " = None"
+    if kind.endswith("| None"):
+        return " = None"
+    if kind.startswith("list["):
+        return " = field(default_factory=list)"
+    raise ValueError(f"an answer may lack a value that is {kind}: only lists and what can be null may be left out")
 
 
 def _request(schema: Json) -> str:

@@ -30,7 +30,7 @@ from render.errors import (
 )
 from render.model.edit_history import EndOfHistoryError
 from service.edit_context import ChangedMeanwhileError
-from service.http.hidden_folders import without_folders
+from service.hidden_folders import without_folders
 from service.jobs.errors import ConflictError
 from service.storage.errors import UnavailableError
 from service.workers.errors import (

@@ -35,13 +35,16 @@ class LaneExecutor:
         """Draw a frame; see `service.jobs.frame_work.Executor`."""
         output = JobOutput()
         log.follow(output.text)
-        return await self._service.lanes.long.result(
-            call(frames.render_files, work.request, work.formats),
-            self._service.place_of(work.request.record),
-            work.client,
-            estimate_s=work.estimate_s,
-            output=output,
-        )
+        try:
+            return await self._service.lanes.long.result(
+                call(frames.render_files, work.request, work.formats),
+                self._service.place_of(work.request.record),
+                work.client,
+                estimate_s=work.estimate_s,
+                output=output,
+            )
+        finally:
+            output.end()
 
     async def close(self) -> None:
         """Do nothing: the service ends its lanes itself."""

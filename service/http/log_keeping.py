@@ -7,7 +7,7 @@ import asyncio
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import OutputError
-from service.http.hidden_folders import without_folders
+from service.hidden_folders import without_folders
 from service.jobs.claims import Claim
 from service.jobs.frame_logs import FrameLog, FrameLogs
 
@@ -31,6 +31,7 @@ class LogKeeper:
         self._logs = logs
         self._claim = claim
         self._writing = asyncio.Lock()
+        self._kept_bytes = 0
 
     async def run(self) -> None:
         """Keep what is new, again and again, until this is cancelled. What cannot be kept now is kept later."""
@@ -40,7 +41,8 @@ class LogKeeper:
                 lines = self.new_lines()
                 if lines:
                     try:
-                        await run_in_threadpool(self._logs.append, self._claim, lines)
+                        await run_in_threadpool(self._logs.append, self._claim, lines, self._kept_bytes)
+                        self._kept_bytes += len(lines.encode("utf-8", "replace"))
                     except OutputError:
                         self.log.put_back(lines)
 

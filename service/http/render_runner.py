@@ -13,6 +13,7 @@ from typing import ParamSpec, TypeVar
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import OutputError, PullfocusError
+from service.hidden_folders import without_folders
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.lane_executor import LaneExecutor
@@ -203,7 +204,7 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
         await _note(queue.give_back, claim, "the render was canceled", await keeper.end())
     except LostFrameError as error:
         log.warning("frame %d of render %s is lost: %s", claim.frame, claim.render, error)
-        await _note(queue.lose, claim, str(error), await keeper.end())
+        await _note(queue.lose, claim, without_folders(str(error)), await keeper.end())
     except UnavailableError as error:
         log.warning("frame %d of render %s cannot be begun now: %s", claim.frame, claim.render, error)
         await _note(queue.put_off, claim, BUSY_PAUSE_S)
@@ -213,10 +214,10 @@ async def work_on(service: Service, executor: Executor, claim: Claim) -> None:
             await _note(queue.put_off, claim, BUSY_PAUSE_S, is_of_owner=is_of_owner)
         else:
             log.warning("frame %d of render %s could not be drawn: %s", claim.frame, claim.render, error)
-            await _note(queue.fail, claim, str(error), await keeper.end(), may_pass=_may_pass(error))
+            await _note(queue.fail, claim, without_folders(str(error)), await keeper.end(), may_pass=_may_pass(error))
     except Exception as error:
         log.exception("frame %d of render %s could not be drawn", claim.frame, claim.render)
-        await _note(queue.fail, claim, repr(error), await keeper.end(), may_pass=False)
+        await _note(queue.fail, claim, without_folders(repr(error)), await keeper.end(), may_pass=False)
     finally:
         for task in beside:
             task.cancel()

@@ -74,6 +74,11 @@ def _log_answer(scope: Scope, status: int, seconds: float) -> None:
         "status": status,
         "seconds": round(seconds, 4),
         "principal": getattr(principal, "id", None),
-        **{name: value for name, value in scope.get("path_params", {}).items() if name in _NAMED},
+        **{name: _field(value) for name, value in scope.get("path_params", {}).items() if name in _NAMED},
     }
     log.info("%(client)s %(method)s %(path)r %(status)d in %(seconds).3f s", fields, extra={"fields": fields})
+
+
+def _field(value: str) -> str | int:
+    """Return a part of a path: as a number, where a frame is one, as in the records of the work on it."""
+    return int(value) if re.fullmatch(r"-?\d{1,10}", value) else value[:_MAX_PATH]

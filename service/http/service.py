@@ -16,11 +16,11 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import HTTPConnection
 
 from render.errors import PullfocusError
+from service.hidden_folders import hide_folder
 from service.http.admission import Admission
 from service.http.clients import present_client
 from service.http.event_feed import EventFeed
 from service.http.frame_cache import FrameCache
-from service.http.hidden_folders import hide_folder
 from service.http.lanes import Lanes
 from service.http.live_places import LivePlaces
 from service.http.long_exposures import LongExposures

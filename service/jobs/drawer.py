@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from render.errors import PullfocusError
+from service.hidden_folders import hide_folder, without_folders
 from service.jobs.frame_work import FrameWork, end_of, may_pass
 from service.jobs.shot_files import FileList, ShotFiles
 from service.picture.cache_filling import fill_cache
@@ -111,6 +112,8 @@ class Drawer:
     def __init__(self, settings: DrawerSettings) -> None:
         self._read = settings.read
         self.shots = ShotFiles(settings.folder, settings.shots_mb * MEBIBYTE)
+        for folder in (settings.folder, settings.cache):  # what is told of a frame goes to other machines
+            hide_folder(folder)
         environment = worker_environment(os.environ)
         self._caches = Caches(settings.cache, environment, settings.disk_mb * MEBIBYTE)
         self._pool = WorkerPool(
@@ -172,21 +175,23 @@ class Drawer:
             )
             observer.reset(token)
             self._drawing[work.key] = drawing
+            drawing.add_done_callback(lambda _: output.end())
             try:
-                return DoneFrame(await drawing, _cpu_s(finished), output.text())
+                return DoneFrame(await drawing, _cpu_s(finished), without_folders(output.text()))
             except asyncio.CancelledError:
                 if not drawing.cancelled():
                     raise
-                return FailedFrame("it was given up", True, None, _cpu_s(finished), output.text())
+                return FailedFrame("it was given up", True, None, _cpu_s(finished), without_folders(output.text()))
             except (PullfocusError, WorkerError, OSError) as error:
-                return FailedFrame(str(error), may_pass(error), end_of(error), _cpu_s(finished), output.text())
+                message, told = without_folders(str(error)), without_folders(output.text())
+                return FailedFrame(message, may_pass(error), end_of(error), _cpu_s(finished), told)
             finally:
                 del self._drawing[work.key], self._outputs[work.key]
 
     def output(self, key: str) -> str:
         """Return what the process of a frame has written so far; nothing where it is not drawn now."""
         output = self._outputs.get(key)
-        return "" if output is None else output.text()
+        return "" if output is None else without_folders(output.text())
 
     def stop(self, key: str) -> None:
         """Give a frame up that is drawn, or waits. Does nothing where it has ended."""

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sqlalchemy import Engine, select, update
+from sqlalchemy import Engine, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from render.errors import NotFoundError
@@ -19,6 +19,10 @@ from service.workers.output import MOST_OUTPUT, log_line
 
 MOST_LOG = MOST_OUTPUT + (32 << 10)
 """Size of the log of one attempt, bytes: the output of a process and what the service adds to it."""
+
+
+KEPT_LOGS = 4
+"""Logs of a frame that are kept, those of its last attempts: a frame may be tried again as often as one likes."""
 
 
 class FrameLog:
@@ -89,17 +93,22 @@ class FrameLogs:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
 
-    def append(self, claim: Claim, text: str) -> None:
+    def append(self, claim: Claim, text: str, after_bytes: int | None = None) -> None:
         """Append lines to the log of an attempt; they are lost where the attempt has ended or was removed.
 
         Args:
             claim: the attempt.
             text: of the lines.
+            after_bytes: size of what was appended before. What is there already, by a commit whose answer was lost, is not
+                appended again. None appends it as it is.
         """
         with transaction(self._engine) as session:
             attempt = session.get(AttemptRow, (claim.render, claim.frame, claim.attempt))
             if attempt is not None and attempt.outcome is None:
-                append_log(session, session.get_one(RenderRow, claim.render), attempt, text)
+                log = session.get(LogRow, (claim.render, claim.frame, claim.attempt))
+                there = 0 if log is None or after_bytes is None else max(0, log.size_bytes - after_bytes)
+                rest = text.encode("utf-8", "replace")[there:].decode("utf-8", "ignore")
+                append_log(session, session.get_one(RenderRow, claim.render), attempt, rest)
 
     def read(self, render_id: str, frame: int, attempt: int | None = None) -> KeptLog | None:
         """Return the log of an attempt; None where the frame was not begun yet.
@@ -146,6 +155,7 @@ def append_log(session: Session, render: RenderRow, attempt: AttemptRow, text: s
         log = LogRow(render=attempt.render, frame=attempt.frame, number=attempt.number, size_bytes=0, text="")
         session.add(log)
         session.flush()
+        forget_logs(session, render, attempt.frame, 1, attempt.number - KEPT_LOGS)
     content = text.encode("utf-8", "replace")[: max(0, MOST_LOG - log.size_bytes)]
     is_its = (LogRow.render == key[0]) & (LogRow.frame == key[1]) & (LogRow.number == key[2])
     more = content.decode("utf-8", "ignore")
@@ -153,3 +163,22 @@ def append_log(session: Session, render: RenderRow, attempt: AttemptRow, text: s
         update(LogRow).where(is_its).values(text=LogRow.text + more, size_bytes=log.size_bytes + len(content))
     )
     render.stored_bytes += len(content)
+
+
+def forget_logs(session: Session, render: RenderRow, frame: int, first: int, last: int | None = None) -> None:
+    """Forget the logs of some attempts at a frame.
+
+    Args:
+        session: a transaction that writes.
+        render: the render.
+        frame: number of the frame.
+        first: number of the first attempt.
+        last: number of the last one; None for the first alone.
+    """
+    meant = (
+        LogRow.render == render.id,
+        LogRow.frame == frame,
+        LogRow.number.between(first, first if last is None else last),
+    )
+    render.stored_bytes -= session.scalar(select(func.coalesce(func.sum(LogRow.size_bytes), 0)).where(*meant)) or 0
+    session.execute(delete(LogRow).where(*meant))

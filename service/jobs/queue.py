@@ -18,7 +18,7 @@ from service.jobs.attempts import Attempts
 from service.jobs.claims import Claim, NewRender
 from service.jobs.errors import ConflictError
 from service.jobs.events import noted, render_event
-from service.jobs.frame_logs import FrameLogs
+from service.jobs.frame_logs import FrameLogs, forget_logs
 from service.jobs.frame_ranges import format_frames
 from service.jobs.lookups import RenderLookups
 from service.jobs.states import find_render, find_unended, move, state_of
@@ -289,6 +289,7 @@ class RenderQueue:
                 return
             render, task = held
             self._attempts.end(session, render, task, "ready", "given-back", None)
+            forget_logs(session, render, task.frame, task.attempts)
             session.delete(session.get_one(AttemptRow, (task.render, task.frame, task.attempts)))
             render.not_before = until = self._clock(session) + pause_s
             if is_of_owner:

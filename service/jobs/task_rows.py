@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
-from sqlalchemy import bindparam, insert, literal_column
+from sqlalchemy import ColumnElement, bindparam, insert, literal_column
 from sqlalchemy.orm import Session
 
 from service.storage.database.tables import Table, TaskRow
 
 _NUMBERS = ("attempts", "failures", "losses", "not_before")
-_VALUES = {
+_VALUES: dict[str, ColumnElement[Any]] = {
     "render": bindparam("render"),
     "frame": bindparam("frame"),
     "state": literal_column("'ready'"),

@@ -91,9 +91,11 @@ class RenderPlan(Model):
         description="Processor time that is expected for all of them, s; 0 where they would be refused."
     )
     settings: PlannedSettings | None = Field(
-        description="Settings of its first frame; null where no picture can be made."
+        default=None, description="Settings of its first frame; null where no picture can be made."
     )
-    findings: list[PlanFinding] = Field(description="Errors first. Without errors, it can be sent.")
+    findings: list[PlanFinding] = Field(
+        default=[], description="Errors first: it would be refused, or its frames would fail."
+    )
 
 
 class PlannedShot(Model):

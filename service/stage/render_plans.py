@@ -63,7 +63,10 @@ def plan_picture(
                 found += _findings(shot)
         except PullfocusError as error:
             picture = None
-            found.append(PlanFinding(severity="error", code=error.code, path=error.path or "", message=error.detail))
+            found = [
+                PlanFinding(severity="error", code=error.code, path=error.path or "", message=error.detail),
+                *found,
+            ]
         frame_range = FrameRange.model_validate(shot.frame_range)
     sent = [
         one.model_copy(update={"path": as_sent(one.path, record), "message": as_sent(one.message, record)})

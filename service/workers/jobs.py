@@ -175,7 +175,7 @@ class Job(Generic[State]):
         observer: told when it has run.
         worker: process id of the last worker that ran it; 0 for none.
         steps: times that it told.
-        output: receives what it writes; None for nobody.
+        output: collects what the process writes to standard error, and the steps of the call; None for nobody.
     """
 
     work: CallWork[State] | StreamWork[State]

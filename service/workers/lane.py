@@ -162,7 +162,7 @@ class Lane(Generic[State]):
             client: who it is made for.
             group: one client viewing one shot.
             estimate_s: processor time that it is expected to take, s; `Finished` has it beside the time that it took.
-            output: receives what it writes; None for nobody.
+            output: collects what the process writes to standard error, and the steps of the call; None for nobody.
         """
         work: CallWork[State] = CallWork(call)
         job = self._enqueue(work, place, client, group, estimate_s, output=output)

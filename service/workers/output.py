@@ -9,6 +9,7 @@ from __future__ import annotations
 import fcntl
 import os
 import re
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -65,11 +66,13 @@ class JobOutput:
     def __init__(self) -> None:
         self._ended = b""
         self._present: WorkerOutput | None = None
+        self._is_over = False
         self._lock = threading.Lock()
 
     @contextmanager
     def collect(self, output: WorkerOutput) -> Iterator[None]:
-        """Collect the output of a process while it runs the job."""
+        """Collect the output of a process while it runs the job; what it wrote before is forgotten."""
+        output.begin()
         with self._lock:
             self._present = output
         try:
@@ -78,11 +81,15 @@ class JobOutput:
             with self._lock:
                 self._ended, self._present = self._ended + output.read(), None
 
+    def end(self) -> None:
+        """Note that the job has ended: half a line at the end is whole, though the process may not be given back yet."""
+        self._is_over = True
+
     def text(self) -> str:
         """Return the whole lines that there are so far, without characters that steer a terminal."""
         with self._lock:
             content = self._ended + (b"" if self._present is None else self._present.read())
-            is_running = self._present is not None
+            is_running = self._present is not None and not self._is_over
         if is_running:
             content = content[: content.rfind(b"\n") + 1]
         elif content and not content.endswith(b"\n"):
@@ -102,6 +109,8 @@ def create_output() -> int:
 class Redirection:
     """Sends the standard error of this process, a worker, to its output or to where it went before.
 
+    Python's own, with logs and tracebacks, goes where it went before, to those who run the service.
+
     Args:
         descriptor: of the output's memory.
     """
@@ -109,6 +118,7 @@ class Redirection:
     def __init__(self, descriptor: int) -> None:
         self._output = descriptor
         self._usual = os.dup(2)
+        sys.stderr = os.fdopen(self._usual, "w", buffering=1, errors="backslashreplace", closefd=False)
         self._is_on = False
 
     def set(self, is_on: bool) -> None:

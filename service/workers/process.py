@@ -80,7 +80,7 @@ class WorkerProcess(Generic[State]):
         place: the shot that it serves.
         cache: its cache folder, which remains when it has ended.
         signals: interrupt a running stream; any thread may set them.
-        output: of its present or last call for which it was wanted.
+        output: what it has written to standard error, and the steps of its call.
         end: why it ended, or None.
         has_served: whether it has answered a call: its state is made.
         views: the last ones that it was taken for.
@@ -245,8 +245,6 @@ class WorkerProcess(Generic[State]):
         has_begun = False
         self.steps = ()
         self._oom_kills = _count_oom_kills()
-        if order.records_output:
-            self.output.begin()
         try:
             self._pipe.send_bytes(pack(order))
             while True:

@@ -1,5 +1,5 @@
 import { FrameLog } from "@/editor/frame_log";
-import { UnreachableError } from "@/net/errors";
+import { errorOf, UnreachableError } from "@/net/errors";
 import { FakeRenders } from "./render_fixtures";
 
 beforeEach(() => {
@@ -36,14 +36,22 @@ describe("the log of a frame", () => {
     expect(service.calls).toHaveLength(1);
   });
 
-  it("says why it cannot be read, and keeps what there was", async () => {
-    const { service, log } = logOf(["one\n", false]);
+  it("says why it cannot be read, keeps what there was, and goes on", async () => {
+    const { service, log } = logOf(["one\n", false], ["one\ntwo\n", true]);
     log.follow();
     await vi.advanceTimersByTimeAsync(0);
     service.failing = { log: new UnreachableError() };
+    await vi.advanceTimersByTimeAsync(2000);
+    expect([log.text.value, log.complaint.value]).toEqual(["one\n", expect.stringMatching(/service/i)]);
     await vi.advanceTimersByTimeAsync(60_000);
-    expect(log.text.value).toBe("one\n");
-    expect(log.complaint.value).toMatch(/service/i);
-    expect(service.calls).toHaveLength(2);
+    expect([log.text.value, log.complaint.value, service.calls.length]).toEqual(["one\ntwo\n", null, 3]);
+  });
+
+  it("is given up where the service refuses it", async () => {
+    const { service, log } = logOf();
+    service.failing = { log: errorOf(404, { code: "render_not_found", detail: "There is no render 'r-1'." }) };
+    log.follow();
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect([log.complaint.value, service.calls.length]).toEqual([expect.stringMatching(/r-1/), 1]);
   });
 });

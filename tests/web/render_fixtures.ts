@@ -56,7 +56,7 @@ export class FakeRenders implements RenderService {
   readonly sent: { request: RenderRequest; key: string }[] = [];
   readonly planned: RenderRequest[] = [];
   /** What stands against a render that is tried. */
-  findings: RenderPlan["findings"] = [];
+  findings: NonNullable<RenderPlan["findings"]> = [];
   /** The log of each frame, as it is at each look. */
   readonly logs: FrameLogText[] = [];
   /** Fails the next call of a kind with an error. */

@@ -112,14 +112,19 @@ async def _lines(
     service: Service, render: str, frame: int, attempt: int | None, is_over: Callable[[], bool]
 ) -> AsyncIterator[bytes]:
     """Yield the lines of a log as they come."""
-    length = 0
+    length, chosen = 0, attempt
     while not is_over():
         try:
-            found = await run_in_threadpool(service.renders.logs.read, render, frame, attempt)
-        except (NotFoundError, OutputError):  # it was removed, or the database is gone
+            found = await run_in_threadpool(service.renders.logs.read, render, frame, chosen)
+        except NotFoundError as error:
+            if attempt is not None or error.code != "attempt_not_found":
+                return  # it was removed
+            length, chosen = 0, None  # it was put off before it was begun
+            continue
+        except OutputError:  # the database is gone
             return
         if found is not None:
-            attempt = found.attempt  # a further one has a log of its own
+            chosen = found.attempt  # a further one has a log of its own
             if len(found.text) > length:
                 yield found.text[length:].encode()
                 length = len(found.text)

@@ -41,7 +41,7 @@ async def plan_render(service: ServiceDep, principal: PrincipalDep, request: Ren
         frames = await frames_to_render(service, record, request)
         frame_s = service.admission.check(record.id, request.picture(frames[0]), "body", request.aovs).cost.expected_s
     except SettingsError as error:
-        findings.append(_error(error, "" if frames else "frames"))
+        findings.append(_error(error, "frames" if request.frames is not None and not frames else ""))
     settings = None
     if frame_s:
         first = request.picture(frames[0])

@@ -17,11 +17,11 @@ from fastapi.responses import FileResponse
 from starlette.concurrency import run_in_threadpool
 
 from render.model.edit_history import revision_of
+from service.hidden_folders import without_folders
 from service.http.access import READS, RENDERS, PrincipalDep
 from service.http.bodies import BodyRoute
 from service.http.clients import present_client
 from service.http.errors import ServiceError
-from service.http.hidden_folders import without_folders
 from service.http.render_products import frame_file_gone
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import problems

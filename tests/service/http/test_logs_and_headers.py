@@ -87,7 +87,7 @@ def test_lines_name_shot_render_and_frame(client, room, logged):
     client.get(f"/v1/shots/{room}")
     answers = {line["path"]: line for line in logged if line["logger"] == "pullfocus.access"}
     asked = answers[f"/v1/renders/{render['id']}/frames/3/log"]
-    assert (asked["render"], asked["frame"], asked["status"]) == (render["id"], "3", 200)
+    assert (asked["render"], asked["frame"], asked["status"]) == (render["id"], 3, 200)
     assert answers[f"/v1/shots/{room}"]["shot"] == room
     assert "render" not in answers["/v1/renders"]
     (failed,) = [line for line in logged if "could not be drawn" in line["message"]]

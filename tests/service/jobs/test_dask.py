@@ -108,6 +108,7 @@ def test_workers_draw_frames_as_the_service_does(farm, service, room):
     assert service.client.get("/v1/renders").json()["renders"][0]["failed"] == 0
     log = service.client.get(f"{render}/frames/2/log").text
     assert log.count("load scene: ") == 1
+    assert str(service.settings.data) not in log
     assert log.index("by worker one") < log.index("encode: ") < log.index("stored png: ")
     assert worker.poll() is None
 

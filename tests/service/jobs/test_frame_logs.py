@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from render.errors import NotFoundError
-from service.jobs.frame_logs import MOST_LOG, FrameLog
+from service.jobs.frame_logs import KEPT_LOGS, MOST_LOG, FrameLog
 from tests.service.kits.queues import FILES, LEASE_S, render
 
 
@@ -89,6 +89,27 @@ def test_a_log_has_a_longest_size_and_counts_as_stored(queue):
     assert queue.get(claim.render).stored_bytes - before == pytest.approx(stored, abs=2)
 
 
+def test_lines_whose_commit_had_no_answer_are_there_once(queue):
+    claim = begun(queue)
+    queue.logs.append(claim, "one\n")
+    for _ in range(2):
+        queue.logs.append(claim, "two \N{LATIN SMALL LETTER E WITH ACUTE}\n", after_bytes=4)
+    queue.logs.append(claim, "two \N{LATIN SMALL LETTER E WITH ACUTE}\nthree\n", after_bytes=4)
+    assert text_of(queue, claim) == "one\ntwo \N{LATIN SMALL LETTER E WITH ACUTE}\nthree\n"
+
+
+def test_the_logs_of_the_last_attempts_alone_are_kept(queue, clock):
+    claims = [begun(queue)]
+    before = queue.get(claims[0].render).stored_bytes
+    for _ in range(KEPT_LOGS + 1):
+        queue.give_back(claims[-1], "again", "line\n")
+        clock.now += LEASE_S
+        claims.append(queue.claim("one", LEASE_S))
+    texts = [text_of(queue, claim) for claim in claims[:-1]]
+    assert [bool(text) for text in texts] == [False] + [True] * KEPT_LOGS
+    assert queue.get(claims[0].render).stored_bytes - before == sum(len(text.encode()) for text in texts)
+
+
 def test_what_no_database_holds_does_not_end_an_attempt(queue):
     claim = begun(queue)
     queue.logs.append(claim, "a\0b\ud800c\n")
@@ -98,7 +119,9 @@ def test_what_no_database_holds_does_not_end_an_attempt(queue):
 def test_logs_go_with_their_render_and_with_attempts_forgotten(queue):
     claim = begun(queue)
     queue.logs.append(claim, "a\n")
+    before = queue.get(claim.render).stored_bytes
     queue.put_off(claim, 0)
+    assert queue.get(claim.render).stored_bytes == before - 2
     assert queue.logs.read(claim.render, 1) is None
     again = queue.claim("one", LEASE_S)
     queue.finish(again, FILES, 24, "b\n")

@@ -22,7 +22,11 @@ def lane():
 
 
 def result(lane, wanted, output=None):
-    return asyncio.run(lane.result(wanted, output=output))
+    try:
+        return asyncio.run(lane.result(wanted, output=output))
+    finally:
+        if output is not None:
+            output.end()
 
 
 def output_of(lane, text, **options) -> str:
@@ -94,6 +98,18 @@ def test_half_a_line_waits_for_its_end():
         assert job.text() == "whole\nhalf \N{LATIN SMALL LETTER E WITH ACUTE}\n"
     output.close()
     assert job.text().count("\n") == 2
+
+
+def test_a_job_has_nothing_of_the_one_before():
+    descriptor = create_output()
+    output, first, second = WorkerOutput(descriptor), JobOutput(), JobOutput()
+    with first.collect(output):
+        os.write(descriptor, b"first\n")
+    with second.collect(output):
+        assert second.text() == ""
+        os.write(descriptor, b"second\n")
+    output.close()
+    assert (first.text(), second.text()) == ("first\n", "second\n")
 
 
 def test_a_worker_cannot_make_its_memory_larger():

@@ -1,11 +1,14 @@
 /** The log of an attempt at a frame, read again and again while the attempt goes on. */
 
 import { signal } from "@preact/signals";
-import { complaintOf, isAbort } from "../net/errors";
+import { REFUSED_FOR_NOW } from "../net/answers";
+import { complaintOf, isAbort, ServiceError } from "../net/errors";
 import type { FrameLogText } from "../net/renders";
 
 /** Rest between two looks, ms. */
 const PAUSE_MS = 1000;
+/** The same after one that failed. */
+const LONG_PAUSE_MS = 5000;
 
 export class FrameLog {
   /** Null until it is known. */
@@ -24,6 +27,7 @@ export class FrameLog {
     const stop = new AbortController();
     let timer: ReturnType<typeof setTimeout> | undefined;
     const look = async (): Promise<void> => {
+      let pause = PAUSE_MS;
       try {
         const { text, hasEnded } = await this.#read(stop.signal);
         if (stop.signal.aborted) return;
@@ -34,9 +38,10 @@ export class FrameLog {
         if (isAbort(error) || stop.signal.aborted) return;
         const { message, advice } = complaintOf(error);
         this.complaint.value = `${message} ${advice}`.trim();
-        return;
+        if (error instanceof ServiceError && !REFUSED_FOR_NOW.includes(error.status)) return;
+        pause = LONG_PAUSE_MS;
       }
-      timer = setTimeout(() => void look(), PAUSE_MS);
+      timer = setTimeout(() => void look(), pause);
     };
     void look();
     return () => {

@@ -162,7 +162,7 @@ function randomKey(): string {
 }
 
 /** What stands against a render that was tried, each at the field that it is about. */
-function faultsInPlan({ findings }: RenderPlan): readonly DraftFault[] {
+function faultsInPlan({ findings = [] }: RenderPlan): readonly DraftFault[] {
   const errors = findings.filter(({ severity }) => severity === "error");
   return errors.map(({ path, message }) => ({ field: fieldOf(path), message: sentence(message) }));
 }

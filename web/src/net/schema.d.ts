@@ -8458,9 +8458,10 @@ export interface components {
             readonly count: number;
             /**
              * Findings
-             * @description Errors first. Without errors, it can be sent.
+             * @description Errors first: it would be refused, or its frames would fail.
+             * @default []
              */
-            readonly findings: readonly components["schemas"]["PlanFinding"][];
+            readonly findings?: readonly components["schemas"]["PlanFinding"][];
             /**
              * Frames
              * @description All frames, as a range; empty where they are no range.
@@ -8472,7 +8473,7 @@ export interface components {
              */
             readonly secondsOfProcessor: number;
             /** @description Settings of its first frame; null where no picture can be made. */
-            readonly settings: components["schemas"]["PlannedSettings"] | null;
+            readonly settings?: components["schemas"]["PlannedSettings"] | null;
         };
         /**
          * RenderRequest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from render.errors import OutputError
 from tests.service.conftest import send, until
 from tests.service.kits.renders import ended, render_of
 
@@ -25,6 +26,7 @@ def held(client, room, service, monkeypatch):
     queue = service.internal.renders
     claim = queue.claim
     monkeypatch.setattr(queue, "claim", lambda *_: None)
+    monkeypatch.setattr(queue, "claim_again", claim, raising=False)
     render = render_of(client, room, frames="1-2")
     claimed = claim("one", LEASE_S)
     yield render, claimed
@@ -59,6 +61,19 @@ def Xform "World" (references = @./gone.usda@)
     assert "gone.usda" in text
     assert str(service.internal.settings.data) not in text
     assert "/shots/" not in text
+
+
+def test_an_error_names_no_folder_of_this_machine(client, room, service, log_of, monkeypatch):
+    data = service.internal.settings.data
+
+    def refuse(*_):
+        raise OutputError(f"cannot write {data}/renders/r-1/1.1.exr: it is not allowed")
+
+    monkeypatch.setattr(service.internal.render_files, "write", refuse)
+    monkeypatch.setattr("service.jobs.attempts.MOST_FAILURES", 1)
+    render = ended(client, render_of(client, room, frames="1"))
+    assert log_of(render, 1).text.splitlines()[-1].endswith("it is not allowed")
+    assert str(data) not in log_of(render, 1).text
 
 
 def test_a_frame_that_fails_says_why_in_its_log(client, room, log_of):
@@ -143,6 +158,22 @@ def test_a_log_is_followed_until_its_attempt_has_ended(held, service, client):
     assert text.endswith("failed: enough\n")
 
 
+def test_a_frame_that_is_put_off_is_waited_for(held, service, client):
+    render, claim = held
+    queue = service.internal.renders
+    queue.logs.append(claim, "one\n")
+
+    def go_on(text):
+        if text == "one\n":
+            queue.put_off(claim, 0)
+            again = queue.claim_again("one", LEASE_S)
+            queue.fail(again, "enough", "other\n", may_pass=False)
+
+    text = streamed(client, render, 1, go_on)
+    assert text.startswith("one\nother\n")
+    assert text.endswith("failed: enough\n")
+
+
 def test_a_frame_that_waits_is_waited_for_and_one_given_up_is_not(held, client):
     render, _ = held
     until(lambda: client.post(f"/v1/renders/{render['id']}/cancel").status_code == 200)
@@ -160,6 +191,7 @@ def test_a_stream_is_one_of_the_readers_of_events(held, service, client):
     until(lambda: len(places) == 0)
 
 
-def test_logs_of_other_projects_are_not_there(client, held, log_of):
-    assert client.get("/v1/renders/r-000000000000/frames/1/log").status_code == 404
-    assert client.get("/v1/renders/r-000000000000/frames/1/log/stream").status_code == 404
+def test_logs_of_renders_that_are_not_there_are_refused(client):
+    for path in ("log", "log/stream"):
+        answer = client.get(f"/v1/renders/r-000000000000/frames/1/{path}")
+        assert (answer.status_code, answer.json()["code"]) == (404, "render_not_found")

@@ -368,6 +368,9 @@ def test_renders_are_seen_in_their_project_alone(tmp_path, room_file):
         render = service.client.post("/v1/renders", json=wanted, headers=headers[0]).json()
         address = f"/v1/renders/{render['id']}"
         assert [service.client.get(address, headers=each).status_code for each in headers] == [200, 404, 200]
+        for path in ("log", "log/stream"):
+            answer = service.client.get(f"{address}/frames/1/{path}", headers=headers[1])
+            assert (answer.status_code, answer.json()["code"]) == (404, "render_not_found")
         listed = [service.client.get("/v1/renders", headers=each).json()["renders"] for each in headers]
         assert [len(renders) for renders in listed] == [1, 0, 1]
         assert service.client.post("/v1/renders", json=wanted, headers=headers[1]).status_code == 404

@@ -114,7 +114,7 @@ function Foot({ form, onCancel }: { form: RenderForm; onCancel: () => void }): J
           {refusals.join(" ")}
         </p>
       )}
-      {plan && plan.findings.length > 0 && <Findings findings={plan.findings} />}
+      {plan?.findings && plan.findings.length > 0 && <Findings findings={plan.findings} />}
       <button type="button" class="button" onClick={onCancel}>
         Cancel
       </button>
@@ -129,12 +129,12 @@ function Foot({ form, onCancel }: { form: RenderForm; onCancel: () => void }): J
 const MOST_FINDINGS = 3;
 
 /** What is not drawn quite as the shot asks for. */
-function Findings({ findings }: Pick<RenderPlan, "findings">): JSX.Element {
+function Findings({ findings }: Required<Pick<RenderPlan, "findings">>): JSX.Element {
   const others = findings.length - MOST_FINDINGS;
   return (
     <ul class="render-findings muted" aria-label="Not drawn quite as asked for">
-      {findings.slice(0, MOST_FINDINGS).map(({ code, path, message }) => (
-        <li key={`${code} ${path}`}>{sentence(message)}</li>
+      {findings.slice(0, MOST_FINDINGS).map(({ message }, at) => (
+        <li key={at}>{sentence(message)}</li>
       ))}
       {others > 0 && <li>{`And ${plural(others, "other finding")}.`}</li>}
     </ul>

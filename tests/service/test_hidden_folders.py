@@ -7,10 +7,10 @@ import sys
 import tempfile
 from pathlib import Path
 
-import service.http.hidden_folders
+import service.hidden_folders
 from render.errors import OutputError
+from service.hidden_folders import hide_folder, without_folders
 from service.http.errors import answer_to
-from service.http.hidden_folders import hide_folder, without_folders
 
 
 def test_a_full_disk_does_not_tell_where_the_data_is(tmp_path: Path) -> None:
@@ -25,7 +25,7 @@ def test_a_full_disk_does_not_tell_where_the_data_is(tmp_path: Path) -> None:
 
 
 def test_no_folder_of_the_program_is_named() -> None:
-    program = Path(service.http.hidden_folders.__file__).parents[2]
+    program = Path(service.hidden_folders.__file__).parents[1]
 
     for place in (program / "render" / "x.py", Path(sys.prefix) / "lib" / "y.py"):
         assert without_folders(f"'{place}' failed") == f"'{'/'.join(place.parts[-2:])}' failed"

@@ -28,5 +28,5 @@ def without_folders(text: str) -> str:
 _IN_HIDDEN = r"shots/[^/\s]+/(?:files/|edits/)?|run-[0-9a-f]+/\d+/(?:(?:pullfocus-|tmp)[^/\s'\"]*/?)?"
 """Part of a path between a hidden folder and the names that a reader knows."""
 _TEMPORARY = re.compile(rf"{re.escape(tempfile.gettempdir())}/(?:pullfocus-|tmp)[^/\s'\"]*/?")
-hide_folder(Path(__file__).parents[2])  # the program
+hide_folder(Path(__file__).parents[1])  # the program
 hide_folder(Path(sys.prefix))

@@ -40,6 +40,7 @@ def lens_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
                 "fStopWorking": report.working_f_stop or None,
                 "fStopParaxial": report.paraxial_f_stop or None,
                 "transmittance": report.transmittance,
+                "transmittanceSource": "stated" if report.transmittance == camera.lens.transmittance else "coatings",
                 "tStop": report.t_stop,
                 "focusDistanceM": camera.focus_distance_m,
                 "closeFocusM": camera.lens.close_focus_m,

@@ -82,6 +82,7 @@ def test_f_numbers_of_beam_cone_and_pupil_are_in_the_json(pullfocus: Command) ->
     assert far["fStopWorking"] == pytest.approx(2, rel=0.01)
     assert near["fStopWorking"] > 1.02 * far["fStopWorking"]
     thin = shown(pullfocus, "thin_50")
+    assert (report["transmittanceSource"], thin["transmittanceSource"]) == ("coatings", "stated")
     assert (thin["fStopWorking"], thin["fStopParaxial"], thin["transmittance"]) == (None, None, 1)
 
 

@@ -15,7 +15,7 @@ from render.optics.lens_files.lens_text import UNKNOWN_GLASS, LensText, decode
 
 _MOST_CATALOGUES = 16
 _INDICES, _ABBES = (1.3, 2.8), (10.0, 110.0)  # of media that lenses are made of
-# What OpticStudio writes behind the name of a catalogue's glass: not its own numbers.
+# Numbers that OpticStudio writes behind the name of a catalogue's glass, and that are not its own.
 _NO_INDEX = (1.5, 40.0)
 
 

@@ -193,7 +193,7 @@ class _Reader:
         if name == _MODEL_GLASS or words[1:2] == [_MODEL_KIND]:
             surface.glass = self._model(surface, words, line)
             return
-        # What stands behind the name of a catalogue's glass is left over from another one, as files by OpticStudio show.
+        # Numbers behind the name of a catalogue's glass are left over from another one, as files by OpticStudio show.
         glass = self._glasses.find(name, line, surface.label, lambda: self._described(surface, words, line))
         surface.glass = check_glass(self._text, glass, line, surface.label)
 

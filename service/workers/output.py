@@ -6,7 +6,6 @@ remains when it crashes. What does not fit is lost.
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import sys
@@ -15,12 +14,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 
+from service.workers.shared_memory import create_shared
+
 MOST_OUTPUT = 64 << 10
 """Size of the output of one call, bytes."""
 _NEARLY_FULL = MOST_OUTPUT - (4 << 10)
 _FULL = "Further lines may be missing: this log is full."
-_SEALS = 0x1 | 0x2 | 0x4
-"""``F_SEAL_SEAL``, ``F_SEAL_SHRINK`` and ``F_SEAL_GROW`` of Linux, which Python 3.11 does not name."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 """Characters that steer a terminal."""
 
@@ -100,10 +99,7 @@ class JobOutput:
 
 def create_output() -> int:
     """Create the memory of a worker's output and return its descriptor."""
-    descriptor = os.memfd_create("pullfocus-output", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
-    os.ftruncate(descriptor, MOST_OUTPUT)
-    fcntl.fcntl(descriptor, fcntl.F_ADD_SEALS, _SEALS)  # else a worker might fill the memory of the machine
-    return descriptor
+    return create_shared("pullfocus-output", MOST_OUTPUT)
 
 
 class Redirection:

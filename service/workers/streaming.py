@@ -7,10 +7,10 @@ the stream that was cancelled, and how many calls wait for the worker.
 from __future__ import annotations
 
 import ctypes
-import fcntl
 import mmap
-import os
 import time
+
+from service.workers.shared_memory import create_shared
 
 CROWD = 2
 """Calls that wait for a worker, more than which are a crowd."""
@@ -46,16 +46,11 @@ class Signals:
 
 
 _BYTES = 2 * ctypes.sizeof(ctypes.c_uint64)
-_SEALS = 0x1 | 0x2 | 0x4
-"""``F_SEAL_SEAL``, ``F_SEAL_SHRINK`` and ``F_SEAL_GROW`` of Linux, which Python 3.11 does not name."""
 
 
 def create_memory() -> int:
     """Create the memory of a `Signals` and return its descriptor, which the caller closes."""
-    descriptor = os.memfd_create("pullfocus-signals", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
-    os.ftruncate(descriptor, _BYTES)
-    fcntl.fcntl(descriptor, fcntl.F_ADD_SEALS, _SEALS)  # a worker that shrank the memory would end the service
-    return descriptor
+    return create_shared("pullfocus-signals", _BYTES)
 
 
 class StaleCheck:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import AsyncIterator, Callable, Coroutine
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager
 from typing import Any
 
 from fastapi import FastAPI
@@ -16,7 +16,7 @@ from service.hidden_folders import hide_folder
 from service.http.auditing import AuditMiddleware
 from service.http.bucket_upkeep import tidy_bucket
 from service.http.cache_upkeep import end_greedy_workers, fill_caches, retry_filling
-from service.http.change_notes import note_empty_shots
+from service.http.change_notes import note_presence
 from service.http.clients import ClientMiddleware
 from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
@@ -155,8 +155,6 @@ def create_app(settings: Settings) -> FastAPI:
 
 async def _follow_events(service: Service) -> None:
     """Tell those who follow events of new ones."""
-    with suppress(OutputError, OSError):  # as of a full disk
-        await note_empty_shots(service)
     await service.feed.run()
 
 
@@ -237,6 +235,7 @@ async def _ensure_demo(service: Service) -> None:
 WORKS = (
     _empty_trash,
     _save_usage,
+    note_presence,
     _follow_events,
     _forget_events,
     _deliver_webhooks,

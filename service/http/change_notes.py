@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
+from contextlib import suppress
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import HTTPConnection
 
-from render.errors import NotFoundError, StageError
+from render.errors import NotFoundError, OutputError, StageError
 from render.model.edit_history import revision_of
 from service.http.service import Service, ServiceDep
 from service.models.events import Kind
@@ -44,20 +45,27 @@ def _revision(service: Service, shot: str | None) -> tuple[ShotRecord, str] | No
         return None
 
 
-async def note_viewers(service: Service, shot: str) -> None:
+async def note_presence(service: Service) -> None:
+    """Note who looks at shots, whenever that changes, one event after another: the last one tells who is there."""
+    with suppress(OutputError, OSError):  # as of a full disk
+        await _note_empty_shots(service)
+    while True:
+        await _note_viewers(service, await service.presence.next_change())
+
+
+async def _note_viewers(service: Service, shot: str) -> None:
     """Note who looks at a shot now; a shot that is gone needs none."""
     try:
         record = service.store.get(shot)
     except NotFoundError:
         return
-    async with service.presence.noting:
-        data = {"viewers": service.presence.names(shot)}
-        event = NewEvent("presence", "presence-changed", record.project, shot, data=data)
-        await run_in_threadpool(service.events.note, event)
+    data = {"viewers": service.presence.names(shot)}
+    event = NewEvent("presence", "presence-changed", record.project, shot, data=data)
+    await run_in_threadpool(service.events.note, event)
 
 
-async def note_empty_shots(service: Service) -> None:
+async def _note_empty_shots(service: Service) -> None:
     """Note that nobody looks at the shots any more that somebody looked at when an earlier service ended."""
     for row in await run_in_threadpool(service.events.last_of_each_shot, "presence"):
         if row.shot is not None and row.data["viewers"] and not service.presence.names(row.shot):
-            await note_viewers(service, row.shot)
+            await _note_viewers(service, row.shot)

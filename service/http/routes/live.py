@@ -11,7 +11,6 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.http.access import RENDERS, PrincipalDep
-from service.http.change_notes import note_viewers
 from service.http.clients import present_client
 from service.http.errors import RETRY_AFTER, ServiceError, problem
 from service.http.identity import Identity, IdentityDep
@@ -103,11 +102,9 @@ async def connect_live(
         try:
             await socket.accept()
             with service.presence.enter(shot, principal.label):
-                await note_viewers(service, shot)
                 await _serve_while_valid(LiveConnection(service, socket, shot), socket, identity, place)
         finally:
             service.metrics.live_viewers.dec()
-            await note_viewers(service, shot)
 
 
 async def _serve_while_valid(

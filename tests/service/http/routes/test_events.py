@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -109,6 +110,23 @@ def test_viewers_come_and_go(client, room):
             assert next(events)["data"] == {"viewers": ["anyone"]}
         assert next(events)["data"] == {"viewers": []}
     assert [event["event"] for event in kept(client, after=start, shot=room)] == ["presence", "presence"]
+
+
+def test_viewers_wait_for_no_event(tmp_path, room_file, monkeypatch):
+    may_write = threading.Event()
+    with running(Settings(data=tmp_path, demo=False, max_viewers=1)) as service:
+        shot = sent(service.client, room_file)
+        note = service.internal.events.note
+        monkeypatch.setattr(service.internal.events, "note", lambda new: may_write.wait() and note(new))
+        address = socket_address(service.client, f"/v1/shots/{shot}/live")
+        try:
+            for _ in range(2):
+                with websockets.sync.client.connect(address) as socket:
+                    socket.send(json.dumps({"id": 1, "time": "never"}))
+                    assert json.loads(socket.recv(timeout=60))["problem"]["code"] == "invalid_request"
+                until(lambda: not service.internal.live_places)
+        finally:
+            may_write.set()
 
 
 def test_a_reader_goes_on_where_it_was(service, client):

@@ -9,7 +9,6 @@ import pytest
 
 from service.http.presence import Presence
 
-
 END = "end"
 """Shot whose change comes after all others."""
 

@@ -8,7 +8,7 @@ from pxr import Usd, UsdGeom, Vt
 from render.errors import NotFoundError
 from render.model.arrays import DoubleArray, IntArray, LongArray
 from render.stage.findings import FindingLog
-from render.stage.geometry.implicit import is_implicit, shape_varies
+from render.stage.geometry.generated import generated_varies, is_generated
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.surface import faces_vary, is_drawable, mesh_faces, mesh_points, read_surface, resting_points
 from usd_schemas import FocusPoint
@@ -25,10 +25,10 @@ class AnchorSurface:
 
     def __init__(self, prim: Usd.Prim, skeletons: Skeletons, log: FindingLog) -> None:
         self._prim, self._skeletons, self._log = prim, skeletons, log
-        self._implicit = is_implicit(prim)
-        self._reshapes = shape_varies(prim) if self._implicit else faces_vary(prim)
+        self._is_generated = is_generated(prim)
+        self._reshapes = generated_varies(prim) if self._is_generated else faces_vary(prim)
         self._faces: tuple[IntArray, IntArray, LongArray] | None = None
-        self._points: DoubleArray | None = None  # of an implicit prim
+        self._points: DoubleArray | None = None  # of a prim that is no mesh
         self._resting: tuple[Usd.TimeCode, Vt.Vec3fArray] | None = None
         self._moves = prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(prim).GetPointsAttr().ValueMightBeTimeVarying()
 
@@ -71,7 +71,7 @@ class AnchorSurface:
         return found.astype(np.float64)
 
     def _faces_at(self, time: Usd.TimeCode) -> tuple[IntArray, IntArray, LongArray]:
-        if self._implicit:
+        if self._is_generated:
             polygons = read_surface(self._prim, time, self._skeletons, self._log)
             counts, corners = polygons.counts, polygons.corners
             self._points = polygons.points.astype(np.float64)

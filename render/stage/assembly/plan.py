@@ -13,6 +13,7 @@ from render.stage.assembly.instance_primvars import inherited_by, without
 from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.pieces import Piece, ShapeReader, Sides
 from render.stage.findings import FindingLog
+from render.stage.geometry.generated import is_ribbon
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import PrimvarNames
 from render.stage.geometry.skinning import Skeletons
@@ -84,7 +85,7 @@ class PieceCutter:
         prim, time = surface.prim, self.shapes.time
         parts = bound_parts(prim, self.binding_purposes, time, self.log)
         deforms = surface_varies(prim, self.skeletons) or subsets_vary(prim)
-        double = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time))
+        double = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)) or is_ribbon(prim)
         materials = [self.looks.representative(part.material, time) for part in parts]
         opaque = len(parts) == 1 or all(self._is_opaque(surface, material) for material in materials)
         sides = Sides(double, culled=self.cull_backfaces and not double, opaque=opaque)

@@ -31,6 +31,49 @@ class Values:
 
 
 @dataclass(frozen=True, eq=False)
+class Blend:
+    """Places between elements of a prim.
+
+    Attributes:
+        index: ``(n, k)`` int64 elements that each place lies between.
+        weight: ``(n, k)`` float64 their weights.
+    """
+
+    index: LongArray
+    weight: DoubleArray
+
+    def of(self, values: NDArray[np.floating]) -> DoubleArray:
+        """Blend values ``(m, c)`` of the elements. Returns ``(n, c)``.
+
+        Raises:
+            BadGeometry: there are fewer values than elements.
+        """
+        if self.index.size and self.index.max() >= len(values):
+            raise BadGeometry(f"it needs {int(self.index.max()) + 1} values and has {len(values)}")
+        blended = np.zeros((len(self.index), values.shape[1]))
+        for index, weight in zip(self.index.T, self.weight.T, strict=True):  # one at a time, to save memory
+            blended += weight[:, None] * values[index]
+        return blended
+
+
+@dataclass(frozen=True, eq=False)
+class Sampling:
+    """Places of polygons on the prim that they are made from.
+
+    Attributes:
+        vertex: places between the prim's points.
+        varying: the same places between the elements of primvars that vary, such as the ends of a curve's segments.
+        place_of_point: ``(n,)`` place of each of the polygons' points.
+        element_of_face: ``(f,)`` curve or other uniform element of each face.
+    """
+
+    vertex: Blend
+    varying: Blend
+    place_of_point: LongArray
+    element_of_face: LongArray
+
+
+@dataclass(frozen=True, eq=False)
 class Polygons:
     """The surface of one prim at one time, in its own space and units.
 
@@ -42,6 +85,7 @@ class Polygons:
         left_handed: whether faces are clockwise seen from outside.
         smooth: whether missing normals are smooth (a subdivision cage) or one for each face.
         holes: face indices that are not drawn.
+        sampling: places on the prim, where its primvars do not belong to these points and faces; else None.
     """
 
     points: FloatArray
@@ -51,6 +95,7 @@ class Polygons:
     left_handed: bool = False
     smooth: bool = False
     holes: IntArray | None = None
+    sampling: Sampling | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +131,11 @@ def check(polygons: Polygons) -> None:
         raise BadGeometry(
             f"faceVertexIndices run from {corners.min()} to {corners.max()}, but there are {len(points)} points"
         )
+    check_finite(points)
+
+
+def check_finite(points: FloatArray | DoubleArray) -> None:
+    """Raise :class:`BadGeometry` where a point is not finite or out of range."""
     if np.abs(points).max(initial=0) <= FARTHEST_POINT:
         return
     if not np.isfinite(points).all():

@@ -8,11 +8,13 @@ import numpy as np
 from pxr import Usd
 
 from render.errors import SettingsError
-from render.model.arrays import FloatArray, IntArray
+from render.model.arrays import FloatArray
 from render.model.surface_points import SurfacePoints
-from render.stage.geometry.implicit import implicit_polygons, is_implicit
+from render.stage.findings import FindingLog
+from render.stage.geometry.generated import generated_polygons, is_generated
 from render.stage.geometry.polygons import Polygons, Values, value_index_of_corner
 from render.stage.geometry.primvars import FoundPrimvar, find_primvar
+from render.stage.geometry.sampling import resample
 from render.stage.geometry.surface import mesh_faces
 from render.stage.values import UNREADABLE
 
@@ -97,9 +99,9 @@ def _interpolate(
 ) -> FloatArray:
     """Values ``(n, k)`` at the marked points of a prim; 0 where they do not fit its faces."""
     try:
-        counts, corners = _faces(prim, time)
-        polygons = Polygons(np.zeros((0, 3), np.float32), counts, corners)
-        index = value_index_of_corner(values, polygons)
+        polygons = _faces(prim, time)
+        values = resample(values, polygons.sampling)
+        index, counts = value_index_of_corner(values, polygons), polygons.counts
         faces, fans = points.faces[here].astype(np.int64), points.fans[here]
         first = (np.cumsum(counts, dtype=np.int64) - counts)[faces]
         of_corners = values.values[index[np.stack([first, first + fans + 1, first + fans + 2], axis=1)]]
@@ -111,9 +113,8 @@ def _interpolate(
     return interpolated
 
 
-def _faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
-    """Corner counts and point indices of a drawn prim's faces."""
-    if is_implicit(prim):
-        polygons = implicit_polygons(prim, time)
-        return polygons.counts, polygons.corners
-    return mesh_faces(prim, time)
+def _faces(prim: Usd.Prim, time: Usd.TimeCode) -> Polygons:
+    """Faces of a drawn prim; of a mesh without its points."""
+    if is_generated(prim):
+        return generated_polygons(prim, time, FindingLog())  # what is odd about it is noted where it is drawn
+    return Polygons(np.zeros((0, 3), np.float32), *mesh_faces(prim, time))

@@ -13,6 +13,7 @@ from render.stage.findings import FindingLog
 from render.stage.geometry.packs import Field, Pack, field_of, folded_shares, join_fields, pack_surfaces
 from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check, compute_normals, merge_duplicates
 from render.stage.geometry.primvars import find_primvar
+from render.stage.geometry.sampling import resample
 from render.stage.geometry.shape import PackFields, PrimvarNames, Shape, build_shapes
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.surface import read_surface
@@ -208,7 +209,7 @@ class _SurfaceReader:
             values = replace(values, values=np.nan_to_num(values.values, posinf=0.0, neginf=0.0))
         values = _deduplicate(values)
         try:
-            return field_of(values, polygons)
+            return field_of(resample(values, polygons.sampling), polygons)
         except BadGeometry as problem:
             self._log.add(f"bad_primvar_{name}", path, f"primvar {name} of {path} is not used: {problem}")
             return None

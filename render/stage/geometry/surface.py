@@ -1,8 +1,8 @@
-"""The polygons of one prim at one time: a mesh, an implicit shape, or a mesh that a skeleton bends."""
+"""The polygons of one prim at one time: a mesh, a mesh that a skeleton bends, or what is made from another kind of prim."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence, Sized
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -10,11 +10,11 @@ from pxr import Usd, UsdGeom, Vt
 
 from render.model.arrays import FloatArray, IntArray, LongArray
 from render.stage.findings import FindingLog
-from render.stage.geometry.implicit import implicit_polygons, is_implicit, shape_varies
-from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, Values, check_counts
-from render.stage.geometry.primvars import as_rows
+from render.stage.geometry.generated import generated_polygons, generated_varies, is_generated
+from render.stage.geometry.points_data import as_points, authored_normals, whole_numbers
+from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, check_counts
 from render.stage.geometry.skinning import Skeletons
-from render.stage.values import UNREADABLE, format_value, why_unreadable
+from render.stage.values import UNREADABLE, why_unreadable
 
 _FACES = ("faceVertexCounts", "faceVertexIndices")
 _MESH_ATTRIBUTES = ("points", *_FACES, "holeIndices", "normals", "primvars:normals")
@@ -22,24 +22,29 @@ _MESH_ATTRIBUTES = ("points", *_FACES, "holeIndices", "normals", "primvars:norma
 
 def is_drawable(prim: Usd.Prim) -> bool:
     """Whether :func:`read_surface` can make polygons of this prim."""
-    return is_implicit(prim) or prim.IsA(UsdGeom.Mesh)
+    return is_generated(prim) or prim.IsA(UsdGeom.Mesh)
 
 
 def surface_varies(prim: Usd.Prim, skeletons: Skeletons) -> bool:
     """Whether the prim's polygons may change over time in its own space."""
-    if is_implicit(prim):
-        return shape_varies(prim)
+    if is_generated(prim):
+        return generated_varies(prim)
     return _varies(prim, _MESH_ATTRIBUTES) or skeletons.bends(prim)
 
 
 def read_surface(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
-    """The polygons of a mesh or an implicit prim.
+    """The polygons of a drawable prim.
 
     Raises:
         BadGeometry: the values are of other types than the schema's, or are inconsistent; the message explains the fault.
     """
     with _translate_errors():
-        return implicit_polygons(prim, time) if is_implicit(prim) else _mesh_polygons(prim, time, skeletons, log)
+        if not is_generated(prim):
+            return _mesh_polygons(prim, time, skeletons, log)
+        if skeletons.bends(prim):
+            path = prim.GetPath()
+            log.add("not_bent", path, f"{path} is drawn as at rest: a skeleton bends meshes alone")
+        return generated_polygons(prim, time, log)
 
 
 def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
@@ -50,8 +55,8 @@ def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
     """
     mesh = UsdGeom.Mesh(prim)
     with _translate_errors():
-        counts = _integers(mesh.GetFaceVertexCountsAttr(), time)
-        corners = _integers(mesh.GetFaceVertexIndicesAttr(), time)
+        counts = whole_numbers(mesh.GetFaceVertexCountsAttr(), time)
+        corners = whole_numbers(mesh.GetFaceVertexIndicesAttr(), time)
     check_counts(counts, corners)
     return counts, corners
 
@@ -75,7 +80,7 @@ def resting_points(prim: Usd.Prim, time: Usd.TimeCode) -> Vt.Vec3fArray:
     with _translate_errors():
         value = attribute.Get(time)
         whole = isinstance(value, Vt.Vec3fArray) and len(value) > 0
-        return value if whole else Vt.Vec3fArray.FromNumpy(_as_points(value))
+        return value if whole else Vt.Vec3fArray.FromNumpy(as_points(value))
 
 
 def mesh_points(
@@ -119,13 +124,13 @@ def _translate_errors() -> Iterator[None]:
 def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
     mesh = UsdGeom.Mesh(prim)
     polygons = Polygons(
-        points=_as_points(mesh.GetPointsAttr().Get(time)),
-        counts=_integers(mesh.GetFaceVertexCountsAttr(), time),
-        corners=_integers(mesh.GetFaceVertexIndicesAttr(), time),
-        normals=_authored_normals(mesh, time),
+        points=as_points(mesh.GetPointsAttr().Get(time)),
+        counts=whole_numbers(mesh.GetFaceVertexCountsAttr(), time),
+        corners=whole_numbers(mesh.GetFaceVertexIndicesAttr(), time),
+        normals=authored_normals(prim, time),
         left_handed=mesh.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded,
         smooth=_is_subdivided(mesh, time),
-        holes=_integers(mesh.GetHoleIndicesAttr(), time),
+        holes=whole_numbers(mesh.GetHoleIndicesAttr(), time),
     )
     _note_holes(prim, polygons, log)
     return skeletons.bend(prim, polygons, time, log)
@@ -139,36 +144,5 @@ def _note_holes(prim: Usd.Prim, polygons: Polygons, log: FindingLog) -> None:
         log.add("bad_holes", path, f"{message}: those of faces alone are honoured")
 
 
-def _as_points(value: object) -> FloatArray:
-    """``(n, 3)`` the value of a mesh's points."""
-    if value is None or (isinstance(value, Sized) and len(value) == 0):
-        raise BadGeometry("it has no points at this time")
-    points = np.array(value, np.float32)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise BadGeometry(f"its points must be a list of points, got {format_value(value)}")
-    return points
-
-
-def _integers(attribute: Usd.Attribute, time: Usd.TimeCode) -> IntArray:
-    value = attribute.Get(time)
-    if value is None:
-        return np.zeros(0, np.int32)
-    numbers = np.array(value)
-    if numbers.ndim != 1 or (len(numbers) and numbers.dtype.kind != "i"):
-        raise BadGeometry(f"its {attribute.GetName()} must be a list of whole numbers, got {format_value(value)}")
-    return numbers.astype(np.int32)
-
-
 def _is_subdivided(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> bool:
     return mesh.GetSubdivisionSchemeAttr().Get(time) in (UsdGeom.Tokens.catmullClark, UsdGeom.Tokens.loop)
-
-
-def _authored_normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> Values | None:
-    """Authored normals: ``primvars:normals``, else ``normals``, as UsdGeomPointBased prescribes."""
-    primvar = UsdGeom.PrimvarsAPI(mesh.GetPrim()).GetPrimvar("normals")
-    if primvar and primvar.HasAuthoredValue():
-        rows = as_rows(primvar.Get(time), 3)
-        indices = np.array(primvar.GetIndices(time) or [], np.int32) if primvar.IsIndexed() else None
-        return None if rows is None or not len(rows) else Values(rows, str(primvar.GetInterpolation()), indices)
-    rows = as_rows(mesh.GetNormalsAttr().Get(time), 3)
-    return None if rows is None or not len(rows) else Values(rows, str(mesh.GetNormalsInterpolation()))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdLux, UsdShade, UsdVol
 
 from render.model.scene import Batch, Scene
 from render.stage import StageOptions, StageReader, open_stage
@@ -252,14 +252,14 @@ def test_a_mask_leaves_out_everything_else() -> None:
 
 def test_what_cannot_be_drawn_is_reported() -> None:
     stage = new_stage()
-    UsdGeom.BasisCurves.Define(stage, "/curves")
-    UsdGeom.Points.Define(stage, "/points")
+    UsdGeom.NurbsPatch.Define(stage, "/patch")
+    UsdVol.Volume.Define(stage, "/smoke")
     add_mesh(stage, "/cage", scheme="catmullClark")
     UsdShade.Material.Define(stage, "/looks")
     reader = StageReader(stage, StageOptions(complexity="high"))
     reader.read(0)
     found = {(f.code, f.path) for f in reader.findings}
-    assert found == {("unsupported_geometry", "/curves"), ("unsupported_geometry", "/points"), ("complexity", "/")}
+    assert found == {("unsupported_geometry", "/patch"), ("unsupported_geometry", "/smoke"), ("complexity", "/")}
 
 
 @needs_assets

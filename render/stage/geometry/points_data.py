@@ -1,0 +1,89 @@
+"""Values of prims that are based on points: places, widths, normals, whole numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sized
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from render.model.arrays import FloatArray, IntArray
+from render.stage.findings import FindingLog
+from render.stage.geometry.polygons import BadGeometry, Values
+from render.stage.geometry.primvars import as_rows
+from render.stage.values import format_value
+
+DEFAULT_WIDTH = 1.0
+"""Width of curves and points that have none, in units of the prim, as in Storm."""
+
+
+def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray:
+    """``(n, 3)`` points of a prim.
+
+    Raises:
+        BadGeometry: there are none, or the value is no list of points.
+    """
+    return as_points(UsdGeom.PointBased(prim).GetPointsAttr().Get(time))
+
+
+def as_points(value: object) -> FloatArray:
+    """``(n, 3)`` the value of a prim's points.
+
+    Raises:
+        BadGeometry: there are none, or the value is no list of points.
+    """
+    if value is None or (isinstance(value, Sized) and len(value) == 0):
+        raise BadGeometry("it has no points at this time")
+    points = np.array(value, np.float32)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise BadGeometry(f"its points must be a list of points, got {format_value(value)}")
+    return points
+
+
+def whole_numbers(attribute: Usd.Attribute, time: Usd.TimeCode) -> IntArray:
+    """``(n,)`` an attribute's list of whole numbers; an empty one where it has no value.
+
+    Raises:
+        BadGeometry: it is no list of whole numbers.
+    """
+    value = attribute.Get(time)
+    if value is None:
+        return np.zeros(0, np.int32)
+    numbers = np.array(value)
+    if numbers.ndim != 1 or (len(numbers) and numbers.dtype.kind != "i"):
+        raise BadGeometry(f"its {attribute.GetName()} must be a list of whole numbers, got {format_value(value)}")
+    return numbers.astype(np.int32)
+
+
+def authored_normals(prim: Usd.Prim, time: Usd.TimeCode) -> Values | None:
+    """Authored normals: ``primvars:normals``, else ``normals``, as UsdGeomPointBased prescribes; None without any."""
+    primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals")
+    if primvar and primvar.HasAuthoredValue():
+        return _indexed(primvar, 3, time)
+    points = UsdGeom.PointBased(prim)
+    rows = as_rows(points.GetNormalsAttr().Get(time), 3)
+    return None if rows is None or not len(rows) else Values(rows, str(points.GetNormalsInterpolation()))
+
+
+def authored_widths(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> Values:
+    """Authored widths of curves or points: ``primvars:widths``, else ``widths``; `DEFAULT_WIDTH`, and a finding, without any.
+
+    One width counts for all, whatever the interpolation, as in Storm.
+    """
+    primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("widths")
+    found = _indexed(primvar, 1, time) if primvar and primvar.HasAuthoredValue() else None
+    if found is not None:
+        return found if len(found.values) > 1 else Values(found.values, "constant")
+    holder = UsdGeom.Points(prim) if prim.IsA(UsdGeom.Points) else UsdGeom.Curves(prim)
+    rows = as_rows(holder.GetWidthsAttr().Get(time), 1)
+    if rows is not None and len(rows):
+        return Values(rows, str(holder.GetWidthsInterpolation()) if len(rows) > 1 else "constant")
+    path = prim.GetPath()
+    log.add("no_widths", path, f"{path} has no widths: {DEFAULT_WIDTH:g} unit is used")
+    return Values(np.array([[DEFAULT_WIDTH]], np.float32), "constant")
+
+
+def _indexed(primvar: UsdGeom.Primvar, width: int, time: Usd.TimeCode) -> Values | None:
+    rows = as_rows(primvar.Get(time), width)
+    indices = np.array(primvar.GetIndices(time) or [], np.int32) if primvar.IsIndexed() else None
+    return None if rows is None or not len(rows) else Values(rows, str(primvar.GetInterpolation()), indices)

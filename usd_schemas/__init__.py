@@ -51,7 +51,8 @@ if TYPE_CHECKING:
     from usd_schemas.film_library import LibraryFilm, film_names, library_film, library_films
     from usd_schemas.focus_point import FocusPointView
     from usd_schemas.keys import Interpolation, Key, Tangents
-    from usd_schemas.lens_library import LibraryLens, lens_names, library_lens, library_lenses
+    from usd_schemas.lens_library import LibraryLens, StatedNumbers, lens_names, library_lens, library_lenses
+    from usd_schemas.lens_search import LensSearch
     from usd_schemas.mounting import Mounted, mount_lens
     from usd_schemas.view import LensCamera, SchemaView, define_camera, define_lens_camera
 
@@ -62,7 +63,8 @@ _WITH_USD = {
     "film_library": ("LibraryFilm", "film_names", "library_film", "library_films"),
     "focus_point": ("FocusPointView",),
     "keys": ("Interpolation", "Key", "Tangents"),
-    "lens_library": ("LibraryLens", "lens_names", "library_lens", "library_lenses"),
+    "lens_library": ("LibraryLens", "StatedNumbers", "lens_names", "library_lens", "library_lenses"),
+    "lens_search": ("LensSearch",),
     "mounting": ("Mounted", "mount_lens"),
     "view": ("LensCamera", "SchemaView", "define_camera", "define_lens_camera"),
 }
@@ -113,6 +115,7 @@ __all__ = [
     "Key",
     "LensCamera",
     "LensData",
+    "LensSearch",
     "LibraryBody",
     "LibraryFilm",
     "LibraryLens",
@@ -126,6 +129,7 @@ __all__ = [
     "Sensor",
     "Shutter",
     "SplitDiopter",
+    "StatedNumbers",
     "Tangents",
     "TiltShiftData",
     "body_names",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 from pxr import UsdGeom
 
@@ -19,6 +21,21 @@ LIBRARY_FILE = FOLDER / "libraries" / "lenses.usda"
 
 
 @dataclass(frozen=True)
+class StatedNumbers:
+    """Numbers that a lens's source states of it, at the size that it has in the library.
+
+    Attributes:
+        focal_length_mm: in millimetres.
+        f_stop: wide open.
+        field_deg: full angle of the field, in degrees; None where the source has none.
+    """
+
+    focal_length_mm: float
+    f_stop: float
+    field_deg: float | None = None
+
+
+@dataclass(frozen=True)
 class LibraryLens:
     """One lens of the library.
 
@@ -29,6 +46,10 @@ class LibraryLens:
         f_stop: wide open; 0 for a pinhole.
         lens: what LensAPI says of it.
         aperture: what ApertureAPI says of its iris; None where any iris goes with it.
+        families: what it is and how it draws, in words of `usd_schemas.lens_search.FAMILIES`.
+        source: whence its numbers are.
+        year: in which its patent was granted or laid open, else of the publication; None for lenses of our own.
+        stated: what the source states of it; None for lenses that no source has.
     """
 
     name: str
@@ -37,6 +58,10 @@ class LibraryLens:
     f_stop: float
     lens: LensData
     aperture: ApertureData | None = None
+    families: tuple[str, ...] = ()
+    source: str = ""
+    year: int | None = None
+    stated: StatedNumbers | None = None
 
 
 def lens_names() -> list[str]:
@@ -69,7 +94,7 @@ def library_lens(name: str) -> LibraryLens:
 def _lens(name: str) -> LibraryLens:
     """Read one lens: all of them take a while."""
     prim = library_prims(LIBRARY_FILE)[name]
-    camera, usd = LensCamera(prim), UsdGeom.Camera(prim)
+    camera, usd, data = LensCamera(prim), UsdGeom.Camera(prim), prim.GetCustomData()
     return LibraryLens(
         name=name,
         description=prim.GetDocumentation(),
@@ -78,4 +103,14 @@ def _lens(name: str) -> LibraryLens:
         f_stop=round(float(usd.GetFStopAttr().Get()), 4),
         lens=camera.lens.read(),
         aperture=camera.aperture.read() if camera.aperture.applied else None,
+        families=tuple(data.get("families", ())),
+        source=data.get("source", ""),
+        year=data.get("year"),
+        stated=_stated(data),
     )
+
+
+def _stated(data: Mapping[str, Any]) -> StatedNumbers | None:
+    if "statedFocalLength" not in data:
+        return None
+    return StatedNumbers(data["statedFocalLength"], data["statedFStop"], data.get("statedField"))

@@ -10,6 +10,7 @@ from rich import box
 from rich.table import Table
 
 from render.cli.console import print_json, print_message
+from render.cli.options.lens_search import add_lens_search, found_lenses
 from render.cli.options.shared import add_unknown_glass, glass_advice
 from render.cli.rich_output import print_result
 from render.cli.tables.glass import glass_json, glass_table
@@ -22,13 +23,13 @@ from render.optics.lens_files import UNKNOWN_GLASS, data_sheet_text, is_data_she
 from render.optics.report import LensReport, lens_report
 from render.shot.lens.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
 from render.shot.lens.measured_lens import measured_lens
-from usd_schemas import library_lenses
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.set_defaults(run=run_list)
     parser.add_argument("--json", action="store_true", help="print JSON")
+    add_lens_search(parser)
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
     show = actions.add_parser("show", help="numbers of a lens, and with --out a sheet that draws it")
     show.set_defaults(run=run_show)
@@ -65,8 +66,11 @@ def run_list(arguments: argparse.Namespace) -> None:
 
     Args:
         arguments: as `add_arguments` declares them.
+
+    Raises:
+        SettingsError: the search is for what cannot be.
     """
-    entries = library_lenses()
+    entries = found_lenses(arguments)
     if arguments.json:
         lenses = [
             {
@@ -75,21 +79,30 @@ def run_list(arguments: argparse.Namespace) -> None:
                 "model": entry.lens.model,
                 "focalLengthMm": entry.focal_length_mm,
                 "fStop": entry.f_stop,
+                "families": list(entry.families),
+                "year": entry.year,
+                "source": entry.source,
                 "description": entry.description,
             }
             for entry in entries
         ]
         print_json({"lenses": lenses})
         return
+    if not entries:
+        print_message("the library has no such lens")
+        return
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for title in ("name", "model"):
         table.add_column(title, no_wrap=True)
-    for title in ("mm", "wide open"):
+    for title in ("mm", "wide open", "year"):
         table.add_column(title, no_wrap=True, justify="right")
+    table.add_column("families")
     table.add_column("description")
     for entry in entries:
         widest = f"f/{entry.f_stop:g}" if entry.f_stop else "pinhole"
-        table.add_row(entry.name, entry.lens.model, f"{entry.focal_length_mm:g}", widest, entry.description)
+        year, families = str(entry.year or ""), ", ".join(entry.families)
+        focal_length = f"{entry.focal_length_mm:g}"
+        table.add_row(entry.name, entry.lens.model, focal_length, widest, year, families, entry.description)
     print_result(table)
 
 

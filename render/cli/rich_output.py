@@ -7,7 +7,7 @@ import sys
 from rich.console import Console, RenderableType
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-_PIPED_WIDTH = 240
+_PIPED_WIDTH = 320
 """Width of tables where standard output is no terminal."""
 
 

@@ -16,6 +16,9 @@ SUMMARY_EXAMPLE: JsonDict = {
     "model": "spherical",
     "focalLengthMm": 50.0,
     "fStop": 2.8,
+    "families": ["normal", "singlet"],
+    "year": None,
+    "source": "ours",
     "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
 }
 BK7_EXAMPLE: JsonDict = {
@@ -49,7 +52,20 @@ class LensSummary(Model):
     model: LensModel = Field(description="Kind of lens model.")
     focal_length_mm: float
     f_stop: float = Field(description="f-number wide open; 0 is a pinhole.")
+    families: list[str] = Field(
+        description="Words for what it is and how it draws, such as `petzval`, `wide`, `soft focus`."
+    )
+    year: int | None = Field(description="Year of its patent or publication; null for lenses of our own.")
+    source: str = Field(description="Whence its numbers are: a patent with its example, or a publication.")
     description: str = Field(description="One line.")
+
+
+class StatedLens(Model):
+    """Numbers that the source of a lens states of it, at the size that it has in the library."""
+
+    focal_length_mm: float
+    f_stop: float = Field(description="f-number wide open.")
+    field_deg: float | None = Field(description="Full angle of the field in degrees; null where the source has none.")
 
 
 class LensList(Model):
@@ -131,6 +147,7 @@ class Lens(LensSummary):
     model_config = shown_as(
         SUMMARY_EXAMPLE
         | {
+            "stated": None,
             "squeeze": 1.0,
             "surfaces": [SURFACE_EXAMPLE, SURFACE_EXAMPLE | {"radiusMm": -50.2792, "glass": None, "isStop": False}],
             "focusGroup": None,
@@ -140,6 +157,7 @@ class Lens(LensSummary):
         }
     )
 
+    stated: StatedLens | None = Field(description="What its source states of it; null for lenses of our own.")
     squeeze: float = Field(description="Anamorphic squeeze; 1 is spherical.")
     surfaces: list[LensSurface] = Field(description="Front to rear; empty for a lens that has no prescription.")
     focus_group: tuple[int, int] | None = Field(description="Indices of the surfaces that move to focus; null for all.")

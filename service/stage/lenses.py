@@ -10,15 +10,36 @@ from render.optics.report import lens_report
 from render.shot.lens.lens_alone import library_lens_alone
 from render.shot.lens.lens_choice import THIN, LensChoice, library_choice, library_entry
 from render.stage.camera.lenses import make_lens
-from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface, LensTables
+from service.models.lenses import (
+    Lens,
+    LensErrors,
+    LensGlass,
+    LensIris,
+    LensList,
+    LensSummary,
+    LensSurface,
+    LensTables,
+    StatedLens,
+)
 from service.stage.opened import OpenedShot, stage_function
-from usd_schemas import LibraryLens, library_lenses
+from usd_schemas import LensSearch, LibraryLens, SchemaError, library_lenses
 
 
 @stage_function
-def list_lenses(opened: OpenedShot) -> LensList:
-    """List the lens library."""
-    return LensList(lenses=[_summary(entry) for entry in library_lenses()])
+def list_lenses(
+    opened: OpenedShot,
+    focal_length_mm: tuple[float, float],
+    faster_than: float,
+    family: str,
+    years: tuple[float, float],
+    words: str,
+) -> LensList:
+    """List lenses of the library; parameters as in `usd_schemas.LensSearch`. Raises `SettingsError`."""
+    try:
+        search = LensSearch(focal_length_mm, faster_than, family, years, words)
+    except SchemaError as error:
+        raise SettingsError(str(error)) from error
+    return LensList(lenses=[_summary(entry) for entry in library_lenses() if search.finds(entry)])
 
 
 @stage_function
@@ -28,6 +49,7 @@ def read_library_lens(opened: OpenedShot, name: str) -> Lens:
     prescription = make_lens(entry.lens, entry.name).prescription
     return Lens(
         **_summary(entry).model_dump(),
+        stated=StatedLens.model_validate(entry.stated) if entry.stated else None,
         squeeze=entry.lens.squeeze,
         surfaces=[_surface(surface) for surface in prescription.surfaces] if prescription else [],
         focus_group=prescription.focus_group if prescription else None,
@@ -84,6 +106,9 @@ def _summary(entry: LibraryLens) -> LensSummary:
         model=entry.lens.model,
         focal_length_mm=entry.focal_length_mm,
         f_stop=entry.f_stop,
+        families=list(entry.families),
+        year=entry.year,
+        source=entry.source,
         description=entry.description,
     )
 

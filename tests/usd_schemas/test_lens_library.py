@@ -10,6 +10,7 @@ from pxr import Usd, UsdGeom
 import usd_schemas
 from usd_schemas import AberrationScales, ApertureData, LensCamera, LensData, SchemaError, Seidel, mount_lens
 from usd_schemas.lens_library import LIBRARY_FILE, library_lens, library_lenses
+from usd_schemas.lens_search import FAMILIES
 from usd_schemas.validation import validate
 
 
@@ -49,6 +50,22 @@ def test_each_lens_says_what_a_list_of_lenses_shows(entry: usd_schemas.LibraryLe
     assert f"{entry.focal_length_mm:.0f} mm" in entry.lens.name  # as it is engraved on the barrel
     assert entry.name.split("_")[-2 if entry.name.endswith("2x") else -1] in entry.lens.name
     assert (entry.lens.f_stop_range[0], entry.f_stop > 0) == (entry.f_stop, entry.lens.model != "pinhole")
+
+
+@pytest.mark.parametrize("entry", library_lenses(), ids=lambda entry: entry.name)
+def test_each_lens_says_whence_it_is_and_what_it_is(entry: usd_schemas.LibraryLens) -> None:
+    assert entry.families
+    assert set(entry.families) <= set(FAMILIES)
+    assert ("fast" in entry.families) == (0 < entry.f_stop <= 1.5)
+    assert entry.source
+    assert (entry.source == "ours") == (entry.year is None)
+    assert (entry.stated is None) == (entry.source == "ours" or entry.lens.model == "dataSheet")
+    if entry.stated is not None:
+        assert entry.focal_length_mm == pytest.approx(entry.stated.focal_length_mm, rel=0.01)
+
+
+def test_every_family_is_known_and_has_a_lens() -> None:
+    assert {family for entry in library_lenses() for family in entry.families} | {"zoom"} == set(FAMILIES)
 
 
 def test_a_lens_is_found_in_any_letter_case_or_a_hint_is_given() -> None:

@@ -2,7 +2,8 @@ import { grouped, mountedLens, type LensSummary } from "@/model/lens";
 import { toLens, toReadout } from "@/net/convert";
 
 function lens(name: string, model: string): LensSummary {
-  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, fStop: 2, description: "", section: "", sheet: "" };
+  const texts = { description: "", keywords: "", section: "", sheet: "" };
+  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, fStop: 2, ...texts };
 }
 
 const READOUT = toReadout({
@@ -47,9 +48,13 @@ describe("the lens on the camera", () => {
       manufacturer: "",
       model: "thin",
       description: "",
+      families: ["normal", "double gauss"],
+      year: 1975,
+      source: "",
       ...numbers,
     } as const;
-    const { section } = toLens(json, "http://there");
+    const { section, keywords } = toLens(json, "http://there");
+    expect(keywords).toContain("normal double gauss 1975");
     expect(section).toBe("http://there/v1/lenses/planar%2050/section.svg");
   });
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
-from fastapi import APIRouter, File, Path, Response, UploadFile
+from fastapi import APIRouter, File, Path, Query, Response, UploadFile
 
 from service.http.access import EDITS, READS
 from service.http.bodies import BodyRoute
@@ -32,10 +33,50 @@ SVG = "image/svg+xml"
 LensName = Annotated[str, Path(alias="name", description="A lens's name.", examples=["planar_50"], max_length=80)]
 
 
+FocalLength = Annotated[float | None, Query(gt=0, le=1e5, allow_inf_nan=False, examples=[50])]
+Year = Annotated[int | None, Query(ge=0, le=9999, examples=[1954])]
+
+
 @router.get("/lenses", operation_id="listLenses", responses=problems(503))
-async def list_lenses(service: ServiceDep) -> LensList:
-    """List the lens library. Its names are the values of `lens` in an edit of a camera."""
-    return await service.call_stage(lenses.list_lenses)
+async def list_lenses(
+    service: ServiceDep,
+    focal_length_min: Annotated[FocalLength, Query(alias="focalLengthMin", description="Shortest, mm.")] = None,
+    focal_length_max: Annotated[FocalLength, Query(alias="focalLengthMax", description="Longest, mm.")] = None,
+    faster_than: Annotated[
+        float | None,
+        Query(
+            alias="fasterThan",
+            gt=0,
+            le=1e3,
+            allow_inf_nan=False,
+            description="Largest f-number wide open.",
+            examples=[2],
+        ),
+    ] = None,
+    family: Annotated[
+        str,
+        Query(max_length=40, description="One of the words of `families`; others are refused.", examples=["petzval"]),
+    ] = "",
+    year_min: Annotated[Year, Query(alias="yearMin", description="First year of the patent or publication.")] = None,
+    year_max: Annotated[Year, Query(alias="yearMax", description="Last year of the patent or publication.")] = None,
+    search: Annotated[
+        str,
+        Query(
+            max_length=200,
+            description="Words that all occur in its name, title, maker, description, source or families.",
+            examples=["zeiss"],
+        ),
+    ] = "",
+) -> LensList:
+    """List the lens library, or what a search finds in it. Its names are the values of `lens` in an edit of a camera."""
+    return await service.call_stage(
+        lenses.list_lenses,
+        (focal_length_min or 0.0, focal_length_max or math.inf),
+        faster_than or math.inf,
+        family,
+        (-math.inf if year_min is None else year_min, math.inf if year_max is None else year_max),
+        search,
+    )
 
 
 @router.get("/lenses/{name}", operation_id="getLens", responses=problems(404, 503))

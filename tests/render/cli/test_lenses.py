@@ -40,7 +40,45 @@ def test_the_library_is_a_table_with_a_line_for_each_lens(pullfocus: Command) ->
         assert entry.description in line
     listed = json.loads(pullfocus("lenses", "--json").out)["lenses"]
     assert [lens["name"] for lens in listed] == [entry.name for entry in library_lenses()]
-    assert {"name", "title", "model", "focalLengthMm", "fStop", "description"} == set(listed[0])
+    assert {"name", "title", "model", "focalLengthMm", "fStop", "families", "year", "source", "description"} == set(
+        listed[0]
+    )
+
+
+def found(pullfocus: Command, *search: str) -> list[str]:
+    """Return the names of the lenses that a search finds."""
+    ended = pullfocus("lenses", *search, "--json")
+    assert ended.status == 0, ended.err
+    return [lens["name"] for lens in json.loads(ended.out)["lenses"]]
+
+
+def test_lenses_are_found_by_what_a_cinematographer_asks_for(pullfocus: Command) -> None:
+    normal = found(pullfocus, "--focal-length", "40-60", "--faster-than", "1.4")
+    assert {"planar_50", "thin_50"} <= set(normal)
+    assert not {"double_gauss_50", "distagon_35"} & set(normal)
+    assert "distagon_35" in found(
+        pullfocus, "--family", "Retrofocus", "--year", "1970-1979", "--search", "zeiss aspheric"
+    )
+    assert "telephoto_250" in found(pullfocus, "--focal-length", "200-")
+    assert {"double_gauss_50", "thin_50"} <= set(found(pullfocus, "--focal-length", "50"))  # as engraved: it is 50.36
+    assert "pinhole_35" not in found(pullfocus, "--faster-than", "64")
+    ended = pullfocus("lenses", "--search", "no such words")
+    assert (ended.status, ended.out, ended.err) == (0, "", "the library has no such lens\n")
+
+
+@pytest.mark.parametrize(
+    ("search", "said"),
+    [
+        (("--family", "petzvall"), "no family 'petzvall' of lenses: did you mean petzval"),
+        (("--year", "1969-1950"), "a range of years ends before it begins: 1969 to 1950"),
+        (("--focal-length", "wide"), "a number, or a range such as 40-60, got 'wide'"),
+        (("--focal-length", "-"), "a number, or a range such as 40-60, got '-'"),
+    ],
+)
+def test_a_search_for_what_cannot_be_is_one_error(search: tuple[str, ...], said: str, pullfocus: Command) -> None:
+    ended = pullfocus("lenses", *search)
+    assert (ended.status, ended.out, ended.err.count("\n")) == (2, "", 1)
+    assert said in ended.err
 
 
 def test_the_numbers_of_a_lens_are_reported_with_their_units(pullfocus: Command) -> None:

@@ -13,6 +13,8 @@ export interface LensSummary {
   readonly fStop: number;
   /** One line. */
   readonly description: string;
+  /** Its maker, families and year: a search finds it by them. */
+  readonly keywords: string;
   /** Address of a small picture of it. */
   readonly section: string;
   /** Address of a sheet about it. */

@@ -96,10 +96,11 @@ function toKeyed(keys: Readonly<Record<string, readonly Json["Key"][]>>): Keyed 
 }
 
 export function toLens(json: Json["LensSummary"], base: string): LensSummary {
-  const { name, title, model, focalLengthMm, fStop, description } = json;
+  const { name, title, model, focalLengthMm, fStop, description, manufacturer, families, year } = json;
+  const keywords = [manufacturer, ...families, year ?? ""].join(" ");
   const address = `${base}/v1/lenses/${encodeURIComponent(name)}`;
   const [section, sheet] = [`${address}/section.svg`, `${address}/sheet.png`];
-  return { name, title, model, focalLengthMm, fStop, description, section, sheet };
+  return { name, title, model, focalLengthMm, fStop, description, keywords, section, sheet };
 }
 
 function toLensSample(json: Json["Readout"] | Json["CurveSample"]): LensSample {

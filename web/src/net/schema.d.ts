@@ -246,7 +246,7 @@ export interface paths {
         };
         /**
          * List Lenses
-         * @description List the lens library. Its names are the values of `lens` in an edit of a camera.
+         * @description List the lens library, or what a search finds in it. Its names are the values of `lens` in an edit of a camera.
          */
         readonly get: operations["listLenses"];
         readonly put?: never;
@@ -6217,10 +6217,15 @@ export interface components {
          * @example {
          *       "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
          *       "fStop": 2.8,
+         *       "families": [
+         *         "normal",
+         *         "singlet"
+         *       ],
          *       "focalLengthMm": 50,
          *       "manufacturer": "",
          *       "model": "spherical",
          *       "name": "singlet_50",
+         *       "source": "ours",
          *       "squeeze": 1,
          *       "surfaces": [
          *         {
@@ -6266,6 +6271,11 @@ export interface components {
             readonly description: string;
             /** @description Errors of the model `seidel`. */
             readonly errors: components["schemas"]["LensErrors"] | null;
+            /**
+             * Families
+             * @description Words for what it is and how it draws, such as `petzval`, `wide`, `soft focus`.
+             */
+            readonly families: readonly string[];
             /** Focallengthmm */
             readonly focalLengthMm: number;
             /**
@@ -6297,10 +6307,17 @@ export interface components {
              */
             readonly name: string;
             /**
+             * Source
+             * @description Whence its numbers are: a patent with its example, or a publication.
+             */
+            readonly source: string;
+            /**
              * Squeeze
              * @description Anamorphic squeeze; 1 is spherical.
              */
             readonly squeeze: number;
+            /** @description What its source states of it; null for lenses of our own. */
+            readonly stated: components["schemas"]["StatedLens"] | null;
             /**
              * Surfaces
              * @description Front to rear; empty for a lens that has no prescription.
@@ -6313,6 +6330,11 @@ export interface components {
              * @description Engraving; the `lensName` of a camera that it is mounted on.
              */
             readonly title: string;
+            /**
+             * Year
+             * @description Year of its patent or publication; null for lenses of our own.
+             */
+            readonly year: number | null;
         };
         /**
          * LensErrors
@@ -6438,10 +6460,15 @@ export interface components {
          *         {
          *           "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
          *           "fStop": 2.8,
+         *           "families": [
+         *             "normal",
+         *             "singlet"
+         *           ],
          *           "focalLengthMm": 50,
          *           "manufacturer": "",
          *           "model": "spherical",
          *           "name": "singlet_50",
+         *           "source": "ours",
          *           "title": "Singlet 50 mm f/2.8"
          *         }
          *       ]
@@ -6457,10 +6484,15 @@ export interface components {
          * @example {
          *       "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
          *       "fStop": 2.8,
+         *       "families": [
+         *         "normal",
+         *         "singlet"
+         *       ],
          *       "focalLengthMm": 50,
          *       "manufacturer": "",
          *       "model": "spherical",
          *       "name": "singlet_50",
+         *       "source": "ours",
          *       "title": "Singlet 50 mm f/2.8"
          *     }
          */
@@ -6470,6 +6502,11 @@ export interface components {
              * @description One line.
              */
             readonly description: string;
+            /**
+             * Families
+             * @description Words for what it is and how it draws, such as `petzval`, `wide`, `soft focus`.
+             */
+            readonly families: readonly string[];
             /** Focallengthmm */
             readonly focalLengthMm: number;
             /**
@@ -6491,10 +6528,20 @@ export interface components {
              */
             readonly name: string;
             /**
+             * Source
+             * @description Whence its numbers are: a patent with its example, or a publication.
+             */
+            readonly source: string;
+            /**
              * Title
              * @description Engraving; the `lensName` of a camera that it is mounted on.
              */
             readonly title: string;
+            /**
+             * Year
+             * @description Year of its patent or publication; null for lenses of our own.
+             */
+            readonly year: number | null;
         };
         /**
          * LensSurface
@@ -9307,6 +9354,24 @@ export interface components {
             readonly signedCocPx: number | null;
         };
         /**
+         * StatedLens
+         * @description Numbers that the source of a lens states of it, at the size that it has in the library.
+         */
+        readonly StatedLens: {
+            /**
+             * Fielddeg
+             * @description Full angle of the field in degrees; null where the source has none.
+             */
+            readonly fieldDeg: number | null;
+            /** Focallengthmm */
+            readonly focalLengthMm: number;
+            /**
+             * Fstop
+             * @description f-number wide open.
+             */
+            readonly fStop: number;
+        };
+        /**
          * StateRequest
          * @description Asks for the state of a camera after an edit.
          */
@@ -10576,7 +10641,22 @@ export interface operations {
     };
     readonly listLenses: {
         readonly parameters: {
-            readonly query?: never;
+            readonly query?: {
+                /** @description One of the words of `families`; others are refused. */
+                readonly family?: string;
+                /** @description Largest f-number wide open. */
+                readonly fasterThan?: number | null;
+                /** @description Longest, mm. */
+                readonly focalLengthMax?: number | null;
+                /** @description Shortest, mm. */
+                readonly focalLengthMin?: number | null;
+                /** @description Words that all occur in its name, title, maker, description, source or families. */
+                readonly search?: string;
+                /** @description Last year of the patent or publication. */
+                readonly yearMax?: number | null;
+                /** @description First year of the patent or publication. */
+                readonly yearMin?: number | null;
+            };
             readonly header?: never;
             readonly path?: never;
             readonly cookie?: never;

@@ -48,6 +48,16 @@ def test_the_library_lists_what_a_chooser_shows(client):
     assert all(lens["description"] for lens in lenses)
 
 
+def test_the_library_is_searched(client):
+    asked = {"focalLengthMax": 60, "fasterThan": 1.4, "family": "double gauss", "yearMin": 1970, "yearMax": 1979}
+    [planar] = client.get("/v1/lenses", params=asked | {"search": "3,874,771 Zeiss"}).json()["lenses"]
+    assert (planar["name"], planar["year"], planar["families"][-1]) == ("planar_50", 1975, "double gauss")
+    assert client.get("/v1/lenses/planar_50").json()["stated"] == {"focalLengthMm": 50, "fStop": 1.4, "fieldDeg": None}
+    assert client.get("/v1/lenses", params={"search": "no such words"}).json()["lenses"] == []
+    for wrong in ({"family": "petzvall"}, {"yearMin": 1980, "yearMax": 1970}, {"fasterThan": "inf"}):
+        assert client.get("/v1/lenses", params=wrong).status_code == 422
+
+
 def test_a_lens_is_described_down_to_its_surfaces(client):
     lens = client.get("/v1/lenses/distagon_35").json()
     assert len(lens["surfaces"]) == 18

@@ -8,6 +8,8 @@ import { useListbox } from "./listbox";
 export interface Option {
   readonly id: string;
   readonly name: string;
+  /** Words that find it beside those of its name. */
+  readonly keywords?: string;
 }
 
 interface SearchedChoiceProps {
@@ -129,7 +131,10 @@ function Found({ groups, search, shown, id }: Omit<OptionsProps, "list" | "label
   const found = groups
     .map(([heading, options]) => ({
       heading,
-      options: options.filter(({ name }) => words.every((word) => `${heading} ${name}`.toLowerCase().includes(word))),
+      options: options.filter(({ name, keywords = "" }) => {
+        const text = `${heading} ${name} ${keywords}`.toLowerCase();
+        return words.every((word) => text.includes(word));
+      }),
     }))
     .filter(({ options }) => options.length > 0);
   if (found.length === 0)

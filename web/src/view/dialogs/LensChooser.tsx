@@ -77,7 +77,7 @@ function LensSection({ lens, onOpen }: { lens: LensSummary; onOpen: () => void }
 }
 
 function toOptions([heading, lenses]: ReturnType<typeof grouped>[number]): readonly [string, readonly Option[]] {
-  return [heading, lenses.map(({ name, title }) => ({ id: name, name: title }))];
+  return [heading, lenses.map(({ name, title, keywords }) => ({ id: name, name: title, keywords }))];
 }
 
 function titleOf(mounted: MountedLens): string {

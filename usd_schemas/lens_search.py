@@ -24,7 +24,6 @@ FAMILIES = {
     "aspheric": "with aspheric surfaces",
     "singlet": "one lens element",
     "petzval": "two positive achromats apart: sharp in the middle, with a curved field",
-    "anastigmat": "of the first that correct the curved field and astigmatism together, by new glass",
     "triplet": "positive, negative, positive: Cooke's triplet, Tessar, Heliar, and Ernostar",
     "tessar": "a triplet with a cemented rear pair",
     "heliar": "a triplet with cemented outer pairs",

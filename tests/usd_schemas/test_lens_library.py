@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -46,8 +47,9 @@ def test_the_library_keeps_the_rules_of_the_schemas() -> None:
 def test_each_lens_says_what_a_list_of_lenses_shows(entry: usd_schemas.LibraryLens) -> None:
     assert entry.description.endswith(".")
     assert "\n" not in entry.description
-    assert entry.focal_length_mm > 0
-    assert f"{entry.focal_length_mm:.0f} mm" in entry.lens.name  # as it is engraved on the barrel
+    [engraved] = re.findall(r"(\d+) mm", entry.lens.name)
+    assert entry.focal_length_mm == pytest.approx(float(engraved), rel=0.02)
+    assert f"f/{entry.f_stop:g}" in entry.lens.name or entry.lens.model == "pinhole"
     assert entry.name.split("_")[-2 if entry.name.endswith("2x") else -1] in entry.lens.name
     assert (entry.lens.f_stop_range[0], entry.f_stop > 0) == (entry.f_stop, entry.lens.model != "pinhole")
 

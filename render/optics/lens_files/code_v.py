@@ -19,11 +19,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_glass import PrivateGlasses
+from render.optics.lens_files.code_v_zoom import CodeVZoom
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
@@ -104,10 +105,13 @@ class _Reader:
         self._has_image = False
         self._aperture = SystemAperture()
         self._private = PrivateGlasses(text)
+        self._zoom = CodeVZoom(text)
 
     def take(self, command: _Command) -> None:
         """Read one command; unknown ones are ignored."""
         if self._private.takes(command.line, command.name, command.words):
+            return
+        if self._zoom.takes(command.line, command.name, command.words):
             return
         if _SURFACE.fullmatch(command.name):
             self._begin(command)
@@ -127,16 +131,19 @@ class _Reader:
         if len(self._surfaces) < 3:
             raise self._text.error("there is no surface (S) between the object (SO) and the image (SI)")
         draft = self._draft
-        is_near = self._surfaces[0].thickness * draft.unit_mm < FAR_AWAY_MM
         draft.surfaces = self._surfaces[1:-1]
+        self._zoom.finish(draft, self._surfaces)
+        stated = self._zoom.first({"pupil": "EPD", "f_number": "FNO"}.get(self._aperture.kind, ""))
+        aperture = self._aperture if stated is None else replace(self._aperture, value=stated)
+        is_near = self._surfaces[0].thickness * draft.unit_mm < FAR_AWAY_MM
         if is_near:
-            draft.surfaces[-1].thickness = 0.0
+            draft.film_is_solved = True
             draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
         else:
             draft.surfaces[-1].thickness += self._surfaces[-1].thickness
         if self._has_radii is None:
             draft.notes.append("The file does not say RDM, so its surfaces are taken to have curvatures, as in CODE V.")
-        return with_system_aperture(finish(draft), self._aperture, draft.unit_mm, self._text, object_is_near=is_near)
+        return with_system_aperture(finish(draft), aperture, draft.unit_mm, self._text, object_is_near=is_near)
 
     def _of_system(self, command: _Command) -> None:
         name, words, line = command.name[:3], command.words, command.line
@@ -192,8 +199,6 @@ class _Reader:
             self._clear(surface, words, line)
         elif name in ("RDY", "CUY", "THI"):
             self._replace(surface, name, _first(words), line)
-        elif name == "ZOO":
-            self._draft.notes.append("Of the file's zoom positions the first is used.")
 
     def _clear(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         """CIR: half the clear diameter; obscurations, holes and edges are not the clear diameter."""

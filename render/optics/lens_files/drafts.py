@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.dispersion.formulas import index_at
+from render.optics.lens_files.configurations import DraftConfigurations, configurations_note, place_variations
 from render.optics.lens_files.lens_text import LensText
 
 MAX_SURFACES = 200
@@ -58,6 +59,8 @@ class Draft:
         unit_mm: the file's unit of length.
         f_stop: wide open; 0 where it is unknown.
         focus_group: the first and the last surface that move to focus.
+        film_is_solved: whether the file does not give the distance to the film with the object at infinity.
+        configurations: positions of zoom and focus; the surfaces are those of the first.
         notes: approximations and choices, one sentence each.
     """
 
@@ -67,6 +70,8 @@ class Draft:
     unit_mm: float = 1.0
     f_stop: float = 0.0
     focus_group: tuple[DraftSurface, DraftSurface] | None = None
+    film_is_solved: bool = False
+    configurations: DraftConfigurations = field(default_factory=DraftConfigurations)
     notes: list[str] = field(default_factory=list)
 
 
@@ -104,7 +109,9 @@ def finish(draft: Draft) -> Prescription:
     stops = [surface for surface in draft.surfaces if surface.is_stop]
     if len(stops) > 1:
         raise text.error(f"surface {stops[0].label} is the stop already", stops[1].line, stops[1].label)
-    surfaces = _without_marks(draft.surfaces)
+    surfaces, behind = _without_marks(draft.surfaces)
+    variations = place_variations(draft.configurations, draft.surfaces, surfaces, draft.unit_mm)
+    surfaces[-1].thickness = 0.0 if draft.film_is_solved else sum(each.thickness for each in [surfaces[-1], *behind])
     if all(surface.glass == AIR for surface in surfaces):
         raise text.error("no surface has glass behind it: expected at least one")
     if surfaces[-1].glass != AIR:
@@ -114,24 +121,26 @@ def finish(draft: Draft) -> Prescription:
     group = draft.focus_group
     if group is not None and not all(any(each is surface for surface in surfaces) for each in group):
         raise text.error("the group that moves to focus begins or ends with a plane of air outside the glass")
-    return Prescription(
+    lens = Prescription(
         tuple(_in_mm(surface, draft) for surface in surfaces),
         focus_group=None if group is None else (_place(surfaces, group[0]), _place(surfaces, group[1])),
         f_stop=draft.f_stop,
         name=draft.name or text.name.rsplit(".", 1)[0],
         notes=tuple(draft.notes),
     )
+    note = configurations_note(lens, variations, draft.configurations)
+    return replace(lens, notes=(*lens.notes, note)) if note else lens
 
 
-def _without_marks(surfaces: Sequence[DraftSurface]) -> list[DraftSurface]:
-    """The surfaces without planes of air at either end; the back focal distance grows by those behind."""
+def _without_marks(surfaces: Sequence[DraftSurface]) -> tuple[list[DraftSurface], list[DraftSurface]]:
+    """The surfaces without planes of air at either end, and the planes behind them."""
     kept = list(surfaces)
-    while kept and _is_mark(kept[0], AIR):
+    while len(kept) > 1 and _is_mark(kept[0], AIR):
         kept.pop(0)
+    behind: list[DraftSurface] = []
     while len(kept) > 1 and _is_mark(kept[-1], kept[-2].glass):
-        dropped = kept.pop()
-        kept[-1].thickness += dropped.thickness
-    return kept
+        behind.append(kept.pop())
+    return kept, behind
 
 
 def _place(surfaces: Sequence[DraftSurface], wanted: DraftSurface) -> int:

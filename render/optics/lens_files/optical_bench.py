@@ -140,10 +140,9 @@ def _finish_focus(draft: Draft, positions: Positions, thickness_names: Sequence[
     """Set the last distance and the focusing group from the file's positions, and note which position was chosen."""
     last = draft.surfaces[-1]
     if positions.object_is_near() or last.thickness < 0:
-        last.thickness = 0.0
+        draft.film_is_solved = True
         draft.notes.append("The distance to the film is solved for, with the object at infinity.")
-    if positions.count > 1:
-        draft.notes.append(f"Of the file's {positions.count} positions of zoom and focus the first is used.")
+    draft.configurations = positions.configurations(draft.surfaces, thickness_names)
     group = positions.focus_group(thickness_names)
     if group is not None:
         draft.focus_group = draft.surfaces[group[0]], draft.surfaces[group[1]]

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
-from render.optics.lens_files.drafts import FAR_AWAY_MM
+from render.optics.lens_files.configurations import (
+    MAX_CONFIGURATIONS,
+    DraftConfigurations,
+    DraftVariation,
+    Quantity,
+)
+from render.optics.lens_files.drafts import FAR_AWAY_MM, DraftSurface
 from render.optics.lens_files.lens_text import LensText
 
 _SAME_MM = 0.005  # patents round their distances to a hundredth
+_OF_LENS: dict[str, Quantity] = {
+    "d0": "object_distance",
+    "focal length": "focal_length",
+    "f-number": "f_number",
+    "magnification": "magnification",
+}
 _NOTHING = ("", "undefined", "?")
 
 
@@ -24,6 +37,31 @@ class Positions:
         self._rows = rows
         distances = [words for name, (_, words) in rows.items() if name.startswith("d") or name == "bf"]
         self.count = max((len(words) for words in distances), default=1)
+
+    def configurations(self, surfaces: Sequence[DraftSurface], thickness_names: Sequence[str]) -> DraftConfigurations:
+        """All positions.
+
+        Args:
+            surfaces: of the lens.
+            thickness_names: of each, as it stands in the lens data, in small letters.
+
+        Raises:
+            InputError: there are more than a file can have.
+        """
+        if self.count > MAX_CONFIGURATIONS:
+            raise self._text.error(f"it has {self.count} positions, expected at most {MAX_CONFIGURATIONS}")
+        found = DraftConfigurations(self.count, "positions of zoom and focus")
+        for name, quantity in _OF_LENS.items():
+            if name in self._rows:
+                found.variations.append(DraftVariation(None, quantity, self._values(name)))
+        for surface, name in zip(surfaces, thickness_names, strict=True):
+            if name in self._rows:
+                found.variations.append(DraftVariation(surface, "thickness", self._values(name)))
+        return found
+
+    def _values(self, name: str) -> tuple[float | None, ...]:
+        _, words = self._rows[name]
+        return tuple(_value(words, column) for column in range(self.count))
 
     def first(self, name: str) -> float | None:
         """A quantity at the first position, or None where the file does not give it.
@@ -90,6 +128,7 @@ class Positions:
 
 def _value(words: Sequence[str], column: int) -> float | None:
     try:
-        return float(words[column]) if column < len(words) and words[column].lower() not in _NOTHING else None
+        value = float(words[column]) if column < len(words) and words[column].lower() not in _NOTHING else None
     except ValueError:
         return None
+    return None if value is None or math.isnan(value) else value

@@ -19,15 +19,19 @@ non-sequential systems. Of several configurations the first is read.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.dispersion.model_glass import deviating_glass
+from render.optics.lens_files.configurations import Quantity
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture
+from render.optics.lens_files.zemax_configurations import OPERANDS, SOLVES, ZemaxConfigurations, object_distance
 
 _UNITS_MM = {"MM": 1.0, "CM": 10.0, "IN": 25.4, "INCH": 25.4, "INCHES": 25.4, "M": 1000.0, "METER": 1000.0}
 _TYPES = ("STANDARD", "EVENASPH")
@@ -62,6 +66,7 @@ class _Reader:
         self._draft = Draft(text)
         self._surfaces: list[DraftSurface] = []
         self._aperture = SystemAperture()
+        self._configurations = ZemaxConfigurations(text)
         self._floats_by_stop = False
         self._object_is_far = True
         self._is_asphere = False  # the surface that is being read
@@ -73,7 +78,6 @@ class _Reader:
             "FNUM": self._f_number,
             "ENPD": self._pupil,
             "FLOA": self._float_by_stop,
-            "MNUM": self._configurations,
             "SURF": self._begin,
         }
         self._of_surface: dict[str, Callable[[DraftSurface, Sequence[str], int], None]] = {
@@ -95,6 +99,12 @@ class _Reader:
             if not self._surfaces:
                 raise self._text.error(f"{command} stands before the first SURF", line)
             self._of_surface[command](self._surfaces[-1], words, line)
+        elif command == "MNUM":
+            self._configurations.begin(words, line)
+        elif command in OPERANDS:
+            self._configurations.take(command, words, line)
+        elif command in SOLVES and self._surfaces:
+            self._configurations.solve(command, len(self._surfaces) - 1, words, line)
 
     def finish(self) -> Prescription:
         """The lens between the object and the image."""
@@ -106,13 +116,17 @@ class _Reader:
             why = "the last one must be the image, without glass or thickness: the file is cut off"
             raise self._error(image, why, len(self._text.lines))
         draft.surfaces = self._surfaces[1:-1]
-        if not self._object_is_far:
-            draft.surfaces[-1].thickness = 0.0
-            draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
         aperture = SystemAperture() if self._floats_by_stop else self._aperture
-        return with_system_aperture(
-            finish(draft), aperture, draft.unit_mm, self._text, object_is_near=not self._object_is_far
-        )
+        kinds: dict[str, Quantity] = {"pupil": "pupil_diameter", "f_number": "f_number"}
+        value = self._configurations.finish(draft, self._surfaces, kinds.get(aperture.kind))
+        if value is not None and aperture.kind != "stop":
+            aperture = replace(aperture, value=value)
+        distance = object_distance(draft.configurations)
+        is_near = not self._object_is_far if distance is None else distance < math.inf
+        if is_near:
+            draft.film_is_solved = True
+            draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
+        return with_system_aperture(finish(draft), aperture, draft.unit_mm, self._text, object_is_near=is_near)
 
     def _mode(self, words: list[str], rest: str, line: int) -> None:
         if words and words[0].upper() != "SEQ":
@@ -140,10 +154,6 @@ class _Reader:
 
     def _float_by_stop(self, words: list[str], rest: str, line: int) -> None:
         self._floats_by_stop = True
-
-    def _configurations(self, words: list[str], rest: str, line: int) -> None:
-        if words and words[0].isdecimal() and words[0] not in ("0", "1"):
-            self._draft.notes.append(f"Of the file's {words[0]} configurations the first is used.")
 
     def _begin(self, words: list[str], rest: str, line: int) -> None:
         self._surfaces.append(DraftSurface(_first(words) or str(len(self._surfaces)), line))

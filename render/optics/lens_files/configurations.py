@@ -1,0 +1,189 @@
+"""Configurations of a lens file: positions of zoom and focus, as quantities that have a value at each.
+
+Zemax calls them configurations, CODE V zoom positions, Optical Bench variable distances. A prescription is that of the first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from render.errors import InputError
+from render.model.lens import Prescription
+from render.optics.prescription.paraxial import focal_points, paraxial_system
+
+if TYPE_CHECKING:
+    from render.optics.lens_files.drafts import DraftSurface
+
+Quantity = Literal[
+    # of a surface
+    "thickness",
+    "radius",
+    "semi_diameter",
+    "conic",
+    # of the whole lens
+    "object_distance",
+    "f_number",
+    "pupil_diameter",
+    "focal_length",
+    "magnification",
+]
+"""Names a quantity: a focal length, an f-number and a magnification are as the file states them; an object's distance is before
+the first surface of the file, infinity where the object is far."""
+
+MAX_CONFIGURATIONS = 64
+_LENGTHS = ("thickness", "radius", "semi_diameter", "object_distance", "pupil_diameter", "focal_length")
+
+
+@dataclass(frozen=True)
+class DraftVariation:
+    """A quantity over the configurations, as it is read.
+
+    Attributes:
+        surface: that it belongs to; None for one of the whole lens.
+        quantity: which.
+        values: one for each configuration, in the file's unit; None where the file does not say.
+    """
+
+    surface: DraftSurface | None
+    quantity: Quantity
+    values: tuple[float | None, ...]
+
+
+@dataclass
+class DraftConfigurations:
+    """Configurations of a lens as it is read.
+
+    Attributes:
+        count: number of configurations.
+        kind: what the file calls them, in the plural.
+        names: of the configurations; empty where the file gives none.
+        variations: what differs between them.
+    """
+
+    count: int = 1
+    kind: str = "configurations"
+    names: tuple[str, ...] = ()
+    variations: list[DraftVariation] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A quantity over the configurations of a prescription.
+
+    Attributes:
+        surface: index in the prescription; None for a quantity of the whole lens.
+        quantity: which.
+        values: one for each configuration, lengths in millimetres; None where the file does not say.
+    """
+
+    surface: int | None
+    quantity: Quantity
+    values: tuple[float | None, ...]
+
+
+def place_variations(
+    configurations: DraftConfigurations, surfaces: Sequence[DraftSurface], kept: Sequence[DraftSurface], unit_mm: float
+) -> tuple[Variation, ...]:
+    """Variations of a prescription.
+
+    Args:
+        configurations: as read.
+        surfaces: all of the draft, front to rear.
+        kept: those of them that are the prescription's. Thicknesses of dropped ones behind them add to the last one's.
+        unit_mm: the file's unit of length.
+
+    Returns:
+        What varies, without thicknesses of surfaces that were dropped in front.
+    """
+    place_of = {id(surface): place for place, surface in enumerate(kept)}
+    rear = surfaces[next(i for i, surface in enumerate(surfaces) if surface is kept[-1]) :]
+    film: dict[int, tuple[float | None, ...]] = {}
+    placed: list[Variation] = []
+    for variation in configurations.variations:
+        unit = unit_mm if variation.quantity in _LENGTHS else 1.0
+        values = tuple(None if value is None else value * unit for value in variation.values)
+        if variation.surface is None:
+            placed.append(Variation(None, variation.quantity, values))
+        elif variation.quantity == "thickness" and any(variation.surface is surface for surface in rear):
+            film[id(variation.surface)] = values
+        elif id(variation.surface) in place_of:
+            placed.append(Variation(place_of[id(variation.surface)], variation.quantity, values))
+    if film:
+        constant = (surface.thickness * unit_mm for surface in rear if id(surface) not in film)
+        parts = [*film.values(), (sum(constant),) * configurations.count]
+        placed.append(Variation(len(kept) - 1, "thickness", tuple(map(_sum, zip(*parts, strict=True)))))
+    return tuple(placed)
+
+
+def _sum(lengths: Sequence[float | None]) -> float | None:
+    known = [length for length in lengths if length is not None]
+    return sum(known) if len(known) == len(lengths) else None
+
+
+def prescription_at(lens: Prescription, variations: Sequence[Variation], index: int) -> Prescription:
+    """The prescription at a configuration.
+
+    Args:
+        lens: at the first configuration.
+        variations: of it.
+        index: of the configuration, from 0.
+    """
+    surfaces = list(lens.surfaces)
+    for variation in variations:
+        value = variation.values[index]
+        if value is None:
+            continue
+        if variation.surface is not None:
+            name = variation.quantity + ("" if variation.quantity == "conic" else "_mm")
+            surfaces[variation.surface] = replace(surfaces[variation.surface], **{name: value})  # type: ignore[arg-type]
+        elif variation.quantity == "f_number":
+            lens = replace(lens, f_stop=value)
+    return replace(lens, surfaces=tuple(surfaces))
+
+
+def focal_lengths_mm(lens: Prescription, variations: Sequence[Variation], count: int) -> tuple[float, ...] | None:
+    """Focal length at each configuration, as the file states it, else of paraxial rays; None where one has none.
+
+    Args:
+        lens: at the first configuration.
+        variations: of it.
+        count: number of configurations.
+    """
+    stated = next((each.values for each in variations if each.quantity == "focal_length"), (None,) * count)
+    lengths: list[float] = []
+    for index in range(count):
+        value = stated[index]
+        if value is None:
+            try:
+                with np.errstate(all="ignore"):
+                    value, _, _ = focal_points(paraxial_system(prescription_at(lens, variations, index)))
+            except InputError:
+                return None
+        lengths.append(value)
+    return tuple(lengths) if np.isfinite(lengths).all() else None
+
+
+def configurations_note(
+    lens: Prescription, variations: Sequence[Variation], configurations: DraftConfigurations
+) -> str:
+    """A sentence that says how many configurations a file has, and of which focal lengths; "" for one alone.
+
+    Args:
+        lens: at the first configuration.
+        variations: of it.
+        configurations: of the file.
+    """
+    if configurations.count < 2:
+        return ""
+    begin = f"Of the file's {configurations.count} {configurations.kind} the first is used"
+    lengths = focal_lengths_mm(lens, variations, configurations.count)
+    if lengths is None:
+        return f"{begin}."
+    texts = [f"{length:.4g}" for length in lengths]
+    if len(set(texts)) == 1:
+        return f"{begin}; all have a focal length of {texts[0]} mm."
+    return f"{begin}; their focal lengths are {', '.join(texts)} mm."

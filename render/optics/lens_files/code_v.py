@@ -25,7 +25,7 @@ from typing import Literal
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_glass import PrivateGlasses
 from render.optics.lens_files.code_v_zoom import CodeVZoom
-from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
+from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish, is_object_near
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture
@@ -135,7 +135,7 @@ class _Reader:
         self._zoom.finish(draft, self._surfaces)
         stated = self._zoom.first({"pupil": "EPD", "f_number": "FNO"}.get(self._aperture.kind, ""))
         aperture = self._aperture if stated is None else replace(self._aperture, value=stated)
-        is_near = self._surfaces[0].thickness * draft.unit_mm < FAR_AWAY_MM
+        is_near = is_object_near(draft, self._surfaces[0].thickness, draft.surfaces)
         if is_near:
             draft.film_is_solved = True
             draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
@@ -173,9 +173,11 @@ class _Reader:
         surface = DraftSurface(label, line)
         self._surfaces.append(surface)
         self._has_image = is_image
-        shape = self._text.number(_first(words), "radius" if self._has_radii else "curvature", line, label)
-        surface.radius = shape if self._has_radii else _inverse(shape)
-        surface.thickness = self._text.number(words[1] if len(words) > 1 else "", "thickness", line, label)
+        if self._has_radii:
+            surface.radius = self._text.radius(_first(words), "radius", line, label)
+        else:
+            surface.radius = _inverse(self._text.number(_first(words), "curvature", line, label))
+        surface.thickness = self._text.distance(words[1] if len(words) > 1 else "", "thickness", line, label)
         if len(words) > 2 and not (is_object or is_image):
             surface.glass = self._glass(words[2], line, label)
 
@@ -211,11 +213,12 @@ class _Reader:
 
     def _replace(self, surface: DraftSurface, name: str, word: str, line: int) -> None:
         what = {"RDY": "radius (RDY)", "CUY": "curvature (CUY)", "THI": "thickness (THI)"}[name]
-        value = self._text.number(word, what, line, surface.label)
         if name == "THI":
-            surface.thickness = value
+            surface.thickness = self._text.distance(word, what, line, surface.label)
+        elif name == "RDY":
+            surface.radius = self._text.radius(word, what, line, surface.label)
         else:
-            surface.radius = value if name == "RDY" else _inverse(value)
+            surface.radius = _inverse(self._text.number(word, what, line, surface.label))
 
     def _refuse(self, command: _Command) -> None:
         """Refuse unsupported commands. Tilts of 0 are accepted."""

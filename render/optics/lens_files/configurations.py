@@ -69,6 +69,31 @@ class DraftConfigurations:
     names: tuple[str, ...] = ()
     variations: list[DraftVariation] = field(default_factory=list)
 
+    def varies(self, surface: DraftSurface) -> bool:
+        """Whether the thickness behind a surface differs between configurations."""
+        return any(_is_gap(each, surface) for each in self.variations)
+
+    def thicknesses(self, surface: DraftSurface) -> tuple[float | None, ...]:
+        """Thickness behind a surface at each configuration; None where the file does not say."""
+        constant: tuple[float | None, ...] = (surface.thickness,) * self.count
+        return next((each.values for each in self.variations if _is_gap(each, surface)), constant)
+
+    def set_thicknesses(self, surface: DraftSurface, values: tuple[float | None, ...]) -> None:
+        """Replace the thickness behind a surface at each configuration."""
+        self.variations[:] = [each for each in self.variations if not _is_gap(each, surface)]
+        self.variations.append(DraftVariation(surface, "thickness", values))
+
+
+def _is_gap(variation: DraftVariation, surface: DraftSurface) -> bool:
+    return variation.surface is surface and variation.quantity == "thickness"
+
+
+def join_gaps(configurations: DraftConfigurations, front: DraftSurface, dropped: DraftSurface) -> None:
+    """Let the gap behind a surface take in that behind the next one, which is left out, at each configuration."""
+    if configurations.varies(front) or configurations.varies(dropped):
+        gaps = configurations.thicknesses(front), configurations.thicknesses(dropped)
+        configurations.set_thicknesses(front, tuple(map(_sum, zip(*gaps, strict=True))))
+
 
 @dataclass(frozen=True)
 class Variation:

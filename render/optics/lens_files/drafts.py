@@ -12,6 +12,7 @@ from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.dispersion.formulas import index_at
 from render.optics.lens_files.configurations import DraftConfigurations, configurations_note, place_variations
 from render.optics.lens_files.lens_text import LensText
+from render.optics.lens_files.rims import with_trimmed_rims, without_negative_gaps
 
 MAX_SURFACES = 200
 FAR_AWAY_MM = 1e7  # an object beyond it is at infinity: CODE V writes 1e13
@@ -110,6 +111,7 @@ def finish(draft: Draft) -> Prescription:
     if len(stops) > 1:
         raise text.error(f"surface {stops[0].label} is the stop already", stops[1].line, stops[1].label)
     surfaces, behind = _without_marks(draft.surfaces)
+    surfaces = without_negative_gaps(draft, surfaces)
     variations = place_variations(draft.configurations, draft.surfaces, surfaces, draft.unit_mm)
     surfaces[-1].thickness = 0.0 if draft.film_is_solved else sum(each.thickness for each in [surfaces[-1], *behind])
     if all(surface.glass == AIR for surface in surfaces):
@@ -129,7 +131,19 @@ def finish(draft: Draft) -> Prescription:
         notes=tuple(draft.notes),
     )
     note = configurations_note(lens, variations, draft.configurations)
-    return replace(lens, notes=(*lens.notes, note)) if note else lens
+    return with_trimmed_rims(replace(lens, notes=(*lens.notes, note)) if note else lens)
+
+
+def is_object_near(draft: Draft, distance: float, surfaces: Sequence[DraftSurface]) -> bool:
+    """Whether a file's object is near.
+
+    Args:
+        draft: that has the unit.
+        distance: from the object to the first surface; infinity where it is far.
+        surfaces: all of the lens; a designer's planes of air before the glass add their distances.
+    """
+    planes = surfaces[: next((i for i, each in enumerate(surfaces) if not _is_mark(each, AIR)), 0)]
+    return (distance + sum(plane.thickness for plane in planes)) * draft.unit_mm < FAR_AWAY_MM
 
 
 def _without_marks(surfaces: Sequence[DraftSurface]) -> tuple[list[DraftSurface], list[DraftSurface]]:

@@ -13,7 +13,8 @@ UNKNOWN_GLASS = "unknown_glass"
 """Code of the error of a glass that no catalogue has."""
 MAX_BYTES = 2**20  # a zoom of fifty surfaces with all its coatings takes some tens of kilobytes
 
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?", re.ASCII)  # d: of Fortran
+_INFINITY = re.compile(r"([+-]?)inf(inity)?", re.IGNORECASE)
 _LONGEST_NUMBER = 40  # characters
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0e-\x19\x1b-\x1f\x7f]")  # ^Z (1a) ends old files, form feeds part their pages
 
@@ -57,12 +58,40 @@ class LensText:
             InputError: the word is not a number, or too small.
         """
         is_number = len(text) <= _LONGEST_NUMBER and _NUMBER.fullmatch(text)
-        value = float(text) if is_number else math.nan
+        value = float(text.lower().replace("d", "e")) if is_number else math.nan
         if not math.isfinite(value):
             raise self.error(f"the {what} must be a number, got {_quote(text)}", line, surface)
         if value < at_least:
             raise self.error(f"the {what} must be {at_least:g} or more, got {text}", line, surface)
         return value
+
+    def radius(self, text: str, what: str, line: int, surface: str = "") -> float:
+        """A radius of curvature, 0 for a plane, which may be written as infinity.
+
+        Args:
+            text: as it stands in the file.
+            what: which number it is, for the message.
+            line: counted from 1.
+            surface: as the file counts it.
+
+        Raises:
+            InputError: the word is neither a number nor infinity.
+        """
+        return 0.0 if _INFINITY.fullmatch(text) else self.number(text, what, line, surface)
+
+    def distance(self, text: str, what: str, line: int, surface: str = "") -> float:
+        """A distance along the axis, which may be infinite.
+
+        Args:
+            text: as it stands in the file.
+            what: which number it is, for the message.
+            line: counted from 1.
+            surface: as the file counts it.
+
+        Raises:
+            InputError: the word is neither a number nor infinity.
+        """
+        return math.inf if _INFINITY.fullmatch(text) else self.number(text, what, line, surface)
 
 
 def decode(data: bytes, name: str, at_most: int = MAX_BYTES) -> LensText:

@@ -30,7 +30,7 @@ from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.optical_bench_positions import Positions
 
-_PLANES = ("AS", "FS", "CG", "INFINITY", "INF", "")
+_PLANES = ("AS", "FS", "CG", "")
 _SECTIONS = ("descriptive data", "constants", "variable distances", "lens data", "aspherical data")
 
 Row = tuple[int, list[str]]  # line and words
@@ -92,7 +92,7 @@ def _surface(
     return DraftSurface(
         label,
         line,
-        0.0 if is_plane else text.number(radius, "radius", line, label),
+        0.0 if is_plane else text.radius(radius, "radius", line, label),
         positions.length(words[2], "thickness", line, label) if words[2] else 0.0,
         _glass(text, words, line, label, glasses),
         abs(positions.length(_word(words, 4), "diameter", line, label)) / 2 if _word(words, 4) else 0.0,

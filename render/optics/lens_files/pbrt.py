@@ -44,7 +44,7 @@ def read_pbrt(text: LensText) -> Prescription:
 def _surface(text: LensText, row: list[str], line: int, label: str, before: Glass) -> DraftSurface:
     if len(row) != 4:
         raise text.error(f"a row has radius, thickness, index and diameter, got {len(row)} words", line, label)
-    radius = text.number(row[0], "radius", line, label)
+    radius = text.radius(row[0], "radius", line, label)
     index = text.number(row[2], "refractive index", line, label)
     # pbrt's own files give the stop an index of 0, others 1.
     is_stop = radius == 0 and before == AIR and index in (0, 1)

@@ -27,7 +27,7 @@ from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.dispersion.model_glass import deviating_glass
 from render.optics.lens_files.configurations import Quantity
-from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
+from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish, is_object_near
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture
@@ -68,7 +68,6 @@ class _Reader:
         self._aperture = SystemAperture()
         self._configurations = ZemaxConfigurations(text)
         self._floats_by_stop = False
-        self._object_is_far = True
         self._is_asphere = False  # the surface that is being read
         self._of_system: dict[str, Callable[[list[str], str, int], None]] = {
             "MODE": self._mode,
@@ -122,7 +121,8 @@ class _Reader:
         if value is not None and aperture.kind != "stop":
             aperture = replace(aperture, value=value)
         distance = object_distance(draft.configurations)
-        is_near = not self._object_is_far if distance is None else distance < math.inf
+        distance = self._surfaces[0].thickness if distance is None else distance
+        is_near = is_object_near(draft, distance, draft.surfaces)
         if is_near:
             draft.film_is_solved = True
             draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
@@ -156,7 +156,8 @@ class _Reader:
         self._floats_by_stop = True
 
     def _begin(self, words: list[str], rest: str, line: int) -> None:
-        self._surfaces.append(DraftSurface(_first(words) or str(len(self._surfaces)), line))
+        thickness = 0.0 if self._surfaces else math.inf  # an object without a distance is far
+        self._surfaces.append(DraftSurface(_first(words) or str(len(self._surfaces)), line, thickness=thickness))
         self._is_asphere = False
 
     def _stop(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
@@ -174,12 +175,8 @@ class _Reader:
 
     def _thickness(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         word = _first(words)
-        if surface is self._surfaces[0]:  # the object's distance
-            is_infinite = word.upper().startswith("INF")
-            distance = 0.0 if is_infinite else self._number(surface, word, "distance of the object (DISZ)", line)
-            self._object_is_far = is_infinite or distance * self._draft.unit_mm >= FAR_AWAY_MM
-        else:
-            surface.thickness = self._number(surface, word, "thickness (DISZ)", line)
+        what = "distance of the object (DISZ)" if surface is self._surfaces[0] else "thickness (DISZ)"
+        surface.thickness = self._text.distance(word, what, line, surface.label)
 
     def _semi_diameter(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         if surface is not self._surfaces[0]:
@@ -192,9 +189,14 @@ class _Reader:
     def _parameter(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         if not self._is_asphere:  # a sphere has parameters without meaning
             return
-        if len(words) < 2 or words[0] not in _PARAMETERS:
-            raise self._error(surface, "PARM must be followed by a number from 1 to 8 and by its value", line)
-        surface.terms[2 * int(words[0])] = self._number(surface, words[1], f"parameter (PARM {words[0]})", line)
+        number, value = _first(words), words[1] if len(words) > 1 else ""
+        if not number.isdecimal():
+            raise self._error(surface, "PARM must be followed by its number and by its value", line)
+        term = self._number(surface, value, f"parameter (PARM {number[:9]})", line)
+        if number in _PARAMETERS:
+            surface.terms[2 * int(number)] = term
+        elif term:
+            raise self._error(surface, f"PARM {number[:9]} must be 0: an even asphere has those from 1 to 8", line)
 
     def _glass(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         name = _first(words)

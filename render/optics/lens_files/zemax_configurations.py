@@ -147,11 +147,11 @@ class ZemaxConfigurations:
             if not 0 < begin < number < len(surfaces) - 1:
                 continue
             others = surfaces[begin:number] if is_whole else [surfaces[begin]]
-            parts = [_thicknesses(found, surface) for surface in others]
+            parts = [_own_where_unknown(found, surface) for surface in others]
             if any(len(set(part)) > 1 for part in parts):
                 values = tuple(length - sum(at) for at in zip(*parts, strict=True))
-                found.variations[:] = [each for each in found.variations if not _is_gap(each, surfaces[number])]
-                self._vary(found, surfaces[number], "thickness", values)
+                surfaces[number].thickness = values[0]
+                found.set_thicknesses(surfaces[number], values)
 
     def _follow_film(self, found: DraftConfigurations, surfaces: Sequence[DraftSurface], draft: Draft) -> None:
         """The distance to the film, where it is solved for: the file has that of its active configuration alone."""
@@ -159,8 +159,7 @@ class ZemaxConfigurations:
             return
         surface = surfaces[self._film_follows]
         values = tuple(surface.thickness if index == self._active else None for index in range(self.count))
-        found.variations[:] = [each for each in found.variations if not _is_gap(each, surface)]
-        found.variations.append(DraftVariation(surface, "thickness", values))
+        found.set_thicknesses(surface, values)
         draft.film_is_solved = draft.film_is_solved or self._active > 0
 
     def _index(self, words: Sequence[str], place: int, most: int, what: str, line: int, *, least: int = 1) -> int:
@@ -175,15 +174,8 @@ def object_distance(found: DraftConfigurations) -> float | None:
     return next((each.values[0] for each in found.variations if each.quantity == "object_distance"), None)
 
 
-def _is_gap(variation: DraftVariation, surface: DraftSurface) -> bool:
-    return variation.surface is surface and variation.quantity == "thickness"
-
-
-def _thicknesses(found: DraftConfigurations, surface: DraftSurface) -> tuple[float, ...]:
-    """Thickness of a surface at each configuration; its own where the file gives none."""
-    own = surface.thickness
-    values = next((each.values for each in found.variations if _is_gap(each, surface)), (None,) * found.count)
-    return tuple(own if value is None else value for value in values)
+def _own_where_unknown(found: DraftConfigurations, surface: DraftSurface) -> tuple[float, ...]:
+    return tuple(surface.thickness if value is None else value for value in found.thicknesses(surface))
 
 
 def _inverse(curvature: float) -> float:

@@ -65,7 +65,7 @@ def _trim(prescription: Prescription, widths: dict[int, float], axial_mm: Double
     """Limit neighbours to the radius at which they meet."""
     trimmed = dict(widths)
     for i, j in solid_neighbours(prescription):
-        meeting = _meeting_mm(prescription, i, j)
+        meeting = meeting_mm(prescription, i, j)
         for k in (i, j):
             if k not in trimmed or meeting >= trimmed[k]:
                 continue
@@ -78,7 +78,7 @@ def _trim(prescription: Prescription, widths: dict[int, float], axial_mm: Double
     return _with_widths(prescription, trimmed)
 
 
-def _meeting_mm(prescription: Prescription, i: int, j: int) -> float:
+def meeting_mm(prescription: Prescription, i: int, j: int) -> float:
     """Distance from the axis to which two neighbours keep apart; infinite where they do so over their whole width."""
     front, behind = prescription.surfaces[i], prescription.surfaces[j]
     thickness = sum(surface.thickness_mm for surface in prescription.surfaces[i:j])

@@ -1,0 +1,112 @@
+"""Clear diameters and places as files round them: rims that are a little too wide, and planes before their neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from render.model.lens import AIR, Glass, Prescription
+from render.optics.lens_files.configurations import join_gaps
+from render.optics.prescription.clear_diameters import meeting_mm
+from render.optics.prescription.surface_shape import conic_extent_mm
+from render.optics.prescription.validation import solid_neighbours
+
+if TYPE_CHECKING:
+    from render.optics.lens_files.drafts import Draft, DraftSurface
+
+_ROUNDED = 0.05  # share of a clear diameter that is trimmed without an error
+_WITHOUT_NOTE = 1e-6
+_BULGE = 0.25  # share of its clear diameter by which a stop may stand before the glass that bulges through it
+
+
+def with_trimmed_rims(lens: Prescription) -> Prescription:
+    """The lens with rims trimmed that reach a little beyond their sphere, or into their neighbour; a note names each.
+
+    Rims that reach farther stay, for `render.optics.prescription.validation` to refuse.
+    """
+    with np.errstate(all="ignore"):
+        for index, surface in enumerate(lens.surfaces):
+            lens = _trimmed(lens, index, conic_extent_mm(surface), "its sphere ends there")
+        for i, j in solid_neighbours(lens):
+            narrow, other = (i, j) if _width(lens, i) <= _width(lens, j) else (j, i)
+            if 0 < _width(lens, narrow) < float("inf"):
+                lens = _trimmed(lens, narrow, meeting_mm(lens, i, j), f"it meets surface {other + 1} there")
+    return lens
+
+
+def _width(lens: Prescription, index: int) -> float:
+    return lens.surfaces[index].semi_diameter_mm or float("inf")
+
+
+def _trimmed(lens: Prescription, index: int, limit_mm: float, why: str) -> Prescription:
+    surface = lens.surfaces[index]
+    width = surface.semi_diameter_mm
+    if not width * (1 - _ROUNDED) <= limit_mm < width:
+        return lens
+    surfaces = (*lens.surfaces[:index], replace(surface, semi_diameter_mm=limit_mm), *lens.surfaces[index + 1 :])
+    note = (
+        f"The clear diameter of surface {index + 1} was trimmed from {2 * width:.5g} to {2 * limit_mm:.5g} mm: {why}."
+    )
+    is_noted = limit_mm < width * (1 - _WITHOUT_NOTE)
+    return replace(lens, surfaces=surfaces, notes=(*lens.notes, note) if is_noted else lens.notes)
+
+
+def without_negative_gaps(draft: Draft, surfaces: Sequence[DraftSurface]) -> list[DraftSurface]:
+    """The surfaces without planes of air that stand before their neighbours.
+
+    A plane that is not the stop is left out, so that light goes from neighbour to neighbour over the sum of both gaps. A stop
+    that glass bulges through is moved to the glass. Other negative gaps stay, for `render.optics.prescription.validation` to
+    refuse.
+    """
+    kept: list[DraftSurface] = []
+    before: Glass = AIR
+    for place, surface in enumerate(surfaces):
+        gap_before = kept[-1].thickness if kept else 0.0
+        is_window = _is_plane(surface) and surface.glass == before == AIR
+        if not (is_window and kept and place < len(surfaces) - 1 and (gap_before < 0 or surface.thickness < 0)):
+            before = surface.glass
+            kept.append(surface)
+            continue
+        whole = gap_before + surface.thickness
+        if whole < 0:
+            kept.append(surface)
+        elif not surface.is_stop:
+            join_gaps(draft.configurations, kept[-1], surface)
+            kept[-1].thickness = whole
+            draft.focus_group = _without(draft.focus_group, surface, kept[-1], surfaces[place + 1])
+            where = f"stands {-min(gap_before, surface.thickness) * draft.unit_mm:.4g} mm before its neighbour"
+            draft.notes.append(f"Surface {surface.label}, a plane of air, {where}; it is left out.")
+        else:
+            _move_to_glass(draft, kept[-1], surface, whole)
+            kept.append(surface)
+    return kept
+
+
+def _without(
+    group: tuple[DraftSurface, DraftSurface] | None, dropped: DraftSurface, front: DraftSurface, behind: DraftSurface
+) -> tuple[DraftSurface, DraftSurface] | None:
+    """A group without a plane at one of its ends."""
+    if group is None or group[0] is group[1]:
+        return group
+    first, last = group
+    return behind if first is dropped else first, front if last is dropped else last
+
+
+def _is_plane(surface: DraftSurface) -> bool:
+    return surface.radius == 0 and not any(surface.terms.values())
+
+
+def _move_to_glass(draft: Draft, front: DraftSurface, stop: DraftSurface, whole: float) -> None:
+    """Move a stop that stands before the vertex of a neighbour to that vertex, where the distance is small."""
+    shift = -min(front.thickness, stop.thickness)
+    if stop.semi_diameter and shift > 2 * _BULGE * stop.semi_diameter:
+        return
+    if draft.configurations.varies(front) or draft.configurations.varies(stop):
+        return
+    front.thickness, stop.thickness = (0.0, whole) if front.thickness < 0 else (whole, 0.0)
+    draft.notes.append(
+        f"Glass bulges {shift * draft.unit_mm:.4g} mm through the stop, surface {stop.label}; it is moved to the glass."
+    )

@@ -12,7 +12,7 @@
     GO
 
 A command ends at `;` or at the end of its line, unless that ends in `&`; `!` begins a comment. What is not listed has no say
-in how light goes through a lens, or is refused: mirrors, tilts, toroids, gratings. Of a zoom the first position is read.
+in how light goes through a lens, or is refused: mirrors, tilts, toroids, gratings, glass whose index varies within it.
 """
 
 from __future__ import annotations
@@ -39,6 +39,17 @@ _APERTURES: dict[str, tuple[str, Literal["pupil", "f_number", "image_na"]]] = {
     "NA": ("numerical aperture", "image_na"),
 }
 _UNSUPPORTED = ("XTO", "YTO", "CYL", "AAS", "SPS", "DIF", "GRT", "HOE", "GRX", "GRY", "SCO")
+_REFUSED = {
+    "RMD": "mirrors",
+    "GRN": "gradient-index glasses",
+    "GRI": "gradient-index glasses",
+    "URN": "gradient-index glasses",
+    "SLN": "gradient-index glasses",
+    "NSS": "non-sequential surfaces",
+    "FRE": "Fresnel lenses",
+    "BIR": "birefringent media",
+}  # what it is, by the first three letters of its command
+_TILT = "tilts and decentres"
 _WORD = re.compile(r"'[^']*'?|\"[^\"]*\"?|;|[^\s;'\"]+")
 _SURFACE = re.compile(r"S(\d{1,4}|O|I)?", re.ASCII)
 
@@ -70,9 +81,9 @@ def _commands(text: LensText) -> Iterator[_Command]:
     words: list[str] = []
     begin = 0
     for line, raw in enumerate(text.lines, 1):
-        found = _WORD.findall(_without_comment(raw))
-        goes_on = bool(found) and found[-1] == "&"
-        for word in found[:-1] if goes_on else found:
+        content = _without_comment(raw).rstrip()
+        goes_on = content.endswith("&")
+        for word in _WORD.findall(content.rstrip("&")):
             if word == ";":
                 yield from _command(words, begin)
                 words = []
@@ -115,7 +126,7 @@ class _Reader:
             return
         if _SURFACE.fullmatch(command.name):
             self._begin(command)
-        elif command.name in (*_TILTS, *_UNSUPPORTED):
+        elif command.name in (*_TILTS, *_UNSUPPORTED) or command.name[:3] in _REFUSED:
             self._refuse(command)
         elif command.name in _APERTURES:
             self._take_aperture(command)
@@ -185,7 +196,7 @@ class _Reader:
         """A command about one surface: the last one that began, or the one that it names."""
         words = command.words
         named = words and _SURFACE.fullmatch(words[0].upper())
-        surface = self._find_glass(words[0].upper(), command.line) if named else self._surfaces[-1]
+        surface = self._find(words[0].upper(), command.line) if named else self._surfaces[-1]
         if named:
             words = words[1:]
         name, line, label = command.name[:3], command.line, surface.label
@@ -221,14 +232,25 @@ class _Reader:
             surface.radius = _inverse(self._text.number(word, what, line, surface.label))
 
     def _refuse(self, command: _Command) -> None:
-        """Refuse unsupported commands. Tilts of 0 are accepted."""
+        """Refuse unsupported commands. Tilts of 0 are accepted, and surfaces that refract."""
+        named = [word.upper() for word in command.words if _SURFACE.fullmatch(word.upper())]
         label = self._surfaces[-1].label if self._surfaces else ""
+        label = self._find(named[0], command.line).label if named else label
         words = [word for word in command.words if not _SURFACE.fullmatch(word.upper())]
-        if command.name in _TILTS and not any(self._text.number(word, "tilt", command.line, label) for word in words):
+        if command.name in _TILTS:
+            if not any(self._text.number(word, f"tilt ({command.name})", command.line, label) for word in words):
+                return
+            raise self._text.error(f"{_TILT} ({command.name} {words[0]}) are not supported", command.line, label)
+        if command.name == "RMD" and not (words and words[0].upper().startswith("REFL")):
             return
-        raise self._text.error(f"{command.name} is not supported", command.line, label)
+        what = _REFUSED.get(command.name[:3])
+        raise self._text.error(
+            f"{what} ({command.name}) are not supported" if what else f"{command.name} is not supported",
+            command.line,
+            label,
+        )
 
-    def _find_glass(self, name: str, line: int) -> DraftSurface:
+    def _find(self, name: str, line: int) -> DraftSurface:
         number = {"SO": 0, "SI": len(self._surfaces) - 1, "S": len(self._surfaces) - 1}.get(name)
         number = int(name[1:]) if number is None else number
         if number >= len(self._surfaces):
@@ -239,7 +261,7 @@ class _Reader:
         if name.upper() in ("", "AIR"):
             return AIR
         if name.upper().startswith("REFL"):
-            raise self._text.error("mirrors are not supported", line, label)
+            raise self._text.error("mirrors (REFL) are not supported", line, label)
         plain = name.strip("'\"")
         glass = self._private.find(plain) or self._glasses.find(plain, line, label)
         return check_glass(self._text, glass, line, label)

@@ -15,6 +15,7 @@ MAX_BYTES = 2**20  # a zoom of fifty surfaces with all its coatings takes some t
 
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?", re.ASCII)  # d: of Fortran
 _INFINITY = re.compile(r"([+-]?)inf(inity)?", re.IGNORECASE)
+_SAMPLE = 512  # bytes that tell the encoding
 _LONGEST_NUMBER = 40  # characters
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0e-\x19\x1b-\x1f\x7f]")  # ^Z (1a) ends old files, form feeds part their pages
 
@@ -95,7 +96,7 @@ class LensText:
 
 
 def decode(data: bytes, name: str, at_most: int = MAX_BYTES) -> LensText:
-    """The text of a lens file: UTF-16 (as Zemax writes it), UTF-8 or any 8-bit encoding.
+    """The text of a lens file: UTF-16 (as Zemax writes it, with or without its mark), UTF-8 or any 8-bit encoding.
 
     Args:
         data: all of the file.
@@ -118,16 +119,24 @@ def decode(data: bytes, name: str, at_most: int = MAX_BYTES) -> LensText:
 
 
 def _decode(data: bytes) -> str | None:
-    is_utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    # UTF-16 that lost its mark: Latin text, so that every second byte is 0.
-    lost_mark = len(data) >= 4 and data[0] != 0 and data[1] == 0 and data[3] == 0
-    encodings = ["utf-16"] if is_utf16 else ["utf-16-le"] if lost_mark else ["utf-8-sig", "latin-1"]
-    for encoding in encodings:
+    marked = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    utf16 = "utf-16" if marked else _unmarked_utf16(data[:_SAMPLE])
+    if utf16 and len(data) > 4:
+        data = data[: len(data) // 2 * 2]  # a byte that is left over is half a character
+    for encoding in [utf16] if utf16 else ["utf-8-sig", "latin-1"]:
         try:
             return data.decode(encoding)
         except UnicodeDecodeError:
             continue
     return None
+
+
+def _unmarked_utf16(sample: bytes) -> str:
+    """Encoding of UTF-16 that lost its mark: its text is Latin for the most part, so that every second byte is 0."""
+    share = 0.8 * (len(sample) // 2)
+    if len(sample) < 4:
+        return ""
+    return "utf-16-le" if sample[1::2].count(0) >= share else "utf-16-be" if sample[::2].count(0) >= share else ""
 
 
 def _quote(text: str) -> str:

@@ -13,8 +13,8 @@
       CONI 2.0E-2
       DIAM 5.58 1 0 0 1 ""              semi-diameter
 
-What is not listed has no say in how light goes through a lens, or is refused: other surface types, mirrors, and
-non-sequential systems. Of several configurations the first is read.
+What is not listed has no say in how light goes through a lens, or is refused: other surface types, mirrors, tilts,
+and non-sequential systems. A COORDBRK whose decentres and tilts are all 0 is a plane in the medium before it.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
@@ -36,6 +37,17 @@ from render.optics.lens_files.zemax_configurations import OPERANDS, SOLVES, Zema
 _UNITS_MM = {"MM": 1.0, "CM": 10.0, "IN": 25.4, "INCH": 25.4, "INCHES": 25.4, "M": 1000.0, "METER": 1000.0}
 _TYPES = ("STANDARD", "EVENASPH")
 _PARAMETERS = tuple("12345678")
+_REFUSED_TYPES = {
+    "GRAD": "gradient-index glasses",
+    "GRIN": "gradient-index glasses",
+    "NONSEQ": "non-sequential components",
+    "TILTSURF": "tilted surfaces",
+    "IRREGULA": "tilts and decentres of a surface",
+    "BIREFRIN": "birefringent media",
+    "PARAXIAL": "ideal lenses without glass",
+}  # what it is, by the beginning of the type's name
+_BREAK = "COORDBRK"
+_TILTS = {"1": "decentre in x", "2": "decentre in y", "3": "tilt about x", "4": "tilt about y", "5": "tilt about z"}
 _MODEL_GLASS = "___BLANK"
 _MODEL_KIND = "1"
 _LARGEST_DEVIATION = 0.1  # of glasses; KZFS has -0.01
@@ -68,6 +80,7 @@ class _Reader:
         self._aperture = SystemAperture()
         self._configurations = ZemaxConfigurations(text)
         self._floats_by_stop = False
+        self._breaks: list[DraftSurface] = []
         self._is_asphere = False  # the surface that is being read
         self._of_system: dict[str, Callable[[list[str], str, int], None]] = {
             "MODE": self._mode,
@@ -114,6 +127,9 @@ class _Reader:
         if image.glass != AIR or image.thickness:
             why = "the last one must be the image, without glass or thickness: the file is cut off"
             raise self._error(image, why, len(self._text.lines))
+        for before, surface in pairwise(self._surfaces[:-1]):
+            if any(surface is each for each in self._breaks):
+                surface.glass = before.glass
         draft.surfaces = self._surfaces[1:-1]
         aperture = SystemAperture() if self._floats_by_stop else self._aperture
         kinds: dict[str, Quantity] = {"pupil": "pupil_diameter", "f_number": "f_number"}
@@ -164,6 +180,13 @@ class _Reader:
         surface.is_stop = True
 
     def _type(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
+        self._is_asphere = False
+        if _first(words).upper() == _BREAK:
+            self._breaks.append(surface)
+            return
+        for begin, what in _REFUSED_TYPES.items():
+            if _first(words).upper().startswith(begin):
+                raise self._error(surface, f"{what} (TYPE {words[0][:20]}) are not supported", line)
         if _first(words).upper() not in _TYPES:
             kind = _first(words) or "nothing"
             raise self._error(surface, f"surfaces of TYPE {' and '.join(_TYPES)} are supported, got {kind}", line)
@@ -187,6 +210,9 @@ class _Reader:
         surface.conic = self._number(surface, _first(words), "conic constant (CONI)", line)
 
     def _parameter(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
+        if any(surface is each for each in self._breaks):
+            self._break(surface, words, line)
+            return
         if not self._is_asphere:  # a sphere has parameters without meaning
             return
         number, value = _first(words), words[1] if len(words) > 1 else ""
@@ -198,10 +224,17 @@ class _Reader:
         elif term:
             raise self._error(surface, f"PARM {number[:9]} must be 0: an even asphere has those from 1 to 8", line)
 
+    def _break(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
+        """Refuse a decentre (PARM 1 and 2) or a tilt (3 to 5)."""
+        number, value = _first(words), words[1] if len(words) > 1 else ""
+        if number in _TILTS and self._number(surface, value, f"{_TILTS[number]} (PARM {number})", line):
+            what = f"{_TILTS[number]} of {value}"
+            raise self._error(surface, f"decentres and tilts ({_BREAK}) are not supported, got a {what}", line)
+
     def _glass(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         name = _first(words)
         if name.upper() == "MIRROR":
-            raise self._error(surface, "mirrors are not supported", line)
+            raise self._error(surface, "mirrors (GLAS MIRROR) are not supported", line)
         if name == _MODEL_GLASS or words[1:2] == [_MODEL_KIND]:
             surface.glass = self._model(surface, words, line)
             return

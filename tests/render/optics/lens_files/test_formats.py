@@ -80,11 +80,23 @@ def test_zemax_surfaces_with_their_asphere_and_glasses() -> None:
     assert lens.f_stop == pytest.approx(first_order(lens).focal_length_mm / 14.2857)
 
 
-@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-8-sig", "latin-1"])
-def test_zemax_files_are_read_in_any_encoding(encoding: str) -> None:
-    with_umlaut = TRIPLET_ZMX.replace("A triplet", "Trioplan für Porträts")
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be", "utf-8", "utf-8-sig", "latin-1"])
+def test_files_are_read_in_any_encoding(encoding: str, end: str) -> None:
+    with_umlaut = TRIPLET_ZMX.replace("A triplet", "Trioplan für Porträts").replace("\n", end)
     lens = parse_lens_file(with_umlaut.encode(encoding), "triplet.zmx")
     assert lens.name == "Trioplan für Porträts"
+    assert lens.surfaces == _read("triplet.zmx", TRIPLET_ZMX).surfaces
+
+
+def test_utf16_of_big_endian_machines_has_a_mark_too() -> None:
+    data = b"\xfe\xff" + ZOOM_TXT.encode("utf-16-be")
+    assert parse_lens_file(data, "zoom").surfaces == _read("zoom.txt", ZOOM_TXT).surfaces
+
+
+def test_a_half_character_at_the_end_is_ignored() -> None:
+    data = ("é" + TRIPLET_ZMX).encode("utf-16-le")[2:] + b"\n"
+    assert parse_lens_file(data, "triplet.zmx").surfaces == _read("triplet.zmx", TRIPLET_ZMX).surfaces
 
 
 def test_inches_become_millimetres_to_the_last_coefficient() -> None:

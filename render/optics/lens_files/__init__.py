@@ -1,5 +1,5 @@
-"""Prescriptions from the files that people have lenses in: pbrt `.dat`, Zemax `.zmx`, CODE V `.seq`, Optical Bench `.txt`; and
-data sheets from `.lens` files.
+"""Prescriptions from the files that people have lenses in: pbrt and ISET `.dat`, Zemax `.zmx`, CODE V `.seq`, Optical Bench
+`.txt`, rayoptics `.roa`, optiland `.json`; and data sheets from `.lens` files.
 
 Readers return the file's own values: `render.optics.prescription.completion.complete_prescription` computes missing ones.
 """
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 Reader = Callable[[LensText, "FileGlasses"], Prescription]
 
-LENS_FILE_SUFFIXES = (".dat", ".zmx", ".seq", ".txt", SUFFIX)
-_BY_SUFFIX = {".dat": "pbrt", ".zmx": "zemax", ".seq": "code_v"}
+LENS_FILE_SUFFIXES = (".dat", ".zmx", ".seq", ".txt", ".roa", ".json", SUFFIX)
+_BY_SUFFIX = {".dat": "pbrt", ".zmx": "zemax", ".seq": "code_v", ".roa": "rayoptics"}
+_JSON_BY_KEY = {'"surface_group"': "optiland", '"optical_model"': "rayoptics"}
 _BY_CONTENT = (
     (r"^[ \t]*\[lens data\]", "optical_bench"),
     (r"^[ \t]*SURF[ \t]+\d+[ \t]*$", "zemax"),
@@ -36,7 +37,8 @@ def read_lens_file(path: str | Path, allow_unknown_glass: bool = False) -> Presc
     """Read the lens of a file. Its format follows from the suffix, else from the content.
 
     Args:
-        path: of a .dat, .zmx, .seq or Optical Bench .txt file. Glass catalogues (.agf) in its folder win over the makers'.
+        path: of a .dat, .zmx, .seq, Optical Bench .txt, .roa or optiland .json file. Glass catalogues (.agf) in its folder win
+            over the makers'.
         allow_unknown_glass: take glass that no catalogue has by the index and the Abbe number beside its name.
 
     Raises:
@@ -118,6 +120,10 @@ def _reader(name: str) -> Reader:
         from render.optics.lens_files.zemax import read_zemax as read
     elif name == "code_v":
         from render.optics.lens_files.code_v import read_code_v as read
+    elif name == "rayoptics":
+        from render.optics.lens_files.rayoptics import read_rayoptics as read
+    elif name == "optiland":
+        from render.optics.lens_files.optiland import read_optiland as read
     else:
         from render.optics.lens_files.optical_bench import read_optical_bench as read
     return read
@@ -128,10 +134,17 @@ def _format_of(text: LensText) -> str:
     if suffix in _BY_SUFFIX:
         return _BY_SUFFIX[suffix]
     content = "\n".join(text.lines)
+    if content.lstrip().startswith("{"):
+        for key, name in _JSON_BY_KEY.items():
+            if key in content:
+                return name
     for pattern, name in _BY_CONTENT:
         if re.search(pattern, content, re.MULTILINE | re.IGNORECASE):
             return name
-    expected = "pbrt's .dat, Zemax's .zmx, CODE V's .seq, Optical Bench's .txt or a data sheet's .lens"
+    expected = (
+        "pbrt's .dat, Zemax's .zmx, CODE V's .seq, Optical Bench's .txt, rayoptics' .roa, optiland's .json "
+        "or a data sheet's .lens"
+    )
     raise InputError(
         f"{text.name} is no lens file that is known: expected {expected}", code="bad_lens_file", path=text.name
     )

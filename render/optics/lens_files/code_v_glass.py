@@ -72,7 +72,7 @@ class PrivateGlasses:
         if wavelengths.max() > _LONGEST_NM:
             raise self._text.error(f"wavelengths (PWL) must be at most {_LONGEST_NM:g} nm", line)
         indices = np.array([self._text.number(word, f"index of glass {name}", line, at_least=1) for word in words])
-        self._glasses[name.upper()] = check_glass(self._text, _fit(name, wavelengths, indices), line, "")
+        self._glasses[name.upper()] = check_glass(self._text, fit_indices(name, wavelengths, indices), line, "")
 
     def _by_laurent(self, line: int, name: str, words: Sequence[str]) -> Glass:
         if not 2 <= len(words) <= len(_LAURENT):
@@ -85,10 +85,15 @@ class PrivateGlasses:
         return check_glass(self._text, Glass(index, abbe, name=name, dispersion=dispersion), line, "")
 
 
-def _fit(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> Glass:
+def fit_indices(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> Glass:
     """The glass through some indices: n = A + B/L² + C/L⁴ + D·L², as many terms as there are indices, by least squares.
 
     One or two indices do not tell how the dispersion bends: then it is that of a glass of this index and Abbe number.
+
+    Args:
+        name: of the glass.
+        wavelengths_nm: of the indices.
+        indices: at these wavelengths.
     """
     powers = _POWERS[: len(indices)]
     coefficients = np.linalg.lstsq((wavelengths_nm[:, None] / 1000) ** powers, indices, rcond=None)[0]

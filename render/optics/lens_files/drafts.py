@@ -28,7 +28,7 @@ class DraftSurface:
 
     Attributes:
         label: as the file counts it.
-        line: first line, counted from 1.
+        line: first line, counted from 1; 0 in a file whose lines say nothing.
         radius: of curvature; 0 is a plane.
         thickness: to the next surface.
         glass: the medium behind it.

@@ -37,11 +37,11 @@ class LensText:
 
         Args:
             what: the rest of the sentence.
-            line: counted from 1.
+            line: counted from 1; 0 and None where there is none.
             surface: as the file counts it.
         """
         places = [self.name]
-        places += [f"line {line}"] if line is not None else []
+        places += [f"line {line}"] if line else []
         places += [f"surface {surface}"] if surface else []
         return InputError(f"{', '.join(places)}: {what}", code="bad_lens_file", path=self.name)
 

@@ -11,6 +11,7 @@ with the conic constant K and the aspheric coefficients A_0 (of r⁴), A_1 (of r
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal
@@ -85,6 +86,23 @@ class Surface:
 
 
 @dataclass(frozen=True)
+class Configuration:
+    """Places of a lens's groups at one position of zoom and focus.
+
+    Attributes:
+        thicknesses_mm: along the axis from each surface to the next; of the last one, to the film (0 where it is to be solved for).
+        object_mm: distance from the object in focus to surface 1; infinite for infinity.
+        focal_length_mm: of the zoom position, focused at infinity, as it is stated; 0 where it is not.
+        f_stop: wide open; 0 where it is unknown.
+    """
+
+    thicknesses_mm: tuple[float, ...]
+    object_mm: float = math.inf
+    focal_length_mm: float = 0.0
+    f_stop: float = 0.0
+
+
+@dataclass(frozen=True)
 class Prescription:
     """The surfaces of a lens from front to rear.
 
@@ -95,6 +113,8 @@ class Prescription:
         f_stop: f-number of the real beam wide open; 0 where it is unknown. It limits the stop, whose own diameter may cut it.
         name: for messages.
         notes: values that were computed or approximated, one sentence each.
+        configurations: positions of zoom and focus (`render.optics.prescription.zooming`). Those that are focused nearer than
+            infinity say how the groups move to focus, and win over ``focus_group``. Empty for a lens of one position.
     """
 
     surfaces: tuple[Surface, ...]
@@ -102,6 +122,7 @@ class Prescription:
     f_stop: float = 0.0
     name: str = ""
     notes: tuple[str, ...] = ()
+    configurations: tuple[Configuration, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -286,8 +307,8 @@ class Lens:
     Attributes:
         model: which of the fields below hold.
         name: name, such as "Zeiss Planar 50/1.4".
-        prescription: for the models spherical, heightField (two surfaces) and prescription. It is scaled to the camera's focal
-            length, so that the field of view stays what the camera says.
+        prescription: for the models spherical, heightField (two surfaces) and prescription. A zoom is set to the camera's focal
+            length; any other lens is scaled to it, so that the field of view stays what the camera says.
         seidel: for the model seidel.
         data_sheet: for the model dataSheet.
         height_field: for the model heightField.

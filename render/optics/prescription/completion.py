@@ -8,7 +8,7 @@ import numpy as np
 
 from render.errors import SettingsError
 from render.model.arrays import DoubleArray
-from render.model.lens import Prescription, Surface
+from render.model.lens import Configuration, Prescription, Surface
 from render.optics.prescription.beams import axial_beam
 from render.optics.prescription.clear_diameters import with_clear_diameters
 from render.optics.prescription.f_numbers import (
@@ -24,6 +24,7 @@ from render.optics.prescription.stop_placement import with_stop
 from render.optics.prescription.surface_shape import extent_mm
 from render.optics.prescription.tracing import Fate, TracedRays, trace_forward
 from render.optics.prescription.validation import FASTEST_F_STOP, bad_lens, check_overlaps, check_prescription
+from render.optics.prescription.zooming import in_first_position
 
 _WAYS_TO_FAIL = {
     Fate.BLOCKED: "its rim blocks",
@@ -39,7 +40,7 @@ _SAME = 1e-6  # share of an f-number or of a radius
 def complete_prescription(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
     """Check a prescription and compute missing values: stop, aperture, back focus, clear diameters.
 
-    In this order: the stop's place (`render.optics.prescription.stop_placement`); the stop's diameter, by the real ray of the
+    A zoom that is not set to a focal length is set to that of its surfaces. Then, in this order: the stop's place (`render.optics.prescription.stop_placement`); the stop's diameter, by the real ray of the
     stated f-number (`render.optics.prescription.f_numbers`), which a stop that is given narrower cuts, or without one by the
     widest beam on the axis that all rims let through; the back focal distance at the d line; the clear diameters
     (`render.optics.prescription.clear_diameters`); the f-number of the beam that comes through all of it.
@@ -59,6 +60,7 @@ def complete_prescription(prescription: Prescription, *, image_height_mm: float 
     if not 0 < image_height_mm < float("inf"):
         raise SettingsError(f"the image height that a lens covers must be a positive number, got {image_height_mm} mm")
     check_prescription(prescription)
+    prescription = in_first_position(prescription)
     whole = with_clear_diameters(_with_back_focus(_with_aperture(with_stop(prescription))), image_height_mm)
     check_overlaps(whole)
     return _with_real_f_number(_check_light(whole), prescription.f_stop)
@@ -78,7 +80,17 @@ def scale_prescription(prescription: Prescription, factor: float) -> Prescriptio
     if abs(factor - 1) > _ROUNDED and any(" mm" in note for note in notes):
         notes = (*notes, f"Lengths in these notes are from before the lens was scaled by {factor:.4g}.")
     surfaces = tuple(_scale_surface(surface, factor) for surface in prescription.surfaces)
-    return replace(prescription, surfaces=surfaces, notes=notes)
+    configurations = tuple(_scale_configuration(each, factor) for each in prescription.configurations)
+    return replace(prescription, surfaces=surfaces, notes=notes, configurations=configurations)
+
+
+def _scale_configuration(configuration: Configuration, factor: float) -> Configuration:
+    return replace(
+        configuration,
+        thicknesses_mm=tuple(thickness * factor for thickness in configuration.thicknesses_mm),
+        object_mm=configuration.object_mm * factor,
+        focal_length_mm=configuration.focal_length_mm * factor,
+    )
 
 
 def _scale_surface(surface: Surface, factor: float) -> Surface:

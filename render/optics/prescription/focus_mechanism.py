@@ -3,7 +3,8 @@
 The film stays where it is with the lens focused at infinity. For any position of the moving glass, the film has one image in
 object space to first order; focusing finds the position at which that image lies at the object distance.
 
-A *shift* is along z in mm: negative toward the scene. *Nearness* is one over the distance from the entrance pupil, 1/mm.
+A *shift* is along z in mm: negative toward the scene. Where several groups move each in its own way, it is a place on that way:
+from 0 at infinity upward (`render.optics.prescription.focus_path`). *Nearness* is one over the distance from the entrance pupil, 1/mm.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from render.errors import SettingsError
 from render.model.arrays import DoubleArray
 from render.model.lens import Prescription
 from render.optics.prescription.beams import best_focus_mm
+from render.optics.prescription.focus_path import FocusPath
 from render.optics.prescription.paraxial import (
     ParaxialSystem,
     entrance_pupil,
@@ -75,8 +77,9 @@ class FocusMechanism:
         prescription: focused at infinity.
         system: its paraxial system at the d line.
         film_mm: z of the film.
-        moving: first and last surface that move.
+        moving: first and last surface that move, without a path.
         stop: index of the aperture stop.
+        path: of several groups; None where one moves.
     """
 
     prescription: Prescription
@@ -84,6 +87,7 @@ class FocusMechanism:
     film_mm: float
     moving: tuple[int, int]
     stop: int
+    path: FocusPath | None
 
     @classmethod
     def from_prescription(cls, prescription: Prescription) -> FocusMechanism:
@@ -91,15 +95,18 @@ class FocusMechanism:
         last = len(prescription.surfaces) - 1
         film_mm = float(vertices(prescription)[-1]) + prescription.surfaces[-1].thickness_mm
         moving = prescription.focus_group or (0, last)
-        return cls(prescription, paraxial_system(prescription), film_mm, moving, stop_index(prescription))
+        path = FocusPath.from_prescription(prescription)
+        return cls(prescription, paraxial_system(prescription), film_mm, moving, stop_index(prescription), path)
 
     @property
     def whole(self) -> bool:
-        """Whether the whole lens moves."""
-        return self.moving == (0, len(self.system.powers) - 1)
+        """Whether the whole lens moves as one."""
+        return self.path is None and self.moving == (0, len(self.system.powers) - 1)
 
     def shifted_vertices(self, shift_mm: float) -> DoubleArray:
         """z of the vertices ``(n,)``, mm, with the moving glass shifted."""
+        if self.path is not None:
+            return self.film_mm + self.path.places(shift_mm)
         moved = self.system.vertices_mm.copy()
         moved[self.moving[0] : self.moving[1] + 1] += shift_mm
         return moved
@@ -161,7 +168,7 @@ class FocusMechanism:
         low, high = self.travel()
         if abs(self.film_through_lens(0.0).miss(nearness)) < _SHARP:
             return 0.0
-        for end in sorted((low, high), key=abs):
+        for end in sorted((low, high), key=abs) if self.path is None else (high, low):
             shifts = np.linspace(0.0, end, _PLACES)
             seen = [self.film_through_lens(shift) for shift in shifts]
             misses = np.array([film.miss(nearness) for film in seen])
@@ -181,7 +188,9 @@ class FocusMechanism:
         return (start + end) / 2
 
     def travel(self) -> tuple[float, float]:
-        """Travel of the group: toward the scene (at most 0) and toward the film (at least 0), mm."""
+        """Ends of the travel, mm: of a group toward the scene (at most 0) and toward the film (at least 0); or of the path."""
+        if self.path is not None:
+            return self.path.travel()
         surfaces, (first, last) = self.prescription.surfaces, self.moving
         focal_mm = 1 / abs(float(transfer(self.system, 0, len(surfaces))[1][0]))
         front, behind = LONGEST_WAY * focal_mm, surfaces[last].thickness_mm
@@ -196,22 +205,30 @@ class FocusMechanism:
     def _out_of_reach(self, nearness: float, low: float, high: float) -> SettingsError:
         """Error with the range that the group reaches, and the reason for its end."""
         first, last = self.moving
+        what = f"surfaces {first + 1} to {last + 1}" if self.path is None else "its groups"
         shifts = np.linspace(low, high, 2 * _PLACES)
         reached = {shift: seen for shift in shifts if (seen := self.film_through_lens(shift).nearness) is not None}
         if not reached:
-            return self._refusal(nearness, f"wherever surfaces {first + 1} to {last + 1} are moved, no object is sharp")
+            return self._refusal(nearness, f"wherever {what} are moved, no object is sharp")
         if not any(reached.values()):
-            return self._refusal(nearness, f"moving surfaces {first + 1} to {last + 1} leaves it sharp at infinity")
+            return self._refusal(nearness, f"moving {what} leaves it sharp at infinity")
         shift = max(reached, key=lambda shift: reached[shift])
         if nearness < reached[shift]:
             return self._refusal(nearness, f"the farthest that it reaches is {_metres(min(reached.values()))}")
+        front = None
         if shift in (low, high):
-            front = first if shift == low else last + 1
+            front = self._touching(at_high_end=shift == high)
+        if front is not None:
             neighbour = f"surface {front + 1}" if front < len(self.system.powers) else "the film"
             return self._too_near(nearness, reached[shift], f"where surface {front} and {neighbour} touch")
-        return self._too_near(
-            nearness, reached[shift], f"with surfaces {first + 1} to {last + 1} moved by {shift:.4g} mm"
-        )
+        return self._too_near(nearness, reached[shift], f"with {what} moved by {shift:.4g} mm")
+
+    def _touching(self, at_high_end: bool) -> int | None:
+        """Number, from 1, of the surface that touches the next one, or the film, at an end of the travel."""
+        if self.path is None:
+            return self.moving[1] + 1 if at_high_end else self.moving[0]
+        front = self.path.touching(at_high_end)
+        return None if front is None else front + 1
 
     def _too_near(self, nearness: float, nearest: float, reason: str) -> SettingsError:
         return self._refusal(nearness, f"the nearest that it reaches is {_metres(nearest)}, {reason}")

@@ -1,7 +1,8 @@
 """A camera's glass as it stands before the film: completed, scaled to the camera's focal length, and focused.
 
-A prescription is as long as its camera's focal length says, as if it were built for it: the field of view stays what focal length
-and film gate say, and an f-number does not change with scale.
+A lens of one focal length is as long as its camera's focal length says, as if it were built for it: the field of view stays what
+focal length and film gate say, and an f-number does not change with scale. A zoom is set to the camera's focal length; beyond its
+range the nearer end is scaled.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from render.model.lens import Prescription
 from render.optics.prescription.completion import complete_prescription, scale_prescription
 from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.paraxial import first_order
+from render.optics.prescription.zooming import set_focal_length, zoom_of
 
 PRESCRIBED = ("spherical", "heightField", "prescription")
 """Models that have surfaces."""
@@ -73,8 +75,20 @@ def nearer_than_marked(camera: Camera) -> bool:
     return marked_m > 0 and distance_from_film_m(camera) < marked_m * (1 - _MARK_WIDTH)
 
 
+def beyond_zoom_range(camera: Camera) -> tuple[float, float] | None:
+    """Range of the camera's zoom, shortest and longest focal length in mm, where its own is not in it; else None.
+
+    Raises:
+        InputError: the prescription is no lens.
+    """
+    prescription = camera.lens.prescription
+    zoom = zoom_of(prescription) if has_surfaces(camera) and prescription is not None else None
+    return None if zoom is None or zoom.holds(camera.focal_length_mm) else (zoom.shortest_mm, zoom.longest_mm)
+
+
 @lru_cache(maxsize=64)
 def scale_to(prescription: Prescription, focal_length_mm: float, image_height_mm: float) -> Prescription:
+    prescription = set_focal_length(prescription, focal_length_mm)
     own = first_order(complete_prescription(prescription, image_height_mm=image_height_mm)).focal_length_mm
     # completed again at its own scale, since computed values depend on the film format
     whole = complete_prescription(prescription, image_height_mm=image_height_mm * own / focal_length_mm)

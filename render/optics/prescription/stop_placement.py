@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.model.lens import Prescription, Surface
+from render.model.lens import Configuration, Prescription, Surface
 from render.optics.prescription.paraxial import ParaxialSystem, paraxial_ray, paraxial_system, transfer
 from render.optics.prescription.seidel_sums import fourth_power_terms, third_order
 
@@ -67,4 +67,17 @@ def _with_stop_in(prescription: Prescription, gap: int, share: float) -> Prescri
         f"No surface was the aperture stop: one was put {near:.4g} mm behind surface {gap + 1}, where third-order coma is least; "
         f"it is surface {gap + 2} now."
     )
-    return replace(prescription, surfaces=tuple(surfaces), focus_group=group, notes=(*prescription.notes, note))
+    return replace(
+        prescription,
+        surfaces=tuple(surfaces),
+        focus_group=group,
+        configurations=tuple(_with_gap_split(each, gap, share) for each in prescription.configurations),
+        notes=(*prescription.notes, note),
+    )
+
+
+def _with_gap_split(configuration: Configuration, gap: int, share: float) -> Configuration:
+    """Configuration with a stop at that share of a gap."""
+    lengths = configuration.thicknesses_mm
+    parts = share * lengths[gap], (1 - share) * lengths[gap]
+    return replace(configuration, thicknesses_mm=(*lengths[:gap], *parts, *lengths[gap + 1 :]))

@@ -14,6 +14,7 @@ from render.optics.prescription.surface_shape import clearance_mm, conic_extent_
 
 MAX_SURFACES = 200
 MAX_ASPHERIC_TERMS = 10
+MAX_CONFIGURATIONS = 64
 _LARGEST_INDEX = 5.0  # germanium has 4
 _LEAST_ABBE = 1.0  # the densest flints have about 15
 _LARGEST_NUMBER = 1e5  # mm, for lengths along the axis and across it: a hundred metres
@@ -34,6 +35,31 @@ def check_prescription(prescription: Prescription) -> None:
         _check_extent(prescription, i, surface)
     _check_whole(prescription)
     check_overlaps(prescription)
+
+
+def check_configurations(prescription: Prescription) -> None:
+    """Raise `InputError` for positions of zoom and focus that no lens has."""
+    configurations, count = prescription.configurations, len(prescription.surfaces)
+    if len(configurations) > MAX_CONFIGURATIONS:
+        raise bad_lens(prescription, f"expected at most {MAX_CONFIGURATIONS} configurations, got {len(configurations)}")
+    for number, configuration in enumerate(configurations, 1):
+        begin = f"configuration {number}"
+        if len(configuration.thicknesses_mm) != count:
+            got = f"{begin} must have {count} thicknesses, one for each surface"
+            raise bad_lens(prescription, f"{got}, got {len(configuration.thicknesses_mm)}")
+        for i, thickness in enumerate(configuration.thicknesses_mm):
+            if not 0 <= thickness <= _LARGEST_NUMBER:
+                what = f"its thickness in {begin} must be from 0 to {_LARGEST_NUMBER:g} mm, got {thickness:g} mm"
+                raise bad_lens(prescription, what, i)
+        if not configuration.object_mm > 0:
+            what = f"the object of {begin} must be before the lens"
+            raise bad_lens(prescription, f"{what}, got {configuration.object_mm:g} mm")
+        if not 0 <= configuration.focal_length_mm <= _LARGEST_NUMBER:
+            what = f"the focal length of {begin} must be from 0 (unknown) to {_LARGEST_NUMBER:g} mm"
+            raise bad_lens(prescription, f"{what}, got {configuration.focal_length_mm:g} mm")
+        if not (configuration.f_stop == 0 or FASTEST_F_STOP <= configuration.f_stop < np.inf):
+            what = f"the f-number of {begin} must be 0 (unknown) or from {FASTEST_F_STOP:g} up"
+            raise bad_lens(prescription, f"{what}, got {configuration.f_stop:g}")
 
 
 def bad_lens(prescription: Prescription, what: str, surface: int | None = None) -> InputError:

@@ -42,7 +42,7 @@ class LibraryLens:
     Attributes:
         name: on the command line and over REST, such as ``planar_50``.
         description: one line.
-        focal_length_mm: of the lens.
+        focal_length_mm: of the lens; of a zoom, where it is mounted.
         f_stop: wide open; 0 for a pinhole.
         lens: what LensAPI says of it.
         aperture: what ApertureAPI says of its iris; None where any iris goes with it.
@@ -62,6 +62,21 @@ class LibraryLens:
     source: str = ""
     year: int | None = None
     stated: StatedNumbers | None = None
+
+    @property
+    def focal_length_range_mm(self) -> tuple[float, float] | None:
+        """Shortest and longest focal length of a zoom; None for a lens without zoom."""
+        return zoom_range_mm(self.lens)
+
+
+def zoom_range_mm(lens: LensData) -> tuple[float, float] | None:
+    """Shortest and longest focal length that a lens's configurations state; None where they state one alone or none."""
+    positions = lens.configurations
+    near = positions.object_distance or (0.0,) * len(positions.focal_length)
+    stated = [
+        focal for focal, distance in zip(positions.focal_length, near, strict=False) if distance == 0 and focal > 0
+    ]
+    return (min(stated), max(stated)) if stated and min(stated) < max(stated) else None
 
 
 def lens_names() -> list[str]:

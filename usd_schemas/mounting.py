@@ -9,9 +9,9 @@ from pxr import Usd
 from usd_schemas import binding
 from usd_schemas.applying import applied
 from usd_schemas.keys import following_interpolation, set_key
-from usd_schemas.lens_library import library_lenses
-from usd_schemas.settings import ApertureData, DataSheet, HeightField, LensData, Prescription, Seidel
-from usd_schemas.units import tenths_from_mm
+from usd_schemas.lens_library import library_lenses, zoom_range_mm
+from usd_schemas.settings import ApertureData, Configurations, DataSheet, HeightField, LensData, Prescription, Seidel
+from usd_schemas.units import mm_from_tenths, tenths_from_mm
 from usd_schemas.values import is_animated, read_value, stored_value, usd_value
 from usd_schemas.view import LensCamera
 
@@ -29,7 +29,12 @@ _BARREL = (
     "lens:pupilMagnification",
     "lens:entrancePupilOffset",
 )
-_GLASS = tuple(name for kind in (Prescription, Seidel, HeightField, DataSheet) for name in binding.property_names(kind))
+_GLASS = tuple(
+    name
+    for kind in (Prescription, Configurations, Seidel, HeightField, DataSheet)
+    for name in binding.property_names(kind)
+)
+_ROUNDED = 1e-3  # share of a focal length: who sets a zoom to its end is within its range
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ class Mounted:
     """Changes that mounting a lens made to the camera's own numbers.
 
     Attributes:
-        focal_length_mm: what it is now.
+        focal_length_mm: what it is now; None where the camera's stayed.
         f_stop: what the smallest of its f-numbers was raised to; None where none had to be.
     """
 
@@ -61,7 +66,8 @@ def mount_lens(
     Args:
         camera: the camera.
         lens: what LensAPI shall say.
-        focal_length_mm: of the lens; None keeps the camera's.
+        focal_length_mm: of the lens; None keeps the camera's. A zoom keeps the camera's where its range has one of them, and
+            else takes the nearer end of its range.
         f_stop: the lens's f-number wide open; the camera's are raised to it. 0 leaves them.
         aperture: the lens's own iris; None keeps the camera's.
 
@@ -74,10 +80,24 @@ def mount_lens(
     if aperture is not None:
         with applied(camera.prim, "ApertureAPI"):
             _author(camera.prim, aperture, tuple(binding.property_names(ApertureData)))
+    if focal_length_mm is not None and (zoom_mm := zoom_range_mm(lens)) is not None:
+        focal_length_mm = _outside(camera, zoom_mm)
     if focal_length_mm is not None:
         attribute = camera.prim.GetAttribute("focalLength")
         binding.author_for_all_time(attribute, tenths_from_mm(focal_length_mm, camera.prim.GetStage()))
     return Mounted(focal_length_mm, f_stop if _raise_f_stop(camera.prim, f_stop) else None)
+
+
+def _outside(camera: LensCamera, zoom_mm: tuple[float, float]) -> float | None:
+    """End of a zoom's range that is nearest to the camera's first focal length; None where the range has one of them."""
+    attribute, stage = camera.prim.GetAttribute("focalLength"), camera.prim.GetStage()
+    animated = is_animated(attribute)
+    tenths = [key.value for key in camera.keys("focalLength")] if animated else [read_value(attribute)]
+    lengths_mm = [mm_from_tenths(float(value), stage) for value in tenths if value is not None]
+    shortest, longest = zoom_mm
+    if not lengths_mm or any(shortest * (1 - _ROUNDED) <= each <= longest * (1 + _ROUNDED) for each in lengths_mm):
+        return None
+    return shortest if lengths_mm[0] < shortest else longest
 
 
 def _take_off_iris(camera: LensCamera) -> None:

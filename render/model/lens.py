@@ -90,7 +90,8 @@ class Configuration:
     """Places of a lens's groups at one position of zoom and focus.
 
     Attributes:
-        thicknesses_mm: along the axis from each surface to the next; of the last one, to the film (0 where it is to be solved for).
+        thicknesses_mm: along the axis from each surface to the next; of the last one, to the film (0 where it is
+            solved for).
         object_mm: distance from the object in focus to surface 1; infinite for infinity.
         focal_length_mm: of the zoom position, focused at infinity, as it is stated; 0 where it is not.
         f_stop: wide open; 0 where it is unknown.

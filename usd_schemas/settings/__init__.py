@@ -12,6 +12,7 @@ from usd_schemas.settings.focus import FocusData, FocusMode
 from usd_schemas.settings.focus_point import FocusPoint, FocusPointKind
 from usd_schemas.settings.grade import GradeData
 from usd_schemas.settings.lens import LensData, LensModel
+from usd_schemas.settings.lens_configurations import Configurations
 from usd_schemas.settings.lens_errors import AberrationScales, DataSheet, HydraDistortion, Seidel, SplitDiopter
 from usd_schemas.settings.metering import Exposing, Metering, Shutter
 from usd_schemas.settings.prescription import HeightField, Prescription
@@ -23,6 +24,7 @@ __all__ = [
     "ApertureData",
     "Asset",
     "CharacteristicCurve",
+    "Configurations",
     "DataSheet",
     "Exposing",
     "FilmData",

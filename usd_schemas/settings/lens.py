@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from usd_schemas.settings.lens_configurations import Configurations
 from usd_schemas.settings.lens_errors import AberrationScales, DataSheet, HydraDistortion, Seidel, SplitDiopter
 from usd_schemas.settings.prescription import HeightField, Prescription
 from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, Range, Slider, group, schema_group, setting
@@ -219,6 +220,7 @@ class LensData:
         slider=Slider(0, 5, 0.25, unit="×", zero="off", label="Star", panel="glass"),
     )
     prescription: Prescription = group(Prescription)
+    configurations: Configurations = group(Configurations)
     seidel: Seidel = group(Seidel)
     height_field: HeightField = group(HeightField)
     data_sheet: DataSheet = group(DataSheet)

@@ -135,6 +135,31 @@ def prescription(prim: Usd.Prim) -> Iterator[Fault]:
         yield Fault(path, f"the focus group must be surfaces 0 <= first <= last < {count}, got ({first}, {last})")
 
 
+def configurations(prim: Usd.Prim) -> Iterator[Fault]:
+    """The positions of zoom and focus belong to the surfaces, and are as many in every array."""
+    if not prim.HasAPI("LensAPI"):
+        return
+    lens = LensCamera(prim).lens.read()
+    surfaces, rows = len(lens.prescription.radius), lens.configurations
+    attribute = prim.GetAttribute("lens:configuration:thickness")
+    if rows.thickness and (surfaces == 0 or len(rows.thickness) % surfaces):
+        wanted = f"one entry for each of the {surfaces} surfaces in each position"
+        yield Fault(attribute.GetPath(), f"{attribute.GetName()} must have {wanted}, got {len(rows.thickness)}")
+        return
+    count = len(rows.thickness) // surfaces if surfaces else 0
+    yield from _entries_at_least(attribute, 0.0)
+    for name, values in (
+        ("objectDistance", rows.object_distance),
+        ("focalLength", rows.focal_length),
+        ("fStop", rows.f_stop),
+    ):
+        attribute = prim.GetAttribute(f"lens:configuration:{name}")
+        if len(values) not in (0, count):
+            wanted = f"{count} entries, one for each position of lens:configuration:thickness"
+            yield Fault(attribute.GetPath(), f"{attribute.GetName()} must have {wanted}, got {len(values)}")
+        yield from _entries_at_least(attribute, 0.0)
+
+
 def _entries_at_least(attribute: Usd.Attribute, least: float) -> Iterator[Fault]:
     for where, values in authored_values(attribute):
         for index, value in enumerate(values):
@@ -243,6 +268,7 @@ CAMERA_RULES = (
         Fix("ClampToLimit", "Set a value that does not change over time to the limit it passed.", _can_clamp, _clamp),
     ),
     Rule("Prescription", prescription.__doc__ or "", "error", "camera", prescription),
+    Rule("Configurations", configurations.__doc__ or "", "error", "camera", configurations),
     Rule("DataSheet", data_sheet.__doc__ or "", "error", "camera", data_sheet),
     Rule("Iris", iris.__doc__ or "", "error", "camera", iris),
     Rule("FilmCurves", film_curves.__doc__ or "", "error", "camera", film_curves),

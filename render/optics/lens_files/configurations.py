@@ -5,6 +5,7 @@ Zemax calls them configurations, CODE V zoom positions, Optical Bench variable d
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from render.errors import InputError
-from render.model.lens import Prescription
+from render.model.lens import Configuration, Prescription
 from render.optics.prescription.paraxial import focal_points, paraxial_system
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ Quantity = Literal[
 """Names a quantity: a focal length, an f-number and a magnification are as the file states them; an object's distance is before
 the first surface of the file, infinity where the object is far."""
 
-MAX_CONFIGURATIONS = 64
+_OF_FIRST = ("radius", "semi_diameter", "conic")
 _LENGTHS = ("thickness", "radius", "semi_diameter", "object_distance", "pupil_diameter", "focal_length")
 
 
@@ -192,19 +193,74 @@ def focal_lengths_mm(lens: Prescription, variations: Sequence[Variation], count:
     return tuple(lengths) if np.isfinite(lengths).all() else None
 
 
+def to_configurations(lens: Prescription, variations: Sequence[Variation], count: int) -> tuple[Configuration, ...]:
+    """Configurations of a prescription, of those whose object is before the lens; none where no space differs between them.
+
+    Args:
+        lens: at the first configuration.
+        variations: of it.
+        count: number of configurations.
+    """
+    stated = {each.quantity: each.values for each in variations if each.surface is None}
+    found: list[Configuration] = []
+    for index in range(count):
+        at = prescription_at(lens, variations, index)
+        film_mm = at.surfaces[-1].thickness_mm
+        thicknesses = (*(surface.thickness_mm for surface in at.surfaces[:-1]), max(film_mm, 0.0))
+        focal_mm, f_number, pupil_mm, object_mm, magnification = (
+            stated.get(name, (None,) * count)[index] for name in _OF_CONFIGURATION
+        )
+        if object_mm is None:
+            object_mm = _object_mm(at, film_mm) if magnification else math.inf
+        if f_number is None and pupil_mm:
+            f_number = _focal_mm(at) / pupil_mm
+        if object_mm > 0:
+            found.append(Configuration(thicknesses, object_mm, focal_mm or 0.0, f_number or 0.0))
+    return tuple(found) if len({each.thicknesses_mm for each in found}) > 1 else ()
+
+
+_OF_CONFIGURATION: tuple[Quantity, ...] = (
+    "focal_length",
+    "f_number",
+    "pupil_diameter",
+    "object_distance",
+    "magnification",
+)
+
+
+def _object_mm(lens: Prescription, film_mm: float) -> float:
+    """Distance of the film's paraxial image before surface 1; 0 where it is not before the lens (Newton's equation)."""
+    try:
+        focal, back, front_focal_mm = focal_points(paraxial_system(lens))
+    except InputError:
+        return 0.0
+    return focal**2 / (film_mm - back) - front_focal_mm if film_mm > back else 0.0
+
+
+def _focal_mm(lens: Prescription) -> float:
+    try:
+        return max(focal_points(paraxial_system(lens))[0], 0.0)
+    except InputError:
+        return 0.0
+
+
 def configurations_note(
     lens: Prescription, variations: Sequence[Variation], configurations: DraftConfigurations
 ) -> str:
     """A sentence that says how many configurations a file has, and of which focal lengths; "" for one alone.
 
     Args:
-        lens: at the first configuration.
+        lens: at the first configuration, with those that are used.
         variations: of it.
         configurations: of the file.
     """
     if configurations.count < 2:
         return ""
     begin = f"Of the file's {configurations.count} {configurations.kind} the first is used"
+    if lens.configurations:
+        begin = f"The file has {configurations.count} {configurations.kind}"
+        if any(each.quantity in _OF_FIRST for each in variations):
+            begin += ", whose radii, conic constants and diameters are those of the first"
     lengths = focal_lengths_mm(lens, variations, configurations.count)
     if lengths is None:
         return f"{begin}."

@@ -10,7 +10,12 @@ import numpy as np
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.dispersion.formulas import index_at
-from render.optics.lens_files.configurations import DraftConfigurations, configurations_note, place_variations
+from render.optics.lens_files.configurations import (
+    DraftConfigurations,
+    configurations_note,
+    place_variations,
+    to_configurations,
+)
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.rims import with_trimmed_rims, without_negative_gaps
 
@@ -130,6 +135,7 @@ def finish(draft: Draft) -> Prescription:
         name=draft.name or text.name.rsplit(".", 1)[0],
         notes=tuple(draft.notes),
     )
+    lens = replace(lens, configurations=to_configurations(lens, variations, draft.configurations.count))
     note = configurations_note(lens, variations, draft.configurations)
     return with_trimmed_rims(replace(lens, notes=(*lens.notes, note)) if note else lens)
 

@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 
 from render.optics.lens_files.configurations import (
-    MAX_CONFIGURATIONS,
     DraftConfigurations,
     DraftVariation,
     Quantity,
 )
 from render.optics.lens_files.drafts import FAR_AWAY_MM, DraftSurface
 from render.optics.lens_files.lens_text import LensText
+from render.optics.prescription.validation import MAX_CONFIGURATIONS
 
 _SAME_MM = 0.005  # patents round their distances to a hundredth
 _OF_LENS: dict[str, Quantity] = {

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from render.errors import InputError
-from render.model.lens import Prescription
+from render.model.lens import Configuration, Prescription
 from render.optics.lens_files.lens_text import LensText
 from render.optics.prescription.paraxial import focal_points, paraxial_system
 
@@ -65,4 +65,14 @@ def with_system_aperture(
     f_stop = abs(focal_length_mm) / (aperture.value * unit_mm)
     if not (math.isfinite(f_stop) and f_stop > 0):
         raise text.error("the lens has no focal length, its numbers are beyond all measure")
-    return replace(lens, f_stop=f_stop)
+    return replace(lens, f_stop=f_stop, configurations=_of_beam(lens, aperture.value * unit_mm))
+
+
+def _of_beam(lens: Prescription, diameter_mm: float) -> tuple[Configuration, ...]:
+    """Configurations of a lens with f-numbers, where they are not stated, of a beam of one diameter."""
+    found = []
+    for each in lens.configurations:
+        placed = [replace(s, thickness_mm=t) for s, t in zip(lens.surfaces, each.thicknesses_mm, strict=True)]
+        focal_length_mm, _, _ = focal_points(paraxial_system(replace(lens, surfaces=tuple(placed))), lens.name)
+        found.append(replace(each, f_stop=each.f_stop or abs(focal_length_mm) / diameter_mm))
+    return tuple(found)

@@ -15,13 +15,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from render.optics.lens_files.configurations import (
-    MAX_CONFIGURATIONS,
     DraftConfigurations,
     DraftVariation,
     Quantity,
 )
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface
 from render.optics.lens_files.lens_text import LensText
+from render.optics.prescription.validation import MAX_CONFIGURATIONS
 
 _OF_SURFACES: dict[str, Quantity] = {
     "THIC": "thickness",

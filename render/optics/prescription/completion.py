@@ -40,9 +40,10 @@ _SAME = 1e-6  # share of an f-number or of a radius
 def complete_prescription(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
     """Check a prescription and compute missing values: stop, aperture, back focus, clear diameters.
 
-    A zoom that is not set to a focal length is set to that of its surfaces. Then, in this order: the stop's place (`render.optics.prescription.stop_placement`); the stop's diameter, by the real ray of the
-    stated f-number (`render.optics.prescription.f_numbers`), which a stop that is given narrower cuts, or without one by the
-    widest beam on the axis that all rims let through; the back focal distance at the d line; the clear diameters
+    A zoom that is not set to a focal length is set to that of its surfaces. Then, in this order: the stop's place
+    (`render.optics.prescription.stop_placement`); the stop's diameter, by the real ray of the stated f-number
+    (`render.optics.prescription.f_numbers`), which a stop that is given narrower cuts, or without one by the widest beam on the
+    axis that all rims let through; the back focal distance at the d line; the clear diameters
     (`render.optics.prescription.clear_diameters`); the f-number of the beam that comes through all of it.
 
     Args:

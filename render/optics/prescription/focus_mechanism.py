@@ -3,8 +3,9 @@
 The film stays where it is with the lens focused at infinity. For any position of the moving glass, the film has one image in
 object space to first order; focusing finds the position at which that image lies at the object distance.
 
-A *shift* is along z in mm: negative toward the scene. Where several groups move each in its own way, it is a place on that way:
-from 0 at infinity upward (`render.optics.prescription.focus_path`). *Nearness* is one over the distance from the entrance pupil, 1/mm.
+A *shift* is along z in mm: negative toward the scene. Where several groups move each in its own way, it is a place on that way,
+from 0 at infinity upward (`render.optics.prescription.focus_path`). *Nearness* is one over the distance from the entrance pupil,
+1/mm.
 """
 
 from __future__ import annotations

@@ -65,7 +65,9 @@ def _inner_slopes(widths: DoubleArray, secants: DoubleArray) -> DoubleArray:
     return np.where(secants[:-1] * secants[1:] > 0, means, 0.0)
 
 
-def _end_slope(width: DoubleArray, next_width: DoubleArray, secant: DoubleArray, next_secant: DoubleArray) -> DoubleArray:
+def _end_slope(
+    width: DoubleArray, next_width: DoubleArray, secant: DoubleArray, next_secant: DoubleArray
+) -> DoubleArray:
     """Slope of the parabola through three points, limited so that the curve stays monotone."""
     slope = ((2 * width + next_width) * secant - width * next_secant) / (width + next_width)
     slope = np.where(slope * secant <= 0, 0.0, slope)

@@ -1,10 +1,10 @@
 """Zoom: the groups of a lens at any focal length of its range, by the configurations of its file.
 
-A prescription's configurations are positions of zoom, each focused at infinity and, maybe, nearer. Between the file's focal lengths
-each space follows a smooth monotone curve over the logarithm of the focal length, as a cam does. Two unknowns, the place on these
-curves and that of one compensating group, are solved so that focal length and focus at infinity are exact to first order: so a zoom
-whose configurations keep its focus keeps it all the way (Kingslake 2012, *A History of the Photographic Lens* calls it a true zoom).
-One whose configurations do not is a vari-focal lens: its film stands where the file has it, and its focus drifts.
+A prescription's configurations are positions of zoom, each focused at infinity and, maybe, nearer. Between the file's focal
+lengths each space follows a smooth monotone curve over the logarithm of the focal length, as a cam does. Two unknowns, the place
+on these curves and that of one compensating group, are solved so that focal length and focus at infinity are exact to first
+order: a zoom whose configurations keep its focus keeps it all the way. One whose configurations do not is a vari-focal lens
+(Kingslake 1989, on zoom lenses): its film stands where the file has it, and its focus drifts.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -159,9 +160,7 @@ def zoom_positions(prescription: Prescription) -> tuple[ZoomPosition, ...]:
         if math.isfinite(configuration.object_mm) and positions:
             place = _place_of_near(configuration, positions)
             film_mm = configuration.thicknesses_mm[-1] or positions[place].far.thicknesses_mm[-1]
-            near[place].append(
-                replace(configuration, thicknesses_mm=(*configuration.thicknesses_mm[:-1], film_mm))
-            )
+            near[place].append(replace(configuration, thicknesses_mm=(*configuration.thicknesses_mm[:-1], film_mm)))
     return tuple(
         replace(position, near=tuple(sorted(found, key=lambda each: -each.object_mm)))
         for position, found in zip(positions, near, strict=True)
@@ -235,7 +234,7 @@ def _compensator(prescription: Prescription, positions: Sequence[ZoomPosition]) 
     variable, last = _variable(positions), len(prescription.surfaces) - 1
     if last in variable or len(variable) < 2:
         return None
-    system, groups = _System.of(prescription), [(a + 1, b) for a, b in zip(variable, variable[1:], strict=False)]
+    system, groups = _System.of(prescription), [(a + 1, b) for a, b in pairwise(variable)]
 
     def least_effect(group: tuple[int, int]) -> float:
         effects = []
@@ -279,9 +278,7 @@ def _set_focal_length(prescription: Prescription, focal_length_mm: float) -> Pre
     return replace(lens, notes=(*lens.notes, *_notes(zoom, focal_length_mm)))
 
 
-def _in_one_position(
-    prescription: Prescription, far: Configuration, near: tuple[Configuration, ...]
-) -> Prescription:
+def _in_one_position(prescription: Prescription, far: Configuration, near: tuple[Configuration, ...]) -> Prescription:
     surfaces = tuple(
         replace(surface, thickness_mm=thickness)
         for surface, thickness in zip(prescription.surfaces, far.thicknesses_mm, strict=True)
@@ -342,7 +339,10 @@ def _near_at(
     found = []
     for which in range(-count, 0):
         near = [positions[i].near[which] for i in known]
-        moves = [np.subtract(each.thicknesses_mm, positions[i].far.thicknesses_mm) for i, each in zip(known, near, strict=True)]
+        moves = [
+            np.subtract(each.thicknesses_mm, positions[i].far.thicknesses_mm)
+            for i, each in zip(known, near, strict=True)
+        ]
         moved = [np.interp(at, x[known], column) for column in np.array(moves).T]
         object_mm = float(np.interp(at, x[known], [each.object_mm for each in near]))
         found.append(Configuration(tuple(np.maximum(far_mm + moved, 0.0).tolist()), object_mm, math.exp(at)))
@@ -359,23 +359,20 @@ def _with_front_focus(lens: Prescription, positions: Sequence[ZoomPosition]) -> 
 
 
 def _notes(zoom: Zoom, focal_length_mm: float) -> list[str]:
-    """What happens when the zoom is pulled, and whether it is at another focal length than its range has."""
+    """What happens to focus when the zoom is pulled, and whether it is set beyond its range."""
     span = f"{zoom.shortest_mm:.4g} to {zoom.longest_mm:.4g} mm"
-    solved = zoom.drift_mm == 0
     if not zoom.keeps_focus:
-        held = f"a vari-focal lens: zoomed through, its focus drifts by {zoom.drift_mm:.3g} mm at the film, until it is focused again"
+        drift = f"zoomed through, its focus drifts by {zoom.drift_mm:.3g} mm at the film until it is focused again"
+        notes = [f"It is a vari-focal lens of {span}: {drift}."]
     elif zoom.compensator is None:
-        held = "keeps its focus: the distance to the film is solved for at each focal length"
+        notes = [f"It zooms from {span} and keeps its focus: the distance to the film is set so."]
     else:
         first, last = zoom.compensator
-        held = f"keeps its focus: surfaces {first + 1} to {last + 1} are placed so that infinity stays sharp"
-    by = "" if solved or not zoom.keeps_focus else f", where the file's rounding leaves {zoom.drift_mm:.2g} mm"
-    notes = [f"It zooms from {span} and {held}{by}."]
-    if not zoom.keeps_focus:
-        notes = [f"It zooms from {span} and is {held}."]
+        rounding = f"where the file's own places let it drift by {zoom.drift_mm:.2g} mm"
+        notes = [
+            f"It zooms from {span} and keeps its focus: surfaces {first + 1} to {last + 1} are placed so, {rounding}."
+        ]
     if not zoom.holds(focal_length_mm):
         end = zoom.shortest_mm if focal_length_mm < zoom.shortest_mm else zoom.longest_mm
-        notes.append(
-            f"{focal_length_mm:.4g} mm is beyond its range: it is its position at {end:.4g} mm, scaled, which no such lens is."
-        )
+        notes.append(f"{focal_length_mm:.4g} mm is beyond its range: this is its position at {end:.4g} mm, scaled.")
     return notes

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import replace
 
 from render.errors import InputError
-from render.model.lens import Glass, Prescription
+from render.model.lens import Configuration, Glass, Prescription
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.dispersion.sellmeier_fit import as_sellmeier
 from render.optics.lens_files import MeasuredLens
-from usd_schemas import DataSheet, LensData
+from render.optics.prescription.zooming import marked_close_focus_m, zoom_positions
+from usd_schemas import Configurations, DataSheet, LensData
 from usd_schemas import Prescription as PrescriptionData
 
+_DECIMALS = 9  # of a millimetre: sums of thicknesses without their binary rounding
 ASPHERIC = tuple(f"aspheric{power}" for power in range(4, 21, 2))
 """Fields of the schema's prescription that hold the coefficients of r⁴, r⁶, ... r²⁰."""
 
@@ -55,8 +58,26 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
     return LensData(
         model="prescription",
         name=name or prescription.name,
+        close_focus=1000 * marked_close_focus_m(prescription),
         f_stop_range=(prescription.f_stop, 0.0),
         prescription=data,
+        configurations=_configurations(prescription),
+    )
+
+
+def _configurations(prescription: Prescription) -> Configurations:
+    """Positions of zoom and focus, each by the focal length of its zoom position."""
+    rows: list[tuple[Configuration, float]] = []
+    for position in zoom_positions(prescription):
+        focal_mm = position.far.focal_length_mm or round(position.focal_length_mm, _DECIMALS)
+        rows += [(each, focal_mm) for each in (position.far, *position.near)]
+    if len(rows) < 2:
+        return Configurations()
+    return Configurations(
+        thickness=tuple(round(length, _DECIMALS) for each, _ in rows for length in each.thicknesses_mm),
+        object_distance=_unless_zero(0.0 if math.isinf(each.object_mm) else each.object_mm for each, _ in rows),
+        focal_length=tuple(focal_mm for _, focal_mm in rows),
+        f_stop=_unless_zero(each.f_stop for each, _ in rows),
     )
 
 

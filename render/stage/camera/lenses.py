@@ -14,6 +14,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import (
     AIR,
     AberrationScales,
+    Configuration,
     DataSheet,
     Glass,
     HeightField,
@@ -26,11 +27,13 @@ from render.model.lens import (
 )
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.glass import D_LINE_NM, refractive_index
+from render.optics.prescription.validation import MAX_CONFIGURATIONS
 from render.stage.camera.lens_data import ASPHERIC
 from render.stage.camera.planes import read_plane, rotate_plane
 from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
 from render.stage.materials.image_files import TextureError
 from usd_schemas import ApertureData, Asset, LensData
+from usd_schemas import Configurations as ConfigurationsData
 from usd_schemas import Prescription as PrescriptionData
 from usd_schemas import Seidel as SeidelData
 
@@ -151,6 +154,31 @@ def _prescription(data: LensData, camera: str) -> Prescription:
         focus_group=None if group == (-1, -1) else (group[0], group[1]),
         f_stop=max(data.f_stop_range[0], 0.0),
         name=data.name or f"the lens of {camera}",
+        configurations=_configurations(data.configurations, count, camera) if data.model == "prescription" else (),
+    )
+
+
+def _configurations(rows: ConfigurationsData, surfaces: int, camera: str) -> tuple[Configuration, ...]:
+    """Positions of zoom and focus."""
+    count, left = divmod(len(rows.thickness), surfaces)
+    if left or count > MAX_CONFIGURATIONS:
+        expected = f"{surfaces} entries for each position, of at most {MAX_CONFIGURATIONS} positions"
+        raise _error(camera, "lens:configuration:thickness", expected, f"{len(rows.thickness)}")
+    columns: dict[str, Sequence[float]] = {}
+    for field in ("object_distance", "focal_length", "f_stop"):
+        values: Sequence[float] = getattr(rows, field)
+        if len(values) not in (0, count):
+            name = rows.__dataclass_fields__[field].metadata["usd"]
+            raise _error(camera, name, f"{count} entries, one for each position", f"{len(values)}")
+        columns[field] = values or (0.0,) * count
+    return tuple(
+        Configuration(
+            tuple(rows.thickness[i * surfaces : (i + 1) * surfaces]),
+            columns["object_distance"][i] or math.inf,
+            columns["focal_length"][i],
+            columns["f_stop"][i],
+        )
+        for i in range(count)
     )
 
 

@@ -52,7 +52,7 @@ def test_a_note_has_each_configurations_focal_length() -> None:
     ]
     assert abs(lengths[1] / lengths[0] - 1) > 0.01
     texts = ", ".join(f"{length:.4g}" for length in lengths)
-    assert f"Of the file's 2 configurations the first is used; their focal lengths are {texts} mm." in lens.notes
+    assert f"The file has 2 configurations; their focal lengths are {texts} mm." in lens.notes
 
 
 def test_focus_positions_of_one_focal_length_are_said_so() -> None:
@@ -123,7 +123,9 @@ def test_code_v_zoom_positions() -> None:
     assert _thickness(lens, 1) == 0.7
     assert lens.surfaces[0].radius_mm == pytest.approx(1 / 0.018)
     assert lens.surfaces[0].semi_diameter_mm == 30
-    assert any("2 zoom positions the first is used; their focal lengths are" in note for note in lens.notes)
+    assert any(
+        "has 2 zoom positions, whose radii" in note and "first; their focal lengths are" in note for note in lens.notes
+    )
 
 
 def test_code_v_positions_one_by_one() -> None:
@@ -154,7 +156,7 @@ def test_bad_zoom_positions_are_errors(command: str, message: str) -> None:
 
 def test_optical_bench_states_the_focal_lengths() -> None:
     notes = _read("zoom.txt", ZOOM_TXT).notes
-    wanted = "Of the file's 4 positions of zoom and focus the first is used; their focal lengths are 48, 70, 48, 70 mm."
+    wanted = "The file has 4 positions of zoom and focus; their focal lengths are 48, 70, 48, 70 mm."
     assert wanted in notes
 
 

@@ -47,6 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="write its data sheet as a .lens file; a lens with surfaces is measured as it is set",
     )
+    show.add_argument(
+        "--focal-length", metavar="MM", type=float, help="of a zoom; without it where the library or the file has it"
+    )
     show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
     show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
     show.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
@@ -78,6 +81,7 @@ def run_list(arguments: argparse.Namespace) -> None:
                 "title": entry.lens.name,
                 "model": entry.lens.model,
                 "focalLengthMm": entry.focal_length_mm,
+                "focalLengthRangeMm": entry.focal_length_range_mm,
                 "fStop": entry.f_stop,
                 "families": list(entry.families),
                 "year": entry.year,
@@ -101,7 +105,8 @@ def run_list(arguments: argparse.Namespace) -> None:
     for entry in entries:
         widest = f"f/{entry.f_stop:g}" if entry.f_stop else "pinhole"
         year, families = str(entry.year or ""), ", ".join(entry.families)
-        focal_length = f"{entry.focal_length_mm:g}"
+        zoom = entry.focal_length_range_mm
+        focal_length = f"{entry.focal_length_mm:g}" if zoom is None else f"{zoom[0]:g}–{zoom[1]:g}"
         table.add_row(entry.name, entry.lens.model, focal_length, widest, year, families, entry.description)
     print_result(table)
 
@@ -160,7 +165,9 @@ def run_glass(arguments: argparse.Namespace) -> None:
 
 
 def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
-    camera = lens.set_to(arguments.f_stop, arguments.focus, _read_gate(arguments.gate))
+    camera = lens.set_to(
+        arguments.f_stop, arguments.focus, _read_gate(arguments.gate), focal_length_mm=arguments.focal_length
+    )
     try:
         return lens_report(camera, lens.f_stop)
     except SettingsError as error:

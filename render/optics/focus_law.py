@@ -7,6 +7,7 @@ the size of the picture. So the law holds at any f-number, which is that of the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -21,9 +22,11 @@ from render.optics.prescription.f_numbers import widest_f_number
 from render.optics.prescription.focus_mechanism import LONGEST_WAY, FocusMechanism
 from render.optics.prescription.mounting import has_surfaces, scale_to
 from render.optics.prescription.paraxial import entrance_pupil
+from render.optics.prescription.zooming import zoom_of
 
 _STEPS = 33
 _AT_INFINITY_W = 1e-9  # of the nearest focus of a lens that does not focus at all
+_ZOOM_STEP = 2e-3  # logarithm of the focal length
 _PLACES = 257  # of the group that focuses, from rest to the end of its way
 
 
@@ -82,7 +85,7 @@ def _law_of_glass(camera: Camera) -> LensLaw:
     if prescription is None:
         raise ValueError(f"the lens of camera {camera.path} has no surfaces")
     diagonal_mm = camera.covered_mm
-    like_mm = _round_length(camera.focal_length_mm)  # so that a zoom looks at few lenses, each scaled a little
+    like_mm = round_focal_length(prescription, camera.focal_length_mm)  # few lenses for a pull, each scaled a little
     focal_mm, scale = camera.focal_length_mm, camera.focal_length_mm / like_mm
     way = _way(prescription, like_mm, _round_length(diagonal_mm / scale))
     marked_w = _engraved_w(way, scale, camera.lens.close_focus_m)
@@ -125,6 +128,15 @@ def _way_to(mechanism: FocusMechanism, end_mm: float) -> _Way:
         rows.append((nearness, abs(pupil), seen.scale_mm, mechanism.film_mm - pupil_mm))
     nearness, pupils, scales_mm, to_film_mm = np.array(rows).T
     return _Way(nearness, pupils, scales_mm, to_film_mm, widest_f_number(mechanism.prescription))
+
+
+def round_focal_length(prescription: Prescription, focal_length_mm: float) -> float:
+    """Focal length to two digits; of a zoom, whose groups stand elsewhere at each, to a share of 0.2 % within its range."""
+    zoom = zoom_of(prescription)
+    if zoom is None or not zoom.holds(focal_length_mm):
+        return _round_length(focal_length_mm)
+    rounded = math.exp(round(math.log(focal_length_mm) / _ZOOM_STEP) * _ZOOM_STEP)
+    return min(max(rounded, zoom.shortest_mm), zoom.longest_mm)
 
 
 def _round_length(length_mm: float) -> float:

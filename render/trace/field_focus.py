@@ -18,7 +18,7 @@ from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.lens import AberrationScales, DataSheet, Lens, LensModel, Prescription, SeidelErrors
 from render.optics.distortion import chief_rays
-from render.optics.focus_law import focus_law
+from render.optics.focus_law import focus_law, round_focal_length
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.mounting import has_surfaces, scale_to
@@ -156,7 +156,7 @@ class _FocusInterpolator:
             return
         self._corner_slope = _corner_slope(camera)
         if self._is_glass:
-            self._focal_mm = _round_length(camera.focal_length_mm)
+            self._focal_mm = _traced_focal_length(camera)
             self._scale = camera.focal_length_mm / self._focal_mm
             self._diagonal_mm = _round_length(camera.covered_mm / self._scale)
             self._near_w = float(focus_law(camera).near_w[0]) * self._scale * _WITHIN
@@ -287,6 +287,13 @@ def _corner_slope(camera: Camera) -> float:
     view = PinholeView.from_camera(camera, 1, 1)
     slope = math.hypot(max(view.cx, 1 - view.cx) / view.fx, max(view.cy, 1 - view.cy) / view.fy)
     return 2 ** (math.ceil(8 * math.log2(slope)) / 8)
+
+
+def _traced_focal_length(camera: Camera) -> float:
+    prescription = camera.lens.prescription
+    if prescription is None:
+        raise ValueError("a lens of glass has a prescription")
+    return round_focal_length(prescription, camera.focal_length_mm)
 
 
 def _round_length(length_mm: float) -> float:

@@ -12,6 +12,7 @@ from rich.table import Table
 from render.cli.console import camel_case_keys, finite
 from render.errors import one_line
 from render.model.arrays import DoubleArray
+from render.optics.prescription.zooming import Zoom
 from render.optics.report import LensReport, data_sheet
 from render.optics.report.field import WAVELENGTHS_NM
 from render.shot.lens.lens_alone import LensAlone
@@ -55,6 +56,7 @@ def lens_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
         ),
         "gateMm": [camera.horizontal_aperture_mm, camera.vertical_aperture_mm],
         "fieldOfViewDeg": {"horizontal": across, "vertical": up, "diagonal": diagonal},
+        "zoom": _zoom(report.zoom),
         "barrelMm": finite(camel_case_keys(asdict(report.barrel))) if report.barrel else None,
         "thirdOrderWaves": finite(camel_case_keys(asdict(report.third_order))) if report.third_order else None,
         "spots": [finite({"heightMm": spot.height_mm, "rmsUm": spot.rms_um}) for spot in report.spots],
@@ -62,6 +64,26 @@ def lens_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
         "curves": {key: _numbers(values) for key, values in camel_case_keys(vars(report.curves)).items()},
         "bokeh": _bokeh(report),
         "notes": list(report.notes),
+    }
+
+
+def _zoom(zoom: Zoom | None) -> dict[str, Any] | None:
+    if zoom is None:
+        return None
+    return {
+        "shortestMm": zoom.shortest_mm,
+        "longestMm": zoom.longest_mm,
+        "keepsFocus": zoom.keeps_focus,
+        "driftMm": zoom.drift_mm,
+        "positions": [
+            {
+                "focalLengthMm": position.focal_length_mm,
+                "fStop": position.far.f_stop or None,
+                "focusShiftMm": position.focus_shift_mm,
+                "closestMm": position.near[-1].object_mm if position.near else None,
+            }
+            for position in zoom.positions
+        ],
     }
 
 

@@ -36,6 +36,7 @@ LONGEST_WAY = 2.0
 _BISECTIONS = 60
 _SETTLED_MM = 1e-9
 _ROUNDS = 20
+_NO_POLE = 1e-3  # miss at a zero; it changes sign through infinity where the entrance pupil passes it
 _SHARP = 1e-8  # spread on the film over that in the pupil
 
 
@@ -173,9 +174,11 @@ class FocusMechanism:
             shifts = np.linspace(0.0, end, _PLACES)
             seen = [self.film_through_lens(shift) for shift in shifts]
             misses = np.array([film.miss(nearness) for film in seen])
-            for i in np.flatnonzero(misses[:-1] * misses[1:] <= 0)[:1]:
+            for i in np.flatnonzero(misses[:-1] * misses[1:] <= 0):
                 if seen[i].nearness is not None or seen[i + 1].nearness is not None:
-                    return self._bisect(nearness, float(shifts[i]), float(shifts[i + 1]))
+                    shift = self._bisect(nearness, float(shifts[i]), float(shifts[i + 1]))
+                    if abs(self.film_through_lens(shift).miss(nearness)) < _NO_POLE:
+                        return shift
         raise self._out_of_reach(nearness, low, high)
 
     def _bisect(self, nearness: float, start: float, end: float) -> float:

@@ -19,6 +19,7 @@ import numpy as np
 
 from render.model.arrays import DoubleArray
 from render.model.lens import Configuration, Prescription
+from render.optics.prescription.f_numbers import iris_radius_mm
 from render.optics.prescription.monotone_curve import MonotoneCurve
 from render.optics.prescription.paraxial import ParaxialSystem, focal_points, paraxial_system
 from render.optics.prescription.validation import bad_lens, check_configurations
@@ -268,11 +269,9 @@ def _set_focal_length(prescription: Prescription, focal_length_mm: float) -> Pre
     x = np.log([position.focal_length_mm for position in positions])
     at = float(np.clip(math.log(focal_length_mm), x[0], x[-1]))
     far_mm = _solve(prescription, zoom, x, at)
-    f_stops = np.array([position.far.f_stop for position in positions])
-    stated = f_stops > 0
-    f_stop = float(np.interp(at, x[stated], f_stops[stated])) if stated.any() else 0.0
-    far = Configuration(tuple(far_mm.tolist()), focal_length_mm=math.exp(at), f_stop=f_stop)
-    lens = _in_one_position(_with_iris(prescription, zoom, stated), far, _near_at(positions, x, at, far_mm))
+    far = Configuration(tuple(far_mm.tolist()), focal_length_mm=math.exp(at))
+    lens = _in_one_position(prescription, far, _near_at(positions, x, at, far_mm))
+    lens = _with_iris(lens, prescription, positions, x, at)
     if not lens.configurations and lens.focus_group is None:
         lens = _with_front_focus(lens, positions)
     return replace(lens, notes=(*lens.notes, *_notes(zoom, focal_length_mm)))
@@ -291,12 +290,22 @@ def _in_one_position(prescription: Prescription, far: Configuration, near: tuple
     )
 
 
-def _with_iris(prescription: Prescription, zoom: Zoom, stated: DoubleArray) -> Prescription:
-    """Lens whose iris is solved for where its file states f-numbers for its positions; else one iris serves all of them."""
-    if stated.any():
-        surfaces = tuple(replace(s, semi_diameter_mm=0.0) if s.is_stop else s for s in prescription.surfaces)
-        return replace(prescription, surfaces=surfaces)
-    return prescription
+def _with_iris(
+    lens: Prescription, prescription: Prescription, positions: Sequence[ZoomPosition], x: DoubleArray, at: float
+) -> Prescription:
+    """Lens with the iris, or the f-number, that the file's f-numbers make it have between their positions."""
+    stated = [i for i, position in enumerate(positions) if position.far.f_stop > 0]
+    if not stated:
+        return lens
+    f_stops = [positions[i].far.f_stop for i in stated]
+    if any(surface.is_stop for surface in lens.surfaces):
+        placed = [_in_one_position(prescription, positions[i].far, ()) for i in stated]
+        radii_mm = [iris_radius_mm(each, f_stop) for each, f_stop in zip(placed, f_stops, strict=True)]
+        if np.isfinite(radii_mm).all():
+            radius_mm = float(np.interp(at, x[stated], radii_mm))
+            surfaces = tuple(replace(s, semi_diameter_mm=radius_mm) if s.is_stop else s for s in lens.surfaces)
+            return replace(lens, surfaces=surfaces, f_stop=0.0)
+    return replace(lens, f_stop=float(np.interp(at, x[stated], f_stops)))
 
 
 def _solve(prescription: Prescription, zoom: Zoom, x: DoubleArray, wanted: float) -> DoubleArray:

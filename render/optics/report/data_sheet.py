@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from render.optics.prescription.zooming import Zoom
 from render.optics.report.lens_report import LensReport
 
 Row = tuple[str, str]
@@ -31,6 +32,8 @@ def _setting(report: LensReport) -> Iterator[Row]:
     camera = report.camera
     yield "model", camera.lens.model
     yield "focal length", f"{camera.focal_length_mm:.2f} mm"
+    if report.zoom is not None:
+        yield "zoom", _zoom(report.zoom)
     if report.f_stop:
         yield "f-number", _f_number(report)
     if report.paraxial_f_stop:
@@ -46,6 +49,13 @@ def _setting(report: LensReport) -> Iterator[Row]:
         yield "nearest focus", "infinity: its focus is fixed"
     elif report.nearest_m:
         yield "nearest focus", f"{metres(report.nearest_m)} from the entrance pupil, where its geometry ends"
+
+
+def _zoom(zoom: Zoom) -> str:
+    held = (
+        "keeps its focus" if zoom.keeps_focus else f"vari-focal: its focus drifts by {zoom.drift_mm:.3g} mm at the film"
+    )
+    return f"{zoom.shortest_mm:.4g} to {zoom.longest_mm:.4g} mm; {held}"
 
 
 def _f_number(report: LensReport) -> str:
@@ -85,7 +95,10 @@ def _barrel(report: LensReport) -> Iterator[Row]:
     if b is None:
         return
     yield "surfaces", f"{b.surfaces} over {b.length:.2f} mm; stop ⌀ {b.stop_diameter:.2f} mm"
-    if b.focus_group is None:
+    if b.floating_groups:
+        moves = (f"surfaces {g.first + 1} to {g.last + 1} by {g.travel_mm:+.2f} mm" for g in b.floating_groups)
+        yield "focuses by", f"floating groups, from infinity to the closest configuration: {', '.join(moves)}"
+    elif b.focus_group is None:
         yield "focuses by", "moving the whole lens"
     else:
         yield "focuses by", f"moving surfaces {b.focus_group[0] + 1} to {b.focus_group[1] + 1}"

@@ -15,6 +15,7 @@ from render.optics.flare.coating import axial_transmittance
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.mounting import distance_from_film_m, has_surfaces, mount_lens, nearer_than_marked
+from render.optics.prescription.zooming import Zoom, zoom_of
 from render.optics.report.bokeh import BokehSheet, bokeh_sheet
 from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, seen_at, spots
 from render.optics.report.film_rays import FilmRays, SqueezedRays
@@ -50,6 +51,7 @@ class LensReport:
     Attributes:
         camera: the lens, its f-number and focus, and the gate behind it.
         focused: its surfaces as they stand; None for a lens that has none.
+        zoom: its range and how it holds its focus; None for a lens of one focal length.
         f_stop: as reached, of the real beam from infinity; 0 for a pinhole.
         working_f_stop: of the real beam as focused, ``1 / (2·sin u′)``; 0 for a lens without surfaces.
         paraxial_f_stop: by the paraxial pupil; 0 for a lens without surfaces.
@@ -72,6 +74,7 @@ class LensReport:
 
     camera: Camera
     focused: FocusedLens | None
+    zoom: Zoom | None
     f_stop: float
     working_f_stop: float
     paraxial_f_stop: float
@@ -125,6 +128,7 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
     return LensReport(
         camera=camera,
         focused=lens,
+        zoom=zoom_of(camera.lens.prescription) if camera.lens.prescription is not None and lens else None,
         f_stop=f_stop,
         working_f_stop=lens.working_f_stop if lens else 0.0,
         paraxial_f_stop=lens.paraxial_f_stop if lens else 0.0,

@@ -9,6 +9,7 @@ import numpy as np
 from render.errors import SettingsError
 from render.model.lens import Prescription, SeidelErrors
 from render.optics.glass import D_LINE_NM
+from render.optics.prescription.focus_path import FocusPath, MovingGroup
 from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.seidel_sums import seidel_sums
 
@@ -33,7 +34,8 @@ class Barrel:
         stop_diameter: at the f-number.
         petzval_radius: of the surface that the image would lie on without astigmatism; infinite where it is flat.
         surfaces: number of surfaces.
-        focus_group: first and last index of the surfaces that move to focus; None where the whole lens does.
+        focus_group: first and last index of the surfaces that move to focus; None where the whole lens does, or several groups.
+        floating_groups: groups that move each in its own way to focus, with their travels; none where one moves.
     """
 
     length: float
@@ -49,6 +51,7 @@ class Barrel:
     petzval_radius: float
     surfaces: int
     focus_group: tuple[int, int] | None
+    floating_groups: tuple[MovingGroup, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,7 @@ class ThirdOrder:
 
 def barrel(lens: FocusedLens) -> Barrel:
     """Places and sizes of a focused lens."""
+    path = FocusPath.from_prescription(lens.prescription)
     first, front, rear = lens.first, float(lens.vertices_mm[0]), float(lens.vertices_mm[-1])
     return Barrel(
         length=first.length_mm,
@@ -90,7 +94,8 @@ def barrel(lens: FocusedLens) -> Barrel:
         stop_diameter=2 * lens.stop_radius_mm,
         petzval_radius=-1 / first.petzval_sum if first.petzval_sum else float("inf"),
         surfaces=sum(not surface.is_stop or surface.radius_mm != 0 for surface in lens.prescription.surfaces),
-        focus_group=lens.prescription.focus_group,
+        focus_group=lens.prescription.focus_group if path is None else None,
+        floating_groups=() if path is None else path.groups(),
     )
 
 

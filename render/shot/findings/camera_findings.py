@@ -12,7 +12,7 @@ from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
 from render.model.limits import MAX_CLIP_PLANES
 from render.model.scene import Light
 from render.near_names import hint
-from render.optics.prescription.mounting import PRESCRIBED, nearer_than_marked
+from render.optics.prescription.mounting import PRESCRIBED, beyond_zoom_range, nearer_than_marked
 from render.shot.findings.topology_findings import topology_findings
 from render.shot.focus.focused_camera import FocusedCamera
 from render.stage import Finding, stereo_role
@@ -81,6 +81,21 @@ def close_focus_findings(focused: FocusedCamera) -> list[Finding]:
     where = f"nearer than the {camera.lens.close_focus_m:g} m before the film that its lens is marked for"
     how = "it is drawn as if the lens stood on an extension tube"
     return [Finding("close_focus", camera.path, f"{camera.path} is focused {where}: {how}")] if nearer else []
+
+
+def zoom_range_findings(focused: FocusedCamera) -> list[Finding]:
+    """Find a camera whose focal length is beyond the range of its zoom; its nearer end is drawn, scaled."""
+    camera = focused.camera
+    try:
+        span = beyond_zoom_range(camera)
+    except PullfocusError:
+        return []
+    if span is None:
+        return []
+    name, (shortest, longest) = camera.lens.name or "its lens", span
+    message = f"{camera.path} is zoomed beyond {name}, which zooms from {shortest:.4g} to {longest:.4g} mm"
+    how = "the nearer end of the range is drawn, scaled, which no such lens is"
+    return [Finding("zoom_range", camera.path, f"{message}: {how}")]
 
 
 def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:

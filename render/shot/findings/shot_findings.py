@@ -15,6 +15,7 @@ from render.shot.findings.camera_findings import (
     light_findings,
     lost_point_findings,
     unmet_findings,
+    zoom_range_findings,
 )
 from render.shot.focus.focused_camera import FocusedCamera
 from render.stage import Finding, StageReader, find_not_honoured
@@ -60,8 +61,9 @@ class ShotFindings:
         self._lights = lights
 
     def note_close_focus(self, focused: FocusedCamera) -> None:
-        """Note a camera that is focused nearer than its lens is marked for."""
+        """Note a camera that is focused nearer than its lens is marked for, or zoomed beyond its range."""
         self._note(close_focus_findings(focused))
+        self._note(zoom_range_findings(focused))
 
     def note_points(self, focused: FocusedCamera) -> None:
         """Note focus points that are lost, and a focus that the lens cannot meet."""

@@ -15,6 +15,7 @@ from render.optics.lens_files import MeasuredLens, is_data_sheet, read_lens_file
 from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.mounting import PRESCRIBED
 from render.optics.prescription.paraxial import first_order
+from render.optics.prescription.zooming import marked_close_focus_m, set_focal_length, zoom_of
 from render.shot.lens.lens_choice import is_lens_file, library_entry
 from render.stage.camera.lenses import make_iris, make_lens
 
@@ -43,17 +44,29 @@ class LensAlone:
     f_stop: float
     camera: Camera
 
-    def set_to(self, f_stop: float | None, focus_distance_m: float | None, gate_mm: tuple[float, float]) -> Camera:
+    def set_to(
+        self,
+        f_stop: float | None,
+        focus_distance_m: float | None,
+        gate_mm: tuple[float, float],
+        *,
+        focal_length_mm: float | None = None,
+    ) -> Camera:
         """Return the camera at another setting of the lens.
 
         Args:
             f_stop: None leaves it wide open.
             focus_distance_m: None keeps infinity.
             gate_mm: width and height of the film gate.
+            focal_length_mm: of a zoom; None keeps the one it was read at.
 
         Raises:
-            SettingsError: a number is out of range, or an f-number is given for a pinhole.
+            SettingsError: a number is out of range, an f-number is given for a pinhole, or a focal length for a lens that does
+                not zoom to it.
+            InputError: the prescription is no lens.
         """
+        if focal_length_mm is not None:
+            return self._zoomed(focal_length_mm).set_to(f_stop, focus_distance_m, gate_mm)
         if f_stop is not None and not 0 < f_stop < math.inf:
             raise SettingsError(f"an f-number must be above 0, got {f_stop:g}")
         if f_stop is not None and self.f_stop == 0:
@@ -70,6 +83,19 @@ class LensAlone:
             horizontal_aperture_mm=gate_mm[0],
             vertical_aperture_mm=gate_mm[1],
         )
+
+    def _zoomed(self, focal_length_mm: float) -> LensAlone:
+        """The lens at another focal length, wide open."""
+        prescription = self.camera.lens.prescription
+        zoom = zoom_of(prescription) if prescription is not None else None
+        if zoom is None or prescription is None:
+            raise SettingsError(f"{self.title} is no zoom: its focal length is {self.camera.focal_length_mm:.4g} mm")
+        if not zoom.holds(focal_length_mm):
+            span = f"from {zoom.shortest_mm:.4g} to {zoom.longest_mm:.4g} mm"
+            raise SettingsError(f"{self.title} zooms {span}, got {focal_length_mm:g} mm", code="zoom_range")
+        whole = complete_prescription(set_focal_length(prescription, focal_length_mm))
+        camera = replace(self.camera, focal_length_mm=focal_length_mm, f_stop=whole.f_stop)
+        return replace(self, camera=camera, f_stop=whole.f_stop)
 
 
 def lens_alone(name_or_file: str, allow_unknown_glass: bool = False) -> LensAlone:
@@ -88,7 +114,8 @@ def lens_alone(name_or_file: str, allow_unknown_glass: bool = False) -> LensAlon
     if is_data_sheet(name_or_file):
         return _from_data_sheet(Path(name_or_file).stem, read_measured_lens(name_or_file))
     prescription = read_lens_file(name_or_file, allow_unknown_glass)
-    lens = Lens("prescription", prescription.name, prescription)
+    marked_m = marked_close_focus_m(prescription)
+    lens = Lens("prescription", prescription.name, prescription, close_focus_m=marked_m)
     return _mount_alone(Path(name_or_file).stem, prescription.name, "", lens, IrisShape())
 
 

@@ -30,7 +30,7 @@ class LensChoice:
     Attributes:
         name: display name of the lens.
         lens: values for LensAPI.
-        focal_length_mm: of the lens; None where it has none of its own.
+        focal_length_mm: of the lens; None where it has none of its own. A zoom is mounted at the camera's, within its range.
         f_stop: wide open; 0 where any f-number is possible.
         aperture: the lens's own iris; None keeps the camera's.
         notes: one sentence for each value that was approximated or solved for.

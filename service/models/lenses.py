@@ -15,6 +15,7 @@ SUMMARY_EXAMPLE: JsonDict = {
     "manufacturer": "",
     "model": "spherical",
     "focalLengthMm": 50.0,
+    "focalLengthRangeMm": None,
     "fStop": 2.8,
     "families": ["normal", "singlet"],
     "year": None,
@@ -51,6 +52,9 @@ class LensSummary(Model):
     manufacturer: str
     model: LensModel = Field(description="Kind of lens model.")
     focal_length_mm: float
+    focal_length_range_mm: tuple[float, float] | None = Field(
+        description="Shortest and longest focal length of a zoom; null for a lens of one focal length."
+    )
     f_stop: float = Field(description="f-number wide open; 0 is a pinhole.")
     families: list[str] = Field(
         description="Words for what it is and how it draws, such as `petzval`, `wide`, `soft focus`."
@@ -98,6 +102,17 @@ class LensSurface(Model):
     conic: float
     aspheric: list[float] = Field(description="Coefficients of r⁴, r⁶, ... with r in millimetres.")
     is_stop: bool
+
+
+class LensConfiguration(Model):
+    """Places of a lens's groups at one position of zoom and focus."""
+
+    focal_length_mm: float = Field(description="Focal length of the zoom position, focused at infinity.")
+    object_distance_mm: float | None = Field(
+        description="Distance from the object in focus to the first surface; null is infinity."
+    )
+    f_stop: float | None = Field(description="f-number wide open, at infinity; null where it is that of the lens.")
+    thicknesses_mm: list[float] = Field(description="Thickness behind each surface; behind the last, to the film.")
 
 
 class LensErrors(Model):
@@ -151,6 +166,7 @@ class Lens(LensSummary):
             "squeeze": 1.0,
             "surfaces": [SURFACE_EXAMPLE, SURFACE_EXAMPLE | {"radiusMm": -50.2792, "glass": None, "isStop": False}],
             "focusGroup": None,
+            "configurations": [],
             "errors": None,
             "tables": None,
             "iris": None,
@@ -161,6 +177,9 @@ class Lens(LensSummary):
     squeeze: float = Field(description="Anamorphic squeeze; 1 is spherical.")
     surfaces: list[LensSurface] = Field(description="Front to rear; empty for a lens that has no prescription.")
     focus_group: tuple[int, int] | None = Field(description="Indices of the surfaces that move to focus; null for all.")
+    configurations: list[LensConfiguration] = Field(
+        description="Positions of zoom and focus, by rising focal length; empty for a lens of one position."
+    )
     errors: LensErrors | None = Field(description="Errors of the model `seidel`.")
     tables: LensTables | None = Field(description="Tables of the model `dataSheet`.")
     iris: LensIris | None = Field(description="Null where the camera's own iris is used.")

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 from render.errors import NotFoundError, SettingsError
-from render.model.lens import Surface
+from render.model.lens import Prescription, Surface
+from render.optics.prescription.zooming import zoom_positions
 from render.optics.report import lens_report
 from render.shot.lens.lens_alone import library_lens_alone
 from render.shot.lens.lens_choice import THIN, LensChoice, library_choice, library_entry
 from render.stage.camera.lenses import make_lens
 from service.models.lenses import (
     Lens,
+    LensConfiguration,
     LensErrors,
     LensGlass,
     LensIris,
@@ -53,6 +56,7 @@ def read_library_lens(opened: OpenedShot, name: str) -> Lens:
         squeeze=entry.lens.squeeze,
         surfaces=[_surface(surface) for surface in prescription.surfaces] if prescription else [],
         focus_group=prescription.focus_group if prescription else None,
+        configurations=_configurations(prescription) if prescription else [],
         errors=LensErrors.model_validate(entry.lens.seidel) if entry.lens.model == "seidel" else None,
         tables=LensTables.model_validate(entry.lens.data_sheet) if entry.lens.model == "dataSheet" else None,
         iris=_iris(entry),
@@ -105,12 +109,26 @@ def _summary(entry: LibraryLens) -> LensSummary:
         manufacturer=entry.lens.manufacturer,
         model=entry.lens.model,
         focal_length_mm=entry.focal_length_mm,
+        focal_length_range_mm=entry.focal_length_range_mm,
         f_stop=entry.f_stop,
         families=list(entry.families),
         year=entry.year,
         source=entry.source,
         description=entry.description,
     )
+
+
+def _configurations(prescription: Prescription) -> list[LensConfiguration]:
+    return [
+        LensConfiguration(
+            focal_length_mm=position.focal_length_mm,
+            object_distance_mm=each.object_mm if math.isfinite(each.object_mm) else None,
+            f_stop=each.f_stop or None,
+            thicknesses_mm=list(each.thicknesses_mm),
+        )
+        for position in zoom_positions(prescription)
+        for each in (position.far, *position.near)
+    ]
 
 
 def _surface(surface: Surface) -> LensSurface:

@@ -1,9 +1,9 @@
-import { grouped, mountedLens, type LensSummary } from "@/model/lens";
+import { describedLens, grouped, mountedLens, type LensSummary } from "@/model/lens";
 import { toLens, toReadout } from "@/net/convert";
 
 function lens(name: string, model: string): LensSummary {
   const texts = { description: "", keywords: "", section: "", sheet: "" };
-  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, fStop: 2, ...texts };
+  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, focalLengthRangeMm: null, fStop: 2, ...texts };
 }
 
 const READOUT = toReadout({
@@ -41,7 +41,7 @@ describe("the lens on the camera", () => {
   });
 
   it("has a picture at the service's address", () => {
-    const numbers = { focalLengthMm: 50, fStop: 2 };
+    const numbers = { focalLengthMm: 50, focalLengthRangeMm: null, fStop: 2 };
     const json = {
       name: "planar 50",
       title: "",
@@ -56,6 +56,13 @@ describe("the lens on the camera", () => {
     const { section, keywords } = toLens(json, "http://there");
     expect(keywords).toContain("normal double gauss 1975");
     expect(section).toBe("http://there/v1/lenses/planar%2050/section.svg");
+  });
+
+  it("tells the range of a zoom", () => {
+    const prime = { ...lens("planar", "prescription"), description: "A classic." };
+    expect(describedLens(prime)).toBe("A classic.");
+    const zoom = { ...prime, focalLengthRangeMm: [72.1, 194.01] } as const;
+    expect(describedLens(zoom)).toBe("Zooms from 72.1 to 194 mm. A classic.");
   });
 
   it("is listed among those of glass, or among the others", () => {

@@ -34,6 +34,7 @@ def check_prescription(prescription: Prescription) -> None:
         _check_glass(prescription, i, surface)
         _check_extent(prescription, i, surface)
     _check_whole(prescription)
+    check_configurations(prescription)
     check_overlaps(prescription)
 
 

@@ -9,6 +9,8 @@ export interface LensSummary {
   readonly title: string;
   readonly model: string;
   readonly focalLengthMm: number;
+  /** Shortest and longest of a zoom; null for a lens of one focal length. */
+  readonly focalLengthRangeMm: readonly [number, number] | null;
   /** Wide open. */
   readonly fStop: number;
   /** One line. */
@@ -32,6 +34,13 @@ export function mountedLens(readout: Readout, lenses: readonly LensSummary[]): M
   if (lens) return { kind: "library", lens };
   if (readout.lensModel === "thin" && readout.lensName === "") return { kind: "thin" };
   return { kind: "other", title: readout.lensName || `A ${readout.lensModel} lens` };
+}
+
+/** What a lens of the library is, in a line or two. */
+export function describedLens({ description, focalLengthRangeMm }: LensSummary): string {
+  if (focalLengthRangeMm === null) return description;
+  const [shortest, longest] = focalLengthRangeMm;
+  return `Zooms from ${trimmed(shortest, 1)} to ${trimmed(longest, 1)} mm. ${description}`;
 }
 
 /** The lenses in groups, as a list shows them: of glass, and by a model. */

@@ -96,11 +96,13 @@ function toKeyed(keys: Readonly<Record<string, readonly Json["Key"][]>>): Keyed 
 }
 
 export function toLens(json: Json["LensSummary"], base: string): LensSummary {
-  const { name, title, model, focalLengthMm, fStop, description, manufacturer, families, year } = json;
+  const { name, title, model, focalLengthMm, focalLengthRangeMm, fStop, description } = json;
+  const { manufacturer, families, year } = json;
   const keywords = [manufacturer, ...families, year ?? ""].join(" ");
   const address = `${base}/v1/lenses/${encodeURIComponent(name)}`;
   const [section, sheet] = [`${address}/section.svg`, `${address}/sheet.png`];
-  return { name, title, model, focalLengthMm, fStop, description, keywords, section, sheet };
+  const numbers = { focalLengthMm, focalLengthRangeMm, fStop };
+  return { name, title, model, ...numbers, description, keywords, section, sheet };
 }
 
 function toLensSample(json: Json["Readout"] | Json["CurveSample"]): LensSample {

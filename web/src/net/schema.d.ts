@@ -6215,6 +6215,7 @@ export interface components {
          * Lens
          * @description A lens of the library with its optical data.
          * @example {
+         *       "configurations": [],
          *       "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
          *       "fStop": 2.8,
          *       "families": [
@@ -6265,6 +6266,11 @@ export interface components {
          */
         readonly Lens: {
             /**
+             * Configurations
+             * @description Positions of zoom and focus, by rising focal length; empty for a lens of one position.
+             */
+            readonly configurations: readonly components["schemas"]["LensConfiguration"][];
+            /**
              * Description
              * @description One line.
              */
@@ -6278,6 +6284,14 @@ export interface components {
             readonly families: readonly string[];
             /** Focallengthmm */
             readonly focalLengthMm: number;
+            /**
+             * Focallengthrangemm
+             * @description Shortest and longest focal length of a zoom; null for a lens of one focal length.
+             */
+            readonly focalLengthRangeMm: readonly [
+                number,
+                number
+            ] | null;
             /**
              * Focusgroup
              * @description Indices of the surfaces that move to focus; null for all.
@@ -6335,6 +6349,32 @@ export interface components {
              * @description Year of its patent or publication; null for lenses of our own.
              */
             readonly year: number | null;
+        };
+        /**
+         * LensConfiguration
+         * @description Places of a lens's groups at one position of zoom and focus.
+         */
+        readonly LensConfiguration: {
+            /**
+             * Focallengthmm
+             * @description Focal length of the zoom position, focused at infinity.
+             */
+            readonly focalLengthMm: number;
+            /**
+             * Fstop
+             * @description f-number wide open, at infinity; null where it is that of the lens.
+             */
+            readonly fStop: number | null;
+            /**
+             * Objectdistancemm
+             * @description Distance from the object in focus to the first surface; null is infinity.
+             */
+            readonly objectDistanceMm: number | null;
+            /**
+             * Thicknessesmm
+             * @description Thickness behind each surface; behind the last, to the film.
+             */
+            readonly thicknessesMm: readonly number[];
         };
         /**
          * LensErrors
@@ -6509,6 +6549,14 @@ export interface components {
             readonly families: readonly string[];
             /** Focallengthmm */
             readonly focalLengthMm: number;
+            /**
+             * Focallengthrangemm
+             * @description Shortest and longest focal length of a zoom; null for a lens of one focal length.
+             */
+            readonly focalLengthRangeMm: readonly [
+                number,
+                number
+            ] | null;
             /**
              * Fstop
              * @description f-number wide open; 0 is a pinhole.

@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
-import { grouped, mountedLens, type LensSummary, type MountedLens } from "../../model/lens";
+import { describedLens, grouped, mountedLens, type LensSummary, type MountedLens } from "../../model/lens";
 import type { Readout } from "../../model/shot";
 import { Edits } from "../controls/Edits";
 import { SearchedChoice, type Option } from "../controls/SearchedChoice";
@@ -86,7 +86,7 @@ function titleOf(mounted: MountedLens): string {
 }
 
 function descriptionOf(mounted: MountedLens): string {
-  if (mounted.kind === "library") return mounted.lens.description;
+  if (mounted.kind === "library") return describedLens(mounted.lens);
   return mounted.kind === "thin"
     ? "No errors: the ideal lens of the numbers below."
     : "Of the shot, or of a lens file.";

@@ -6,7 +6,12 @@ from the axis is
 
     z(r) = c·r² / (1 + √(1 − (1 + K)·c²·r²)) + Σ A_i·r^(2i + 4),        c = 1/radius
 
-with the conic constant K and the aspheric coefficients A_0 (of r⁴), A_1 (of r⁶) and so on.
+with the conic constant K and the aspheric coefficients A_0 (of r⁴), A_1 (of r⁶) and so on. A surface with another curve from side
+to side than from top to bottom is biconic, as cylinders are:
+
+    z(x, y) = (cₓ·x² + c·y²) / (1 + √(1 − (1 + Kₓ)·cₓ²·x² − (1 + K)·c²·y²)) + Σ A_i·r^(2i + 4)
+
+with x across the picture and y up.
 """
 
 from __future__ import annotations
@@ -60,11 +65,24 @@ AIR = Glass()
 
 
 @dataclass(frozen=True)
+class Across:
+    """Curve of a surface from side to side, where it is another one than from top to bottom.
+
+    Attributes:
+        radius_mm: of curvature in the x-z plane; 0 is none: with a radius from top to bottom, a cylinder that lies on its side.
+        conic: conic constant in that plane.
+    """
+
+    radius_mm: float = 0.0
+    conic: float = 0.0
+
+
+@dataclass(frozen=True)
 class Surface:
     """One surface of a lens, or its stop.
 
     Attributes:
-        radius_mm: of curvature; 0 is a plane.
+        radius_mm: of curvature; 0 is a plane. In the y-z plane, from top to bottom, where the surface has two.
         thickness_mm: along the axis to the next surface; of the last one, to the film with the lens focused at infinity (0 where
             it is to be solved for).
         glass: the medium behind the surface.
@@ -73,6 +91,7 @@ class Surface:
         aspheric: coefficients of r⁴, r⁶, ...
         is_stop: whether this is the aperture stop.
         coating_nm: wavelength that its quarter-wave coating is made for; 0 for bare glass. Cemented surfaces have none.
+        across: curve from side to side; None where it is that from top to bottom.
     """
 
     radius_mm: float
@@ -83,6 +102,7 @@ class Surface:
     aspheric: tuple[float, ...] = ()
     is_stop: bool = False
     coating_nm: float = 0.0
+    across: Across | None = None
 
 
 @dataclass(frozen=True)
@@ -116,6 +136,8 @@ class Prescription:
         notes: values that were computed or approximated, one sentence each.
         configurations: positions of zoom and focus (`render.optics.prescription.zooming`). Those that are focused nearer than
             infinity say how the groups move to focus, and win over ``focus_group``. Empty for a lens of one position.
+        focus_group_across: first and last index of the surfaces, without power from top to bottom, that move to focus from side
+            to side too; None where nothing moves for that.
     """
 
     surfaces: tuple[Surface, ...]
@@ -124,6 +146,12 @@ class Prescription:
     name: str = ""
     notes: tuple[str, ...] = ()
     configurations: tuple[Configuration, ...] = ()
+    focus_group_across: tuple[int, int] | None = None
+
+    @property
+    def is_anamorphic(self) -> bool:
+        """Whether a surface has another curve from side to side than from top to bottom."""
+        return any(surface.across is not None for surface in self.surfaces)
 
 
 @dataclass(frozen=True)
@@ -314,7 +342,8 @@ class Lens:
         data_sheet: for the model dataSheet.
         height_field: for the model heightField.
         scales: factors on the errors of whatever model it is.
-        squeeze: anamorphic squeeze: the bokeh is that many times narrower than high.
+        squeeze: anamorphic squeeze: the bokeh is that many times narrower than high. Of a prescription with cylinders it is the
+            nominal squeeze, by which the picture is stretched back; the glass itself squeezes.
         transmittance: share of the light that passes, 0 to 1.
         pupil_magnification: diameter of the exit pupil over the entrance pupil's, of a lens without surfaces.
         natural_vignetting: whether a lens without surfaces darkens the picture's corners by cos⁴; one with surfaces always does.
@@ -342,6 +371,16 @@ class Lens:
     ghosts: float = 0.0
     star: float = 0.0
     data_sheet: DataSheet | None = None
+
+    @property
+    def drawn_squeeze(self) -> float:
+        """Squeeze by which the rays of a lens without cylinders are narrowed; 1 where cylinders do that."""
+        return 1.0 if self.has_cylinders else self.squeeze
+
+    @property
+    def has_cylinders(self) -> bool:
+        """Whether its surfaces squeeze the picture themselves."""
+        return self.model == "prescription" and self.prescription is not None and self.prescription.is_anamorphic
 
     @property
     def has_thin_errors(self) -> bool:

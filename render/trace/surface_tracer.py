@@ -16,9 +16,11 @@ from render.model.lens import HeightField
 from render.optics.glass import refractive_index
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.paraxial import paraxial_system, transfer
+from render.optics.prescription.surface_shape import curvature_across
 
 MAX_WAVELENGTHS = 65  # those of a spectrum, and the d line to measure colour errors from
 _ROW = 20  # numbers of a ``LensSurface``; 12 aspheric terms in the middle
+_BICONIC_ROW = 24  # with the curve from side to side
 _GROUP = 64
 
 
@@ -68,7 +70,7 @@ class SurfaceTracer:
             height_field: heights on the first and the last surface of glass.
         """
         count = len(film_mm)
-        program = self._program(height_field)
+        program = self._program(lens, height_field)
         queries = np.concatenate([film_mm, stop_mm], axis=1).astype(np.float32)
         near_axis = [_film_to_stop(lens, wavelength) for wavelength in wavelengths_nm]
         set_uniforms(
@@ -91,8 +93,12 @@ class SurfaceTracer:
             found = np.frombuffer(answers.read(), np.float32).reshape(len(wavelengths_nm), count, 8)
         return _unpack(found)
 
-    def _program(self, height_field: HeightField | None) -> moderngl.ComputeShader:
-        defines = {"MAX_WAVELENGTHS": MAX_WAVELENGTHS} | ({} if height_field is None else {"HEIGHT_FIELD": 1})
+    def _program(self, lens: FocusedLens, height_field: HeightField | None) -> moderngl.ComputeShader:
+        defines = {"MAX_WAVELENGTHS": MAX_WAVELENGTHS}
+        if height_field is not None:
+            defines["HEIGHT_FIELD"] = 1
+        if lens.prescription.is_anamorphic:
+            defines["BICONIC"] = 1
         return self._programs.compute("lens/lens_trace.comp", defines)
 
     def _bind_heights(self, scope: Resources, program: moderngl.ComputeShader, field: HeightField | None) -> None:
@@ -120,9 +126,10 @@ def _unpack(found: FloatArray) -> TracedLens:
 
 
 def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
-    """``(n, 20)`` as ``LensSurface`` in ``lens/lens_surface.glsl``."""
+    """``(n, 20)`` as ``LensSurface`` in ``lens/lens_surface.glsl``, ``(n, 24)`` of a lens with cylinders."""
     surfaces = lens.prescription.surfaces
-    table = np.zeros((len(surfaces), _ROW), np.float32)
+    is_biconic = lens.prescription.is_anamorphic
+    table = np.zeros((len(surfaces), _BICONIC_ROW if is_biconic else _ROW), np.float32)
     gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))
     for row, surface, gap in zip(table, surfaces, gaps, strict=True):
         # negative: the iris is not a rim here; the caller knows which stop points are open
@@ -130,6 +137,9 @@ def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
         row[:4] = [1 / surface.radius_mm if surface.radius_mm else 0.0, rim, surface.conic, gap]
         row[4 : 4 + len(surface.aspheric)] = surface.aspheric
         row[16] = len(surface.aspheric)
+        if is_biconic:
+            conic = surface.conic if surface.across is None else surface.across.conic
+            row[20:23] = [curvature_across(surface), conic, surface.across is not None]
     if field is not None:
         glass = [place for place, surface in enumerate(surfaces) if surface.radius_mm or not surface.is_stop]
         for index, (place, heights) in enumerate(zip((glass[0], glass[-1]), (field.front, field.back), strict=True)):

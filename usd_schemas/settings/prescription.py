@@ -149,6 +149,22 @@ class Prescription:
         "Coefficient of r^20 in the sag of each surface.",
         unit="mm^-19",
     )
+    radius_across: Floats = setting(
+        "lens:prescription:radiusAcross",
+        (),
+        "Radii Across",
+        "Radius of curvature of each surface from side to side, where radius is that from top to bottom: a cylinder that "
+        "squeezes the picture has a radius of 0 (straight) and a radius across.",
+        "Equal radii and conic constants make a surface with rotational symmetry; without the array all surfaces have it.",
+        unit="millimetres",
+    )
+    conic_across: Floats = setting(
+        "lens:prescription:conicAcross",
+        (),
+        "Conic Constants Across",
+        "Conic constant of each surface from side to side; without the array it is that from top to bottom.",
+        unit="none",
+    )
     coating_wavelength: Floats = setting(
         "lens:prescription:coatingWavelength",
         (),
@@ -171,6 +187,15 @@ class Prescription:
         (-1, -1),
         "Focus Group",
         "First and last index of the surfaces that move to focus; (-1, -1) moves the whole lens.",
+        unit="none, indices from 0",
+        keyable=False,
+    )
+    focus_group_across: tuple[int, int] = setting(
+        "lens:prescription:focusGroupAcross",
+        (-1, -1),
+        "Focus Group Across",
+        "First and last index of the cylinders, without power from top to bottom, that move to focus from side to side; "
+        "(-1, -1) where none does.",
         unit="none, indices from 0",
         keyable=False,
     )

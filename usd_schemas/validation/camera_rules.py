@@ -129,10 +129,13 @@ def prescription(prim: Usd.Prim) -> Iterator[Fault]:
         yield Fault(
             path, f"the stop must be one of the {count} surfaces (0 to {count - 1}), got {surfaces.stop_surface}"
         )
-    first, last = surfaces.focus_group
-    if (first, last) != (-1, -1) and not 0 <= first <= last < count:
-        path = prim.GetPath().AppendProperty("lens:prescription:focusGroup")
-        yield Fault(path, f"the focus group must be surfaces 0 <= first <= last < {count}, got ({first}, {last})")
+    for name, (first, last) in (
+        ("focusGroup", surfaces.focus_group),
+        ("focusGroupAcross", surfaces.focus_group_across),
+    ):
+        if (first, last) != (-1, -1) and not 0 <= first <= last < count:
+            path = prim.GetPath().AppendProperty(f"lens:prescription:{name}")
+            yield Fault(path, f"the focus group must be surfaces 0 <= first <= last < {count}, got ({first}, {last})")
 
 
 def configurations(prim: Usd.Prim) -> Iterator[Fault]:

@@ -19,7 +19,7 @@ from render.model.lens import Prescription, Surface
 from render.optics.flare.coating import reflectance
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.focusing import FocusedLens
-from render.optics.prescription.surface_shape import intersect, sag_gradient
+from render.optics.prescription.surface_shape import intersect, slopes_at
 from render.optics.prescription.tracing import refract
 
 _SAME_INDEX = 1e-9
@@ -147,8 +147,7 @@ def _met(
 
 def _normals(surface: Surface, local: DoubleArray) -> DoubleArray:
     with np.errstate(invalid="ignore"):
-        gradient = sag_gradient(surface, local[:, 0] ** 2 + local[:, 1] ** 2)
-        normal = np.stack([-2 * local[:, 0] * gradient, -2 * local[:, 1] * gradient, np.ones(len(local))], axis=1)
+        normal = np.concatenate([-slopes_at(surface, local[:, :2]), np.ones((len(local), 1))], axis=1)
         return np.asarray(normal / np.linalg.norm(normal, axis=1)[:, None])
 
 

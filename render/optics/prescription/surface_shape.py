@@ -24,8 +24,18 @@ def curvature(surface: Surface) -> float:
     return 1 / surface.radius_mm if surface.radius_mm else 0.0
 
 
+def curvature_across(surface: Surface) -> float:
+    """Curvature at the vertex from side to side, 1/mm."""
+    if surface.across is None:
+        return curvature(surface)
+    return 1 / surface.across.radius_mm if surface.across.radius_mm else 0.0
+
+
 def sag_mm(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray:
-    """Sag at the given squares of the distance from the axis (mm²); NaN beyond the conic's extent."""
+    """Sag at the given squares of the distance from the axis (mm²); NaN beyond the conic's extent.
+
+    Of a surface with two curves it is that from top to bottom.
+    """
     r2 = np.asarray(radius_squared, np.float64)
     c = curvature(surface)
     with np.errstate(invalid="ignore"):
@@ -36,7 +46,7 @@ def sag_mm(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray
 
 
 def sag_gradient(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray:
-    """Derivative of the sag by the *square* of the distance from the axis, 1/mm: the normal is ``(−2gx, −2gy, 1)``."""
+    """Derivative of `sag_mm` by the *square* of the distance from the axis, 1/mm."""
     r2 = np.asarray(radius_squared, np.float64)
     c = curvature(surface)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -46,9 +56,50 @@ def sag_gradient(surface: Surface, radius_squared: DoubleArray | float) -> Doubl
     return np.asarray(gradient)
 
 
+def sag_at(surface: Surface, points: DoubleArray) -> DoubleArray:
+    """Sag ``(n,)`` at points ``(n, 2)``, x across and y up; NaN beyond the conic's extent."""
+    r2 = (points**2).sum(axis=-1)
+    if surface.across is None:
+        return sag_mm(surface, r2)
+    curved, bent = _biconic(surface, points)
+    with np.errstate(invalid="ignore"):
+        sag = curved / (1 + np.sqrt(1 - bent))
+    for power, coefficient in enumerate(surface.aspheric, start=2):
+        sag = sag + coefficient * r2**power
+    return np.asarray(sag)
+
+
+def slopes_at(surface: Surface, points: DoubleArray) -> DoubleArray:
+    """Derivatives ``(n, 2)`` of the sag by x and y: the normal is ``(−slope x, −slope y, 1)``."""
+    r2 = (points**2).sum(axis=-1)
+    if surface.across is None:
+        return np.asarray(2 * points * sag_gradient(surface, r2)[..., None])
+    curved, bent = (part[..., None] for part in _biconic(surface, points))
+    curvatures, bends = _curves(surface)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        root = np.sqrt(1 - bent)
+        slopes = points * (2 * curvatures / (1 + root) + curved * bends / (root * (1 + root) ** 2))
+    for power, coefficient in enumerate(surface.aspheric, start=2):
+        slopes = slopes + (2 * power * coefficient * r2 ** (power - 1))[..., None] * points
+    return np.asarray(slopes)
+
+
+def _biconic(surface: Surface, points: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """``cₓ·x² + c·y²`` and ``(1 + Kₓ)·cₓ²·x² + (1 + K)·c²·y²``."""
+    curvatures, bends = _curves(surface)
+    return np.asarray(points**2 @ curvatures), np.asarray(points**2 @ bends)
+
+
+def _curves(surface: Surface) -> tuple[DoubleArray, DoubleArray]:
+    """Curvatures c and bends ``(1 + K)·c²``, from side to side and from top to bottom."""
+    curvatures = np.array([curvature_across(surface), curvature(surface)])
+    across = surface.conic if surface.across is None else surface.across.conic
+    return curvatures, (1 + np.array([across, surface.conic])) * curvatures**2
+
+
 def conic_extent_mm(surface: Surface) -> float:
-    """Distance from the axis at which the surface's conic turns back; infinite for planes, parabolas and hyperbolas."""
-    bend = (1 + surface.conic) * curvature(surface) ** 2
+    """Distance from the axis to which the surface's conic goes all around; infinite for planes, parabolas and hyperbolas."""
+    bend = float(_curves(surface)[1].max())
     return float(1 / np.sqrt(bend)) if bend > 0 else float("inf")
 
 
@@ -56,10 +107,12 @@ def extent_mm(surface: Surface) -> float:
     """Radius out to which the surface is known: its clear semi-diameter, else where it turns back or grows too steep."""
     if surface.semi_diameter_mm > 0:
         return surface.semi_diameter_mm
-    if not surface.aspheric:
+    if not surface.aspheric and surface.across is None:
         return conic_extent_mm(surface)
     radii = _RADII_MM[conic_extent_mm(surface) > _RADII_MM]
-    steep = np.abs(2 * radii * sag_gradient(surface, radii**2)) > _STEEPEST
+    steep = (np.abs([slopes_at(surface, radii[:, None] * way).sum(axis=1) for way in np.eye(2)]) > _STEEPEST).any(
+        axis=0
+    )
     return float(radii[steep.argmax()] if steep.any() else radii[-1])
 
 
@@ -68,8 +121,8 @@ def intersect(
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """Intersect rays with a surface, on the sheet that holds its vertex.
 
-    Conics have a closed form (Welford 1986, ch. 4), in which the ray first goes to the plane of the vertex. With aspheric
-    terms, Newton's method goes on from there, inside a bracket that bisection takes over whenever a step would leave it.
+    Conics have a closed form (Welford 1986, ch. 4), in which the ray first goes to the plane of the vertex. With two curves or
+    aspheric terms, Newton's method goes on from there, inside a bracket that bisection takes over whenever a step would leave it.
 
     Args:
         surface: in whose vertex the coordinates start.
@@ -81,9 +134,12 @@ def intersect(
     """
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         on_plane = positions - (positions[:, 2] / directions[:, 2])[:, None] * directions
+        if surface.across is not None:
+            distance, hit = _general_distance(surface, on_plane, directions, np.zeros(len(positions)))
+            return on_plane + distance[:, None] * directions, hit
         distance, hit = _conic_distance(surface, on_plane, directions)
         if surface.aspheric:
-            distance, hit = _aspheric_distance(surface, on_plane, directions, np.where(hit, distance, 0.0))
+            distance, hit = _general_distance(surface, on_plane, directions, np.where(hit, distance, 0.0))
         return on_plane + distance[:, None] * directions, hit
 
 
@@ -100,28 +156,31 @@ def _conic_distance(
     return distance, np.asarray((inside >= 0) & on_sheet & np.isfinite(distance))
 
 
-def _aspheric_distance(
+def _general_distance(
     surface: Surface, on_plane: DoubleArray, directions: DoubleArray, start: DoubleArray
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """Distance from the vertex plane to the full surface, which goes on flat beyond its extent so that a root always exists."""
-    widest = min(extent_mm(surface), conic_extent_mm(surface) * (1 - 1e-9)) ** 2
-    sags = sag_mm(surface, np.linspace(0, widest, 257))
+    widest = min(extent_mm(surface), conic_extent_mm(surface) * (1 - 1e-9))
+    radii = np.linspace(0, widest, 257)[:, None]
+    sags = np.concatenate([sag_at(surface, radii * way) for way in np.eye(2)])
     slack = 1 + float(np.ptp(sags))
     before, behind = (sags.min() - slack) / directions[:, 2], (sags.max() + slack) / directions[:, 2]
     distance = start
     for _ in range(_NEWTON_STEPS):
         points = on_plane + distance[:, None] * directions
-        r2 = np.minimum(points[:, 0] ** 2 + points[:, 1] ** 2, widest)
-        miss = points[:, 2] - sag_mm(surface, r2)
+        within = (
+            points[:, :2] * np.minimum(widest / np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-300), 1)[:, None]
+        )
+        miss = points[:, 2] - sag_at(surface, within)
         behind, before = np.where(miss > 0, distance, behind), np.where(miss > 0, before, distance)
         if not (np.abs(miss) > _CONVERGED_MM).any():
             break
-        across = points[:, 0] * directions[:, 0] + points[:, 1] * directions[:, 1]
-        step = distance - miss / (directions[:, 2] - 2 * sag_gradient(surface, r2) * across)
+        across = (slopes_at(surface, within) * directions[:, :2]).sum(axis=1)
+        step = distance - miss / (directions[:, 2] - across)
         stays = (step - before) * (step - behind) <= 0
         distance = np.where(stays, step, (before + behind) / 2)
     r2 = (on_plane + distance[:, None] * directions)[:, :2] ** 2
-    return distance, np.asarray(np.isfinite(distance) & (r2.sum(1) <= widest * (1 + 1e-6)))
+    return distance, np.asarray(np.isfinite(distance) & (r2.sum(1) <= widest**2 * (1 + 1e-6)))
 
 
 def clearance_mm(front: Surface, behind: Surface, thickness_mm: float) -> float:
@@ -131,5 +190,7 @@ def clearance_mm(front: Surface, behind: Surface, thickness_mm: float) -> float:
     """
     known = [surface.semi_diameter_mm for surface in (front, behind) if surface.semi_diameter_mm > 0]
     widest = min(*known, conic_extent_mm(front), conic_extent_mm(behind)) if known else 0.0
-    radius_squared = np.linspace(0, widest * (1 - 1e-9), 129) ** 2
-    return float((thickness_mm + sag_mm(behind, radius_squared) - sag_mm(front, radius_squared)).min())
+    angles = np.linspace(0, np.pi / 2, 1 if front.across is None and behind.across is None else 7)
+    ways = np.stack([np.sin(angles), np.cos(angles)], axis=-1)[:, None, :]
+    points = np.linspace(0, widest * (1 - 1e-9), 129)[:, None] * ways
+    return float((thickness_mm + sag_at(behind, points) - sag_at(front, points)).min())

@@ -17,7 +17,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import Prescription, Surface
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.paraxial import vertices
-from render.optics.prescription.surface_shape import intersect, sag_gradient
+from render.optics.prescription.surface_shape import intersect, slopes_at
 
 PASSES = -1
 _RIM_SLACK = 1 + 1e-9
@@ -180,8 +180,7 @@ def refract(
         ``(n, 3)`` unit vectors, and ``(n,)`` whether the ray is refracted rather than totally reflected.
     """
     with np.errstate(invalid="ignore", over="ignore"):
-        gradient = sag_gradient(surface, local[:, 0] ** 2 + local[:, 1] ** 2)
-        normal = np.stack([-2 * local[:, 0] * gradient, -2 * local[:, 1] * gradient, np.ones(len(local))], axis=1)
+        normal = np.concatenate([-slopes_at(surface, local[:, :2]), np.ones((len(local), 1))], axis=1)
         normal /= np.sqrt((normal**2).sum(1))[:, None]
         incidence = (normal * directions).sum(1)
         ratio = np.broadcast_to(np.asarray(ratio), incidence.shape)

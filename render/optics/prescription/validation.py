@@ -101,15 +101,21 @@ def _check_numbers(prescription: Prescription, index: int, surface: Surface) -> 
         "clear semi-diameter": surface.semi_diameter_mm,
         "conic constant": surface.conic,
         **{f"aspheric coefficient of r^{2 * i + 4}": term for i, term in enumerate(surface.aspheric)},
+        **(
+            {"radius across": surface.across.radius_mm, "conic constant across": surface.across.conic}
+            if surface.across
+            else {}
+        ),
     }
     for what, number in numbers.items():
         if not np.isfinite(number):
             raise bad_lens(prescription, f"its {what} must be a finite number, got {number}", index)
-        if what != "radius" and abs(number) > _LARGEST_NUMBER:
+        if not what.startswith("radius") and abs(number) > _LARGEST_NUMBER:
             raise bad_lens(prescription, f"its {what} must be at most {_LARGEST_NUMBER:g}, got {number:g}", index)
-    if 0 < abs(surface.radius_mm) < _LEAST_RADIUS_MM:
-        what = f"its radius must be 0 (a plane) or at least {_LEAST_RADIUS_MM:g} mm, got {surface.radius_mm:g} mm"
-        raise bad_lens(prescription, what, index)
+    for what in ("radius", "radius across"):
+        if 0 < abs(radius := numbers.get(what, 0.0)) < _LEAST_RADIUS_MM:
+            what = f"its {what} must be 0 (a plane) or at least {_LEAST_RADIUS_MM:g} mm, got {radius:g} mm"
+            raise bad_lens(prescription, what, index)
     for what in ("thickness", "clear semi-diameter"):
         if numbers[what] < 0:
             raise bad_lens(prescription, f"its {what} must be 0 or more, got {numbers[what]:g} mm", index)
@@ -136,7 +142,9 @@ def _check_extent(prescription: Prescription, index: int, surface: Surface) -> N
     extent = conic_extent_mm(surface)
     if surface.semi_diameter_mm > extent * _RIM_SLACK:
         what = f"its clear semi-diameter of {surface.semi_diameter_mm:g} mm exceeds the {extent:g} mm"
-        raise bad_lens(prescription, f"{what} to which its radius of {surface.radius_mm:g} mm lets it reach", index)
+        radii = f"radii of {surface.radius_mm:g} and {surface.across.radius_mm:g} mm let" if surface.across else ""
+        radii = radii or f"radius of {surface.radius_mm:g} mm lets"
+        raise bad_lens(prescription, f"{what} to which its {radii} it reach", index)
 
 
 def _check_whole(prescription: Prescription) -> None:

@@ -5,6 +5,9 @@ struct LensSurface {
     vec4 shape;         // curvature (1/mm), half clear diameter (negative at the stop), conic constant, distance to the next vertex or the film
     vec4 aspheric[3];   // coefficients of r^4, r^6, ... r^26
     vec4 kind;          // number of aspheric coefficients, 1 + index of its height map (0 for none), lowest and highest height
+#ifdef BICONIC
+    vec4 across;        // curvature (1/mm) and conic constant from side to side; 1 where they are others than from top to bottom
+#endif
 };
 layout(std430, binding = 0) readonly buffer LensSurfaces { LensSurface surfaces[]; };
 
@@ -28,12 +31,22 @@ vec2 aspheric_sag(LensSurface s, float r2)
 // Sag and its gradient; false beyond the surface's own rim.
 bool sag_at(LensSurface s, vec2 at, out float sag, out vec2 gradient)
 {
-    float c = s.shape.x, r2 = dot(at, at), inside = 1.0 - (1.0 + s.shape.z) * c * c * r2;
+    float r2 = dot(at, at);
+#ifdef BICONIC
+    vec2 c = vec2(s.across.x, s.shape.x), bend = (1.0 + vec2(s.across.y, s.shape.z)) * c * c;
+    float curved = dot(c, at * at), inside = 1.0 - dot(bend, at * at);
+#else
+    float c = s.shape.x, curved = c * r2, inside = 1.0 - (1.0 + s.shape.z) * c * c * r2;
+#endif
     if (inside <= 0.0) return false;
     float root = sqrt(inside);
     vec2 polynomial = aspheric_sag(s, r2);
-    sag = c * r2 / (1.0 + root) + polynomial.x;
+    sag = curved / (1.0 + root) + polynomial.x;
+#ifdef BICONIC
+    gradient = at * (2.0 * c / (1.0 + root) + curved * bend / (root * (1.0 + root) * (1.0 + root)) + 2.0 * polynomial.y);
+#else
     gradient = at * (c / root + 2.0 * polynomial.y);
+#endif
 #ifdef HEIGHT_FIELD
     if (s.kind.y > 0.0) {
         vec2 place = 0.5 + 0.5 * vec2(at.x, -at.y) / abs(s.shape.y);
@@ -97,14 +110,23 @@ bool meet_heights(LensSurface s, vec3 o, vec3 d, out float t)
 }
 #endif
 
-// Distance to the surface: closed form for the conic, then Newton's method for its aspheric terms and heights.
+// Distance to the surface: closed form for the conic, then Newton's method for its aspheric terms, second curve and heights.
 bool meet(LensSurface s, vec3 o, vec3 d, out float t)
 {
 #ifdef HEIGHT_FIELD
     if (s.kind.y > 0.0) return meet_heights(s, o, d, t);
 #endif
-    if (!meet_conic(s, o, d, t)) return false;
-    if (s.kind.x == 0.0) return true;
+#ifdef BICONIC
+    bool is_conic = s.across.z == 0.0;
+#else
+    const bool is_conic = true;
+#endif
+    if (is_conic) {
+        if (!meet_conic(s, o, d, t)) return false;
+        if (s.kind.x == 0.0) return true;
+    } else {
+        t = -o.z / d.z;
+    }
     for (int i = 0; i < 8; ++i) {
         vec3 p = o + t * d;
         float sag;

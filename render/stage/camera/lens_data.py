@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from render.errors import InputError
-from render.model.lens import Configuration, Glass, Prescription
+from render.model.lens import Across, Configuration, Glass, Prescription
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.dispersion.sellmeier_fit import as_sellmeier
 from render.optics.lens_files import MeasuredLens
@@ -50,6 +50,8 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         coating_wavelength=_unless_zero(surface.coating_nm for surface in surfaces),
         stop_surface=stops[0] if stops else -1,
         focus_group=prescription.focus_group or (-1, -1),
+        focus_group_across=prescription.focus_group_across or (-1, -1),
+        **_across(prescription),
         **{
             field: _unless_zero(s.aspheric[place] if place < len(s.aspheric) else 0.0 for s in surfaces)
             for place, field in enumerate(ASPHERIC)
@@ -79,6 +81,16 @@ def _configurations(prescription: Prescription) -> Configurations:
         focal_length=tuple(focal_mm for _, focal_mm in rows),
         f_stop=_unless_zero(each.f_stop for each, _ in rows),
     )
+
+
+def _across(prescription: Prescription) -> dict[str, tuple[float, ...]]:
+    """Arrays of the curves from side to side; none of a lens with rotational symmetry."""
+    if not prescription.is_anamorphic:
+        return {}
+    curves = [surface.across or Across(surface.radius_mm, surface.conic) for surface in prescription.surfaces]
+    conics = tuple(curve.conic for curve in curves)
+    same = conics == tuple(surface.conic for surface in prescription.surfaces)
+    return {"radius_across": tuple(curve.radius_mm for curve in curves), "conic_across": () if same else conics}
 
 
 def _portable(glass: Glass) -> Glass:

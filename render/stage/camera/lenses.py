@@ -14,6 +14,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import (
     AIR,
     AberrationScales,
+    Across,
     Configuration,
     DataSheet,
     Glass,
@@ -132,10 +133,11 @@ def _prescription(data: LensData, camera: str) -> Prescription:
     glasses = [_glass(columns, i) for i in range(count)]
     if not -1 <= rows.stop_surface < count:
         raise _error(camera, "lens:prescription:stopSurface", f"from -1 to {count - 1}", f"{rows.stop_surface}")
-    group = rows.focus_group
-    if group != (-1, -1) and not 0 <= group[0] <= group[1] < count:
+    group, group_across = (_group(rows, field, count, camera) for field in ("focus_group", "focus_group_across"))
+    across = _across(rows, columns, camera)
+    if wanted and any(across):
         raise _error(
-            camera, "lens:prescription:focusGroup", f"(-1, -1), or rising from 0 to {count - 1}", f"{tuple(group)}"
+            camera, "lens:prescription:radiusAcross", f"left out for lens:model {data.model}", "radii of cylinders"
         )
     return Prescription(
         tuple(
@@ -148,12 +150,14 @@ def _prescription(data: LensData, camera: str) -> Prescription:
                 _terms([columns[field][i] for field in ASPHERIC]),
                 i == rows.stop_surface,
                 columns["coating_wavelength"][i],
+                across[i],
             )
             for i in range(count)
         ),
-        focus_group=None if group == (-1, -1) else (group[0], group[1]),
+        focus_group=group,
         f_stop=max(data.f_stop_range[0], 0.0),
         name=data.name or f"the lens of {camera}",
+        focus_group_across=group_across,
         configurations=_configurations(data.configurations, count, camera) if data.model == "prescription" else (),
     )
 
@@ -180,6 +184,31 @@ def _configurations(rows: ConfigurationsData, surfaces: int, camera: str) -> tup
         )
         for i in range(count)
     )
+
+
+def _group(rows: PrescriptionData, field: str, count: int, camera: str) -> tuple[int, int] | None:
+    """A group of surfaces, None for (-1, -1)."""
+    first, last = getattr(rows, field)
+    if (first, last) == (-1, -1):
+        return None
+    if not 0 <= first <= last < count:
+        name = rows.__dataclass_fields__[field].metadata["usd"]
+        raise _error(camera, name, f"(-1, -1), or rising from 0 to {count - 1}", f"({first}, {last})")
+    return first, last
+
+
+def _across(rows: PrescriptionData, columns: dict[str, Sequence[Any]], camera: str) -> list[Across | None]:
+    """Curves from side to side, None where they are those from top to bottom."""
+    radii, conics = columns["radius"], columns["conic"]
+    count = len(radii)
+    both = zip(
+        _column(rows, "radius_across", count, camera) if rows.radius_across else radii,
+        _column(rows, "conic_across", count, camera) if rows.conic_across else conics,
+        radii,
+        conics,
+        strict=True,
+    )
+    return [None if (r, k) == (radius, conic) else Across(r, k) for r, k, radius, conic in both]
 
 
 _NOTHING: dict[str, Any] = {

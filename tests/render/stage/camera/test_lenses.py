@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom
 
 from render.errors import CameraError, InputError
 from render.model.camera import Camera
-from render.model.lens import AIR, Glass, Prescription, Surface
+from render.model.lens import AIR, Across, Glass, Prescription, Surface
 from render.model.lens import DataSheet as SheetTables
 from render.optics.glass import refractive_index
 from render.optics.lens_files import MeasuredLens
@@ -358,3 +358,45 @@ def test_an_impossible_data_sheet_is_reported(stage: Usd.Stage, camera: LensCame
     camera.lens.author(LensData(model="dataSheet"))
     with pytest.raises(CameraError, match=r"lens:table of camera /cam: .* must increase from 0, got none"):
         _read(stage)
+
+
+CYLINDERS = Prescription(
+    (
+        Surface(0.0, 4.0, Glass(1.6, 60.0), 10.0, across=Across(-90.0)),
+        Surface(0.0, 30.0, semi_diameter_mm=10.0, across=Across(90.0, -0.5)),
+        Surface(40.0, 5.0, Glass(1.6, 60.0), 10.0, conic=-0.3),
+        Surface(-40.0, 30.0, semi_diameter_mm=10.0),
+    ),
+    focus_group=(2, 3),
+    f_stop=4.0,
+    name="cylinders",
+    focus_group_across=(0, 0),
+)
+
+
+def test_cylinders_are_written_and_read(stage: Usd.Stage, camera: LensCamera) -> None:
+    mount_lens(camera, lens_data(CYLINDERS))
+    assert _read(stage).lens.prescription == CYLINDERS
+
+
+def test_a_lens_of_spheres_has_no_arrays_across() -> None:
+    plain = replace(CYLINDERS, surfaces=tuple(replace(surface, across=None) for surface in CYLINDERS.surfaces))
+    assert lens_data(plain).prescription.radius_across == lens_data(plain).prescription.conic_across == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"radius_across": (1.0,)}, "radiusAcross .* 4 entries"),
+        ({"focus_group_across": (2, 9)}, "focusGroupAcross .* rising from 0 to 3, got \\(2, 9\\)"),
+    ],
+)
+def test_faulty_cylinders_are_refused(change: dict[str, object], message: str) -> None:
+    data = lens_data(CYLINDERS)
+    with pytest.raises(CameraError, match=message):
+        make_lens(replace(data, prescription=replace(data.prescription, **change)), "/cam")
+
+
+def test_a_thick_lens_takes_no_cylinders() -> None:
+    with pytest.raises(CameraError, match="left out for lens:model spherical"):
+        make_lens(LensData(model="spherical", prescription=replace(SINGLET, radius_across=(0.0, 0.0))), "/cam")

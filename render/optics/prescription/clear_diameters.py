@@ -9,6 +9,8 @@ import numpy as np
 from render.model.arrays import DoubleArray
 from render.model.lens import Prescription
 from render.optics.prescription.beams import axial_beam, oblique_beam
+from render.optics.prescription.meridians import turned
+from render.optics.prescription.paraxial import focal_points, paraxial_system
 from render.optics.prescription.surface_shape import clearance_mm, conic_extent_mm
 from render.optics.prescription.validation import bad_lens, solid_neighbours
 
@@ -38,20 +40,34 @@ def with_clear_diameters(prescription: Prescription, image_height_mm: float) -> 
     missing = [i for i, surface in enumerate(surfaces) if surface.semi_diameter_mm == 0]
     if not missing:
         return prescription
-    radius = next(surface.semi_diameter_mm for surface in surfaces if surface.is_stop)
-    axial = np.abs(axial_beam(prescription, -np.inf, np.ones(1), radius, clip=False).points_mm[:, 0, 1])
-    beam = oblique_beam(
-        prescription, image_height_mm, np.linspace(-_CORNER_PUPIL, _CORNER_PUPIL, _CORNER_RAYS) * radius
-    )
-    needed = np.fmax(axial, np.fmax.reduce(np.abs(beam.heights_mm), axis=1)) * _MARGIN
+    axial, needed, reached_mm = _needed(prescription, image_height_mm)
+    if prescription.is_anamorphic:
+        sideways = turned(prescription)
+        squeeze = _focal_mm(prescription) / _focal_mm(sideways)
+        axial_across, needed_across, _ = _needed(sideways, image_height_mm / abs(squeeze))
+        axial, needed = np.fmax(axial, axial_across), np.fmax(needed, needed_across)
     widths = {i: min(float(needed[i]), _EDGE_OF_CONIC * conic_extent_mm(surfaces[i])) for i in missing}
     widened = _with_widths(prescription, widths)
-    notes = [*prescription.notes, _note(widths, len(surfaces), beam.image_height_mm)]
-    if beam.image_height_mm < 0.99 * image_height_mm:
+    notes = [*prescription.notes, _note(widths, len(surfaces), reached_mm)]
+    if reached_mm < 0.99 * image_height_mm:
         notes.append(
-            f"Its light reaches {beam.image_height_mm:.4g} mm from the axis, not the {image_height_mm:.4g} mm of the field."
+            f"Its light reaches {reached_mm:.4g} mm from the axis, not the {image_height_mm:.4g} mm of the field."
         )
     return replace(_trim(widened, widths, axial), notes=tuple(notes))
+
+
+def _needed(prescription: Prescription, image_height_mm: float) -> tuple[DoubleArray, DoubleArray, float]:
+    """Half widths in the y-z plane of the beam on the axis, and of all that is to get through; and the image height of that."""
+    radius = next(surface.semi_diameter_mm for surface in prescription.surfaces if surface.is_stop)
+    axial = np.abs(axial_beam(prescription, -np.inf, np.ones(1), radius, clip=False).points_mm[:, 0, 1])
+    heights = np.linspace(-_CORNER_PUPIL, _CORNER_PUPIL, _CORNER_RAYS) * radius
+    beam = oblique_beam(prescription, image_height_mm, heights)
+    needed = np.fmax(axial, np.fmax.reduce(np.abs(beam.heights_mm), axis=1)) * _MARGIN
+    return axial, needed, beam.image_height_mm
+
+
+def _focal_mm(prescription: Prescription) -> float:
+    return focal_points(paraxial_system(prescription), prescription.name)[0]
 
 
 def _with_widths(prescription: Prescription, widths: dict[int, float]) -> Prescription:

@@ -19,6 +19,7 @@ from render.optics.prescription.f_numbers import (
     widest_f_number,
     without_rims,
 )
+from render.optics.prescription.meridians import turned
 from render.optics.prescription.paraxial import first_order, focal_points, paraxial_system, stop_index
 from render.optics.prescription.stop_placement import with_stop
 from render.optics.prescription.surface_shape import extent_mm
@@ -62,7 +63,8 @@ def complete_prescription(prescription: Prescription, *, image_height_mm: float 
         raise SettingsError(f"the image height that a lens covers must be a positive number, got {image_height_mm} mm")
     check_prescription(prescription)
     prescription = in_first_position(prescription)
-    whole = with_clear_diameters(_with_back_focus(_with_aperture(with_stop(prescription))), image_height_mm)
+    placed = _with_side_noted(_with_back_focus(_with_aperture(with_stop(prescription))))
+    whole = with_clear_diameters(placed, image_height_mm)
     check_overlaps(whole)
     return _with_real_f_number(_check_light(whole), prescription.f_stop)
 
@@ -235,5 +237,19 @@ def _with_back_focus(prescription: Prescription) -> Prescription:
         return _with_surface(prescription, last, note, thickness_mm=back)
     note = f"Parallel light meets {back:.4g} mm behind the last surface, not at the film, which stands {stated:.4g} mm behind it."
     if abs(back - stated) < _NOTICED * focal or note in prescription.notes:
+        return prescription
+    return replace(prescription, notes=(*prescription.notes, note))
+
+
+def _with_side_noted(prescription: Prescription) -> Prescription:
+    """Add a note where parallel light does not meet on the film from side to side, and no cylinders move to make it."""
+    if not prescription.is_anamorphic or prescription.focus_group_across is not None:
+        return prescription
+    focal, back, _ = focal_points(paraxial_system(turned(prescription)), prescription.name)
+    film = prescription.surfaces[-1].thickness_mm
+    note = (
+        f"From side to side parallel light meets {back:.4g} mm behind the last surface, not at the film: {film:.4g} mm."
+    )
+    if abs(back - film) < _NOTICED * abs(focal) or note in prescription.notes:
         return prescription
     return replace(prescription, notes=(*prescription.notes, note))

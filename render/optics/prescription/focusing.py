@@ -23,6 +23,8 @@ from render.optics.prescription.f_numbers import (
     working_f_number,
 )
 from render.optics.prescription.focus_mechanism import FocusMechanism
+from render.optics.prescription.focusing_across import FocusAcross
+from render.optics.prescription.meridians import turned
 from render.optics.prescription.paraxial import FirstOrder, first_order
 
 FocusCriterion = Literal["spot", "paraxial"]
@@ -47,6 +49,7 @@ class FocusedLens:
         paraxial_f_stop: by the paraxial pupil in place of the real beam.
         image_scale_mm: paraxial height on the film per unit of slope in object space, through the entrance pupil's centre; at
             infinity the focal length.
+        image_scale_across_mm: the same from side to side, for what is in focus as seen from that same pupil's centre.
         first: first-order properties of the lens as focused.
     """
 
@@ -62,12 +65,18 @@ class FocusedLens:
     f_stop: float
     paraxial_f_stop: float
     image_scale_mm: float
+    image_scale_across_mm: float
     first: FirstOrder
 
     @property
     def object_mm(self) -> float:
         """z of what is in focus on the axis; minus infinity is infinity."""
         return self.entrance_pupil_mm - 1 / self.nearness_per_mm if self.nearness_per_mm else -np.inf
+
+    @property
+    def squeeze(self) -> float:
+        """Squeeze of the picture in the plane of focus, to first order; 1 for a lens without cylinders."""
+        return self.image_scale_mm / self.image_scale_across_mm
 
     @property
     def pupil_magnification(self) -> float:
@@ -122,7 +131,42 @@ def focus_lens(
     shift_mm = mechanism.paraxial_shift(nearness)
     if by == "spot":
         shift_mm = _spot_shift_mm(mechanism, nearness, shift_mm, radius_mm)
-    return _assemble(mechanism, nearness, shift_mm, radius_mm, max(f_stop, widest_f_number(prescription)))
+    moved_mm = mechanism.shifted_vertices(shift_mm)
+    if prescription.focus_group_across is not None:
+        moved_mm = _focus_across(mechanism, moved_mm, nearness, radius_mm, by)
+    f_number = max(f_stop, widest_f_number(prescription))
+    return _assemble(mechanism, nearness, shift_mm, moved_mm, radius_mm, f_number)
+
+
+def _focus_across(
+    mechanism: FocusMechanism, moved_mm: DoubleArray, nearness: float, radius_mm: float, by: FocusCriterion
+) -> DoubleArray:
+    """Vertices with the cylinders that focus from side to side moved too."""
+    focused = _with_gaps(mechanism, moved_mm)
+    front_mm = float(moved_mm[0])
+    pupil_mm = first_order(focused).entrance_pupil_mm  # from top to bottom, where the cylinders leave it
+    across = FocusAcross.of_lens(focused, pupil_mm - 1 / nearness if nearness else -np.inf)
+    shift_mm = across.paraxial_shift()
+    if by == "spot":
+        kept = _cache.get(
+            lambda: {"shift_mm": np.asarray(across.spot_shift(shift_mm, radius_mm))},
+            focused,
+            across.object_mm,
+            shift_mm,
+            radius_mm,
+        )
+        shift_mm = float(kept["shift_mm"])
+    return front_mm + across.vertices_mm(shift_mm)
+
+
+def _with_gaps(mechanism: FocusMechanism, moved_mm: DoubleArray) -> Prescription:
+    """The prescription with the distances between moved vertices, the last one to the film."""
+    gaps = np.diff([*moved_mm, mechanism.film_mm])
+    surfaces = tuple(
+        replace(surface, thickness_mm=float(gap))
+        for surface, gap in zip(mechanism.prescription.surfaces, gaps, strict=True)
+    )
+    return replace(mechanism.prescription, surfaces=surfaces)
 
 
 def _spot_shift_mm(mechanism: FocusMechanism, nearness: float, shift_mm: float, stop_radius_mm: float) -> float:
@@ -146,16 +190,19 @@ def _check_complete(prescription: Prescription) -> None:
 
 
 def _assemble(
-    mechanism: FocusMechanism, nearness: float, shift_mm: float, stop_radius_mm: float, f_stop: float
+    mechanism: FocusMechanism,
+    nearness: float,
+    shift_mm: float,
+    moved: DoubleArray,
+    stop_radius_mm: float,
+    f_stop: float,
 ) -> FocusedLens:
-    """The lens with what focuses it moved by ``shift_mm``."""
-    prescription, moved = mechanism.prescription, mechanism.shifted_vertices(shift_mm)
-    gaps = np.diff([*moved, mechanism.film_mm])
-    surfaces = tuple(
-        replace(surface, thickness_mm=float(gap)) for surface, gap in zip(prescription.surfaces, gaps, strict=True)
-    )
-    as_focused = replace(prescription, surfaces=surfaces)
+    """The lens with what focuses it moved by ``shift_mm``, and its vertices at ``moved``."""
+    prescription, as_focused = mechanism.prescription, _with_gaps(mechanism, moved)
     first, front_mm = first_order(as_focused), float(moved[0])
+    scale_mm = mechanism.film_through_lens(shift_mm).scale_mm
+    entrance_mm = front_mm + first.entrance_pupil_mm
+    object_mm = entrance_mm - 1 / nearness if nearness else -np.inf
     return FocusedLens(
         prescription=as_focused,
         vertices_mm=moved,
@@ -163,11 +210,23 @@ def _assemble(
         stop=mechanism.stop,
         stop_radius_mm=stop_radius_mm,
         nearness_per_mm=nearness,
-        entrance_pupil_mm=front_mm + first.entrance_pupil_mm,
+        entrance_pupil_mm=entrance_mm,
         exit_pupil_mm=front_mm + first.exit_pupil_mm,
         exit_pupil_radius_mm=stop_radius_mm * abs(first.exit_pupil_magnification),
         f_stop=f_stop,
         paraxial_f_stop=paraxial_f_number(prescription, stop_radius_mm),
-        image_scale_mm=mechanism.film_through_lens(shift_mm).scale_mm,
+        image_scale_mm=scale_mm,
+        image_scale_across_mm=(
+            _scale_across_mm(as_focused, front_mm, object_mm, entrance_mm) if prescription.is_anamorphic else scale_mm
+        ),
         first=first,
     )
+
+
+def _scale_across_mm(focused: Prescription, front_mm: float, object_mm: float, entrance_mm: float) -> float:
+    """Image scale from side to side of what stands at ``object_mm``, per unit of slope from ``entrance_mm``."""
+    sideways = FocusMechanism.from_prescription(turned(focused)).film_through_lens(0.0)
+    if not np.isfinite(object_mm):
+        return sideways.scale_mm
+    own_pupil_mm = front_mm + sideways.pupil_depth_mm
+    return sideways.scale_mm * (entrance_mm - object_mm) / (own_pupil_mm - object_mm)

@@ -159,10 +159,12 @@ def _check_whole(prescription: Prescription) -> None:
     if not (np.isfinite(prescription.f_stop) and (prescription.f_stop == 0 or prescription.f_stop >= FASTEST_F_STOP)):
         what = f"f/{prescription.f_stop:g} wide open is impossible: expected 0 (unknown) or from {FASTEST_F_STOP:g} up"
         raise bad_lens(prescription, what)
-    group = prescription.focus_group
-    if group is not None and not 0 <= group[0] <= group[1] <= last:
-        what = f"its focus group must be surfaces between 1 and {last + 1} in order"
-        raise bad_lens(prescription, f"{what}, got {group[0] + 1} to {group[1] + 1}")
+    for group in (prescription.focus_group, prescription.focus_group_across):
+        if group is not None and not 0 <= group[0] <= group[1] <= last:
+            what = f"its focus group must be surfaces between 1 and {last + 1} in order"
+            raise bad_lens(prescription, f"{what}, got {group[0] + 1} to {group[1] + 1}")
+    if prescription.focus_group_across is not None:
+        _check_cylinders(prescription, *prescription.focus_group_across)
     system = paraxial_system(prescription)
     focal, back, _ = focal_points(system, prescription.name)
     if focal <= 0:
@@ -171,6 +173,18 @@ def _check_whole(prescription: Prescription) -> None:
         raise bad_lens(
             prescription, f"its focal point lies {-back:.4g} mm before its last surface, where no film can be", last
         )
+
+
+def _check_cylinders(prescription: Prescription, first: int, last: int) -> None:
+    """Check that a group can focus from side to side alone: moving it changes nothing from top to bottom."""
+    surfaces = prescription.surfaces
+    ends = [surfaces[first - 1].glass.index if first else 1.0, surfaces[last].glass.index]
+    if ends != [1.0, 1.0]:
+        raise bad_lens(prescription, "the group that focuses from side to side must begin and end in the air", first)
+    for i in range(first, last + 1):
+        if surfaces[i].radius_mm or surfaces[i].aspheric or surfaces[i].is_stop:
+            what = "it focuses from side to side, and must be a cylinder without power from top to bottom"
+            raise bad_lens(prescription, what, i)
 
 
 def _not_converging(prescription: Prescription, system: ParaxialSystem, focal_length_mm: float) -> InputError:

@@ -6,7 +6,7 @@ either follows from the other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,6 +17,7 @@ from render.model.lens import DataSheet, SeidelErrors
 from render.optics.data_sheet import seen_slopes
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.meridians import turned
 from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.prescription.principal_rays import principal_rays
 from render.optics.thin_lens import focus_w
@@ -34,32 +35,37 @@ class ChiefRays:
         ideal: ``(n,)`` slopes from 0 that the picture's places stand for, growing.
         seen: ``(n,)`` slope in object space seen there, growing, without the squeeze.
         squeeze: anamorphic squeeze, by which distortion is narrower from side to side.
+        seen_across: ``(n,)`` slope seen from side to side, of a lens with cylinders: off its two axes, each side's distortion is
+            taken for that on its own axis at the same height.
     """
 
     ideal: DoubleArray
     seen: DoubleArray
     squeeze: float = 1.0
+    seen_across: DoubleArray | None = None
 
     def undistort_slopes(self, slopes: DoubleArray) -> DoubleArray:
         """Return the object-space slopes imaged at picture slopes ``(..., 2)``. Distortion is constant beyond the last ray."""
-        return np.asarray(slopes * self._stretch(np.linalg.norm(slopes, axis=-1)))
+        return np.asarray(slopes * self.stretch(np.linalg.norm(slopes, axis=-1)))
 
     def distort_slopes(self, slopes: DoubleArray) -> DoubleArray:
         """Return the picture slopes at which object-space slopes ``(..., 2)`` are imaged."""
         low = np.zeros(np.shape(slopes)[:-1])
         # where the distortion stays, the height follows at once; else it lies before the last chief ray
-        high = np.linalg.norm(slopes / self._stretch(low + self.ideal[-1]), axis=-1)
+        high = np.linalg.norm(slopes / self.stretch(low + self.ideal[-1]), axis=-1)
         high = np.where(high < self.ideal[-1], self.ideal[-1], high)
         for _ in range(_BISECTIONS):
             middle = (low + high) / 2
-            is_short = np.linalg.norm(slopes / self._stretch(middle), axis=-1) > middle
+            is_short = np.linalg.norm(slopes / self.stretch(middle), axis=-1) > middle
             low, high = np.where(is_short, middle, low), np.where(is_short, high, middle)
-        return np.asarray(slopes / self._stretch((low + high) / 2))
+        return np.asarray(slopes / self.stretch((low + high) / 2))
 
-    def _stretch(self, heights: DoubleArray) -> DoubleArray:
+    def stretch(self, heights: DoubleArray) -> DoubleArray:
         """Ratio ``(..., 2)`` of seen slope to picture slope along x and y, at the heights ``(...)``."""
         inside = np.clip(heights, 1e-9 * self.ideal[-1], self.ideal[-1])
         ratio = np.interp(inside, self.ideal, self.seen) / inside
+        if self.seen_across is not None:
+            return np.stack([np.interp(inside, self.ideal, self.seen_across) / inside, ratio], axis=-1)
         return np.stack([1 + (ratio - 1) / self.squeeze, ratio], axis=-1)
 
 
@@ -73,6 +79,8 @@ def chief_rays(camera: Camera) -> ChiefRays | None:
         SettingsError: it does not reach the focus distance.
     """
     scale = camera.lens.scales.distortion
+    if has_surfaces(camera) and camera.lens.has_cylinders:
+        return _through_cylinders(mount_lens(camera), focus_w(camera), camera.lens.squeeze)
     if has_surfaces(camera):
         rays = _through_surfaces(mount_lens(camera), focus_w(camera))
     elif camera.lens.model == "seidel" and camera.lens.seidel is not None and camera.f_stop > 0:
@@ -90,6 +98,17 @@ def _through_surfaces(lens: FocusedLens, focus_w_per_m: float) -> ChiefRays:
     rays = principal_rays(lens)
     seen = rays.slopes + rays.pupil_mm / 1000 * focus_w_per_m
     return ChiefRays(rays.heights_mm / lens.image_scale_mm, np.maximum.accumulate(seen))
+
+
+@lru_cache(maxsize=32)
+def _through_cylinders(lens: FocusedLens, focus_w_per_m: float, squeeze: float) -> ChiefRays:
+    """Chief rays along both axes, as far as both reach; factors on distortion do not act on them."""
+    own = _through_surfaces(lens, focus_w_per_m)
+    across = _through_surfaces(replace(lens, prescription=turned(lens.prescription)), focus_w_per_m)
+    stretched = across.ideal * squeeze
+    ideal = own.ideal[own.ideal <= stretched[-1]]
+    seen_across = np.maximum.accumulate(np.interp(ideal, stretched, across.seen))
+    return ChiefRays(ideal, own.seen[: len(ideal)], seen_across=seen_across)
 
 
 def _through_thin_lens(errors: SeidelErrors, focal_length_mm: float) -> ChiefRays:

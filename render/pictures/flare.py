@@ -83,6 +83,8 @@ def _draw_ghosts(renderer: FrameRenderer, scene: Scene, camera: Camera, settings
     from render.pictures.bright_sources import find_bright_sources
     from render.trace.ghost_pass import GhostPass  # with OpenGL
 
+    if camera.lens.has_cylinders:  # sheets are traced in a plane of symmetry through the source
+        return None
     sources = find_bright_sources(renderer, scene, camera, settings)
     if not sources:
         return None

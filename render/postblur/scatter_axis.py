@@ -110,7 +110,8 @@ class ExactSpot:
     @property
     def cache_key(self) -> Hashable:
         """See `AxisSpot`: the part of the table that the axis depends on."""
-        return axis_key(self.errors.table), self.errors.pupil_m, self.errors.focal_px
+        errors = self.errors
+        return axis_key(errors.table), errors.pupil_m, errors.focal_px, errors.own_squeeze
 
     def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
         """See `AxisSpot`."""
@@ -131,4 +132,5 @@ def make_axis_spot(errors: LensErrors) -> AxisSpot:
 
 def _in_pixels(errors: LensErrors, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
     rays = trace_axis_rays(errors.table, stops)
-    return rays.pupil_m / errors.pupil_m, -errors.focal_px * rays.slope
+    unsqueezed = np.array([errors.own_squeeze, 1.0])
+    return rays.pupil_m / errors.pupil_m * unsqueezed, -errors.focal_px * rays.slope * unsqueezed

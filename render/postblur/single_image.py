@@ -123,7 +123,10 @@ class SingleImageBlur:
 
     def _axis_errors(self, camera: Camera, view: PinholeView) -> LensErrors | None:
         table = self._bundles.make_bundle(camera, view, make_ray_pattern(1, IrisShape()), 1).table
-        return None if table is None else LensErrors(table, pupil_radius_m(camera), max(view.fx, view.fy))
+        if table is None:
+            return None
+        own_squeeze = camera.lens.squeeze / camera.lens.drawn_squeeze
+        return LensErrors(table, pupil_radius_m(camera), max(view.fx, view.fy), own_squeeze)
 
     def release(self) -> None:
         """Release the memory."""

@@ -21,11 +21,13 @@ class LensErrors:
         table: of its rays.
         pupil_m: radius of the pupil by the f-number.
         focal_px: focal length in pixels.
+        own_squeeze: squeeze that the table's rays have themselves; 1 where they are narrowed by that of the camera.
     """
 
     table: PolynomialTable | GridTable
     pupil_m: float
     focal_px: float
+    own_squeeze: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,19 +76,14 @@ def axis_key(table: PolynomialTable | GridTable) -> bytes:
     """Cache key of the part of a table that `trace_axis_rays` reads."""
     if isinstance(table, PolynomialTable):
         return bytes(table.rows[len(table.rows) // 2, 0].tobytes())
-    field = _middle_field(table)
+    field = table.axis_field
     read = table.rays[len(table.rays) // 2, field], table.light[len(table.light) // 2, field]
     return b"".join(values.tobytes() for values in read)
 
 
-def _middle_field(table: GridTable) -> int:
-    columns, rows = table.fields
-    return (rows // 2) * columns + columns // 2
-
-
 def _of_grid(table: GridTable, stops: DoubleArray) -> AxisRays:
     """Joined linearly between the grid's points, in the field that is nearest the axis."""
-    field = _middle_field(table)
+    field = table.axis_field
     rays = table.rays[len(table.rays) // 2, field].astype(np.float64)
     passes = table.light[len(table.light) // 2, field, ..., 1] <= 0
     side = len(rays)

@@ -17,7 +17,7 @@ from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 from render.trace.data_sheet_table import make_data_sheet_table
 from render.trace.drawn_power import add_drawn_power, make_drawn_lens_table
-from render.trace.grid_table import make_grid_table
+from render.trace.grid_table import make_cylinder_table, make_grid_table
 from render.trace.lens_table import (
     FRONT_RIM,
     PUPIL_T,
@@ -68,19 +68,19 @@ class BundleMaker:
             return make_thin_lens_bundle(camera, pattern)
         has_colours = _has_errors(camera) and camera.lens.scales.chromatic != 0
         light = spectrum(wavelengths) if has_colours else spectrum(1)
-        table = self._table(camera, view, light)
+        table, squeeze = self._table(camera, view, light), camera.lens.drawn_squeeze
         return RayBundle(
             pattern,
-            (table.pupil_reach_m / camera.lens.squeeze, table.pupil_reach_m),
+            (table.pupil_reach_m / squeeze, table.pupil_reach_m),
             table,
             light.rgb,
             camera.lens.transmittance,
-            camera.lens.squeeze,
+            squeeze,
         )
 
     def _table(self, camera: Camera, view: PinholeView, light: Spectrum) -> LensTable:
-        last_slope = corner_slope(view)
-        lens = camera.lens
+        lens, last_slope = camera.lens, corner_slope(view)
+        edges = edge_slopes(view) if lens.has_cylinders else None
         key = (
             lens.model,
             lens.prescription,
@@ -97,6 +97,7 @@ class BundleMaker:
             camera.vertical_aperture_mm,
             last_slope,
             light.wavelengths_nm,
+            edges and (edges, lens.squeeze),
         )
         if key not in self._tables:
             while len(self._tables) >= _KEPT:
@@ -104,7 +105,7 @@ class BundleMaker:
             disk_key = content_key(code_key(_CODE), self._device, key)
             table = _load_table(disk_key)
             if table is None:
-                table = self._make_table(camera, last_slope, light)
+                table = self._make_table(camera, last_slope, edges, light)
                 self._store_table(disk_key, table)
             self._tables[key] = table
         return self._tables[key]
@@ -114,7 +115,9 @@ class BundleMaker:
             self._stored += 1
             store_arrays(_KIND, disk_key, table_arrays(table))
 
-    def _make_table(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
+    def _make_table(
+        self, camera: Camera, last_slope: float, edges: tuple[float, float] | None, light: Spectrum
+    ) -> LensTable:
         """Make the table of the lens's own errors and of drawn power."""
         lens, focal_length_mm = camera.lens, camera.focal_length_mm
         if not _has_errors(camera):
@@ -122,7 +125,7 @@ class BundleMaker:
             return make_drawn_lens_table(
                 lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m, last_slope=last_slope
             )
-        own = self._own_table(camera, last_slope, light)
+        own = self._own_table(camera, last_slope, edges, light)
         if not is_drawn(lens):
             return own
         # real glass may be narrower than the f-number says
@@ -131,9 +134,16 @@ class BundleMaker:
         )
         return add_drawn_power(own, lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m)
 
-    def _own_table(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
+    def _own_table(
+        self, camera: Camera, last_slope: float, edges: tuple[float, float] | None, light: Spectrum
+    ) -> LensTable:
         lens = camera.lens
         scales = own_scales(lens)
+        if edges is not None:
+            glass, wavelengths_nm = mount_lens(camera), light.wavelengths_nm
+            return make_cylinder_table(
+                self._tracer, glass, lens.squeeze, edges, focus_w(camera), wavelengths_nm, scales
+            )
         if lens.model == "seidel" and lens.seidel is not None:
             return make_seidel_table(
                 lens.seidel,
@@ -184,9 +194,12 @@ def _has_errors(camera: Camera) -> bool:
 
 def corner_slope(view: PinholeView) -> float:
     """Field of the picture's farthest corner: slope in object space of an ideal lens."""
-    x = max(view.cx, view.width - view.cx) / view.fx
-    y = max(view.cy, view.height - view.cy) / view.fy
-    return float(np.hypot(x, y))
+    return float(np.hypot(*edge_slopes(view)))
+
+
+def edge_slopes(view: PinholeView) -> tuple[float, float]:
+    """Fields of the picture's farthest edges, from side to side and up and down."""
+    return max(view.cx, view.width - view.cx) / view.fx, max(view.cy, view.height - view.cy) / view.fy
 
 
 def merge_wavelengths(bundle: RayBundle, f_px: float, w_span: float) -> RayBundle:

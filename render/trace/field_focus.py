@@ -21,6 +21,7 @@ from render.optics.distortion import chief_rays
 from render.optics.focus_law import focus_law, round_focal_length
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens, focus_lens
+from render.optics.prescription.meridians import upright
 from render.optics.prescription.mounting import has_surfaces, scale_to
 from render.optics.prescription.principal_rays import principal_rays
 from render.optics.prescription.stop_rays import rays_from_film
@@ -118,7 +119,10 @@ class _Errors:
     def from_lens(cls, lens: Lens) -> _Errors:
         seidel = lens.seidel if lens.model == "seidel" else None
         sheet = lens.data_sheet if lens.model == "dataSheet" else None
-        return cls(lens.model, lens.prescription, seidel, sheet, lens.scales, lens.pupil_power, lens.expressive_blend)
+        glass = lens.prescription
+        if glass is not None and glass.is_anamorphic:
+            glass = upright(glass)  # the focus of the picture is that from top to bottom
+        return cls(lens.model, glass, seidel, sheet, lens.scales, lens.pupil_power, lens.expressive_blend)
 
     @property
     def lens(self) -> Lens:

@@ -74,13 +74,12 @@ class FocalMaps:
         chief = focus.chief
         if chief is None:
             set_uniforms(program, stretch_count=0)
-            return self._buffer(np.ones((1,), np.float32), _STRETCH)
+            return self._buffer(np.ones((1, 2), np.float32), _STRETCH)
         last = float(chief.ideal[-1])
         heights = np.linspace(0.0, last, _CHIEF_RAYS)
         heights[0] = 1e-6 * last
-        ratios = np.interp(heights, chief.ideal, chief.seen) / heights
-        set_uniforms(program, stretch_count=_CHIEF_RAYS, last_height=last, squeeze=chief.squeeze)
-        return self._buffer(ratios.astype(np.float32), _STRETCH)
+        set_uniforms(program, stretch_count=_CHIEF_RAYS, last_height=last)
+        return self._buffer(chief.stretch(heights).astype(np.float32), _STRETCH)
 
     def _halves(self, program: moderngl.ComputeShader, focus: PictureFocus) -> None:
         halves = focus.surface.halves

@@ -1,7 +1,8 @@
-"""The table of a lens without symmetry: a thick lens whose surfaces carry height fields.
+"""The tables of lenses without rotational symmetry: those whose surfaces carry height fields, and those with cylinders.
 
-Factors on spherical aberration, coma, astigmatism, field curvature and distortion act on the lens below its heights: the errors
-from the heights have no such kinds, and stay. Factors on colour errors and vignetting act on the whole.
+Of a lens with height fields, factors on spherical aberration, coma, astigmatism, field curvature and distortion act on the lens
+below its heights: the errors from the heights have no such kinds, and stay. Of a lens with cylinders these five do not act at
+all. Factors on colour errors and vignetting act on the whole.
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ from render.trace.surface_tracer import SurfaceTracer, TracedLens
 
 FIELDS = 13
 PUPIL_SIDE = 48
+QUARTER_FIELDS = 13, 9
+"""Fields across and down of a quarter of the picture."""
+CYLINDER_PUPIL_SIDE = 32
 MAX_SLOPE = 4.5
 
 
@@ -55,26 +59,94 @@ def make_grid_table(
     """
     line = np.linspace(-last_slope, last_slope, fields_across)
     fields = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)  # x right, y down, rows first
-    side = np.linspace(-1, 1, pupil_side)
-    stops = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-    reference = (D_LINE_NM,) if scales.chromatic != 1 else ()
-    traced = _trace(tracer, lens, fields, stops, (*wavelengths_nm, *reference), height_field)
+    stops = _square(pupil_side)
+    traced = _trace(tracer, lens, fields, stops, _traced_nm(wavelengths_nm, scales), height_field)
     slope, pupil, passes = _by_field(traced, fields, stops, focus_w)
-    if reference:
-        passes = passes[:-1] & passes[-1]
-        slope, pupil = (part[-1] + scales.chromatic * (part[:-1] - part[-1]) for part in (slope, pupil))
+    slope, pupil, passes = _with_chromatic(slope, pupil, passes, scales.chromatic)
     if changes_shape(scales):
         slope = slope + _shape_change(tracer, lens, fields, stops, focus_w, wavelengths_nm, scales)
-    light = _light(traced, stops, passes, scales.vignetting)
+    light = _light(traced, stops, passes, scales.vignetting, len(fields) // 2)
+    return _table(slope, pupil, passes, light, (fields_across, fields_across), (last_slope, last_slope), mirrored=False)
+
+
+def make_cylinder_table(
+    tracer: SurfaceTracer,
+    lens: FocusedLens,
+    squeeze: float,
+    last_slope: tuple[float, float],
+    focus_w: float,
+    wavelengths_nm: Sequence[float],
+    scales: AberrationScales,
+    *,
+    fields_across: tuple[int, int] = QUARTER_FIELDS,
+    pupil_side: int = CYLINDER_PUPIL_SIDE,
+) -> GridTable:
+    """Trace a focused lens with cylinders, which is the same left and right, and up and down.
+
+    Args:
+        tracer: of the device.
+        lens: as focused.
+        squeeze: by which the picture is stretched back.
+        last_slope: field of the picture's farthest edges, from side to side and up and down: slopes in object space.
+        focus_w: inverse depth of the plane of focus, 1/m.
+        wavelengths_nm: one part of the table for each.
+        scales: factors on its colour errors and its vignetting.
+        fields_across: number of fields from the axis to the right, and down.
+        pupil_side: number of pupil points across and down.
+    """
+    lines = (np.linspace(0.0, last, count) for last, count in zip(last_slope, fields_across, strict=True))
+    fields = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
+    stops = _square(pupil_side)
+    traced = _trace(tracer, lens, fields, stops, _traced_nm(wavelengths_nm, scales), None, squeeze)
+    slope, pupil, passes = _by_field(traced, fields, stops, focus_w)
+    slope, pupil, passes = _with_chromatic(slope, pupil, passes, scales.chromatic)
+    light = _light(traced, stops, passes, scales.vignetting, 0)
+    return _table(slope, pupil, passes, light, fields_across, last_slope, mirrored=True)
+
+
+def _square(side: int) -> DoubleArray:
+    """Points ``(side², 2)`` of the square around the unit disc, rows first."""
+    line = np.linspace(-1, 1, side)
+    return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+
+
+def _traced_nm(wavelengths_nm: Sequence[float], scales: AberrationScales) -> tuple[float, ...]:
+    """Wavelengths to trace: with a factor on colour errors, last the line from which they are counted."""
+    return (*wavelengths_nm, D_LINE_NM) if scales.chromatic != 1 else tuple(wavelengths_nm)
+
+
+def _with_chromatic(
+    slope: DoubleArray, pupil: DoubleArray, passes: NDArray[np.bool_], factor: float
+) -> tuple[DoubleArray, DoubleArray, NDArray[np.bool_]]:
+    """Scale the distance of all wavelengths from the last one, which is left out."""
+    if factor == 1:
+        return slope, pupil, passes
+    slope, pupil = (part[-1] + factor * (part[:-1] - part[-1]) for part in (slope, pupil))
+    return slope, pupil, passes[:-1] & passes[-1]
+
+
+def _table(
+    slope: DoubleArray,
+    pupil: DoubleArray,
+    passes: NDArray[np.bool_],
+    light: DoubleArray,
+    fields: tuple[int, int],
+    last_slope: tuple[float, float],
+    *,
+    mirrored: bool,
+) -> GridTable:
     rays = np.where(passes[..., None], np.concatenate([slope, pupil], axis=-1), 0.0)
     is_open = light[..., 1] <= 0
+    side = round(np.sqrt(rays.shape[2]))
+    shape = (*rays.shape[:2], side, side)
     return GridTable(
-        rays.astype(np.float32).reshape(len(wavelengths_nm), len(fields), pupil_side, pupil_side, 4),
-        light.astype(np.float32).reshape(len(wavelengths_nm), len(fields), pupil_side, pupil_side, 2),
-        (fields_across, fields_across),
-        (last_slope, last_slope),
+        rays.astype(np.float32).reshape(*shape, 4),
+        light.astype(np.float32).reshape(*shape, 2),
+        fields,
+        last_slope,
         pupil_reach_m=float(np.hypot(rays[..., 2], rays[..., 3])[is_open].max(initial=0.0)),
         slope_reach=float(np.hypot(rays[..., 0], rays[..., 1])[is_open].max(initial=0.0)),
+        mirrored=mirrored,
     )
 
 
@@ -85,10 +157,12 @@ def _trace(
     stops: DoubleArray,
     wavelengths_nm: Sequence[float],
     height_field: HeightField | None,
+    squeeze: float = 1.0,
 ) -> TracedLens:
     """Rays of every field through every point of the stop in units of its radius; the film's image is inverted."""
     upright = np.sign(lens.first.entrance_pupil_magnification)
-    film = np.repeat(-fields * _DOWN_TO_UP, len(stops), axis=0) * lens.image_scale_mm
+    scale_mm = np.array([lens.image_scale_mm / squeeze, lens.image_scale_mm])
+    film = np.repeat(-fields * _DOWN_TO_UP, len(stops), axis=0) * scale_mm
     on_stop = np.tile(stops * _DOWN_TO_UP, (len(fields), 1)) * lens.stop_radius_mm * upright
     return tracer.trace(lens, film, on_stop, wavelengths_nm, height_field)
 
@@ -144,16 +218,19 @@ def _changes(
     ]
 
 
-def _light(traced: TracedLens, stops: DoubleArray, passes: NDArray[np.bool_], vignetting: float) -> DoubleArray:
+def _light(
+    traced: TracedLens, stops: DoubleArray, passes: NDArray[np.bool_], vignetting: float, axis: int
+) -> DoubleArray:
     """``(k, fields, stops, 2)`` weight, relative to the light on the axis, and clearance, below 0 where a ray passes.
 
-    All wavelengths have the light of the first one on the axis; ``vignetting`` is the share of the fields' loss that is kept.
+    All wavelengths have the light of the first one on the axis; ``vignetting`` is the share of the fields' loss that is kept,
+    ``axis`` the field on the axis.
     """
     clearance = np.maximum(traced.front, traced.rear)[: len(passes)].reshape(passes.shape)
     clearance = np.where(passes, clearance, 1.0)
     weight = traced.weight[: len(passes)].reshape(passes.shape)
     on_disc = np.hypot(*stops.T) <= 1 + 1e-9
     light = np.where(clearance[0] <= 0, weight[0], 0.0)[:, on_disc].mean(axis=-1)
-    on_axis = max(light[len(light) // 2], 1e-300)
+    on_axis = max(light[axis], 1e-300)
     kept = np.maximum(light / on_axis, 1e-6) ** (vignetting - 1) / on_axis
     return np.stack([weight * kept[:, None], clearance], axis=-1)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.arrays import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 
 SLOPE_T, SLOPE_S = 0, 20
 PUPIL_T, PUPIL_S = 36, 48
@@ -61,6 +61,8 @@ class GridTable:
         light: ``(wavelengths, fields, side, side, 2)`` float32: weight; clearance, below 0 where the ray passes.
         fields: how many across and down.
         last_slope: field of the outermost across and down.
+        mirrored: whether the fields are those of one quarter of the picture, from the axis to the right and down; the others
+            mirror it.
         pupil_reach_m: farthest that a ray passes from the pupil's centre.
         slope_reach: largest slope of an open ray less that of its ideal, within the picture.
     """
@@ -71,6 +73,21 @@ class GridTable:
     last_slope: tuple[float, float]
     pupil_reach_m: float
     slope_reach: float
+    mirrored: bool = False
+
+    @property
+    def axis_field(self) -> int:
+        """Number of the field on the axis, or nearest to it."""
+        columns, rows = self.fields
+        return 0 if self.mirrored else (rows // 2) * columns + columns // 2
+
+    def nearest_fields(self, x: DoubleArray, y: DoubleArray) -> NDArray[np.int64]:
+        """Numbers of the fields that are nearest to slopes of the picture."""
+        places = []
+        for slope, last, count in zip((x, y), self.last_slope, self.fields, strict=True):
+            share = np.abs(slope) / last if self.mirrored else 0.5 + 0.5 * slope / last
+            places.append(np.clip(np.rint(share * (count - 1)), 0, count - 1).astype(np.int64))
+        return np.asarray(places[1] * self.fields[0] + places[0])
 
 
 LensTable = PolynomialTable | GridTable

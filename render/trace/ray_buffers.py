@@ -52,6 +52,8 @@ class RayBuffers:
         elif bundle.table is not None:
             side = bundle.table.rays.shape[3]
             defines |= {"GRID_LENS": 1, "BOUND_BY_RAYS": 1, "GRID_INSET": f"{(side - 1) / side:.9f}"}
+            if bundle.table.mirrored:
+                defines["GRID_MIRRORED"] = 1
         return defines
 
     def bind(self, program: Program, bundle: RayBundle, *, first_unit: int) -> None:

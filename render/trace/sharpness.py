@@ -78,10 +78,7 @@ def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[Doub
     on_disc = (np.hypot(*np.meshgrid(side, side)) <= 1).ravel()  # beyond it there is only the iris
     passing = np.where(on_disc & (light[..., 1] <= 0), light[..., 0], 0.0).astype(np.float64)
     shift, radius = find_least_spread(rays[..., :2], rays[..., 2:], passing)
-    columns, rows = table.fields
-    column = np.clip(np.rint((0.5 + 0.5 * x / table.last_slope[0]) * (columns - 1)), 0, columns - 1).astype(int)
-    row = np.clip(np.rint((0.5 + 0.5 * y / table.last_slope[1]) * (rows - 1)), 0, rows - 1).astype(int)
-    field = row * columns + column
+    field = table.nearest_fields(x, y)
     return shift[field], radius[field]
 
 

@@ -109,7 +109,13 @@ LensRay through_lens(PixelRays rays, vec2 stop, vec2 disc)
 LensRay through_lens(PixelRays rays, vec2 stop)
 {
     vec2 last = vec2(grid_fields - 1);
+#ifdef GRID_MIRRORED
+    vec2 mirror = vec2(rays.slope.x < 0.0 ? -1.0 : 1.0, rays.slope.y < 0.0 ? -1.0 : 1.0);
+    stop *= mirror;
+    vec2 at = min(abs(rays.slope) / grid_slope * last, last);
+#else
     vec2 at = clamp((0.5 + 0.5 * rays.slope / grid_slope) * last, vec2(0.0), last);
+#endif
     ivec2 low = min(ivec2(at), grid_fields - 2);
     vec2 part = at - vec2(low);
     LensRay blend = LensRay(vec2(0.0), vec2(0.0), 0.0);
@@ -130,6 +136,10 @@ LensRay through_lens(PixelRays rays, vec2 stop)
         passing += share;
     }
     if (clearance > 0.0 || passing == 0.0) return LensRay(vec2(0.0), vec2(0.0), 0.0);
+#ifdef GRID_MIRRORED
+    blend.a *= mirror;
+    blend.b *= mirror;
+#endif
     return LensRay(blend.a / passing, blend.b / passing, blend.weight / passing);
 }
 #endif

@@ -13,7 +13,7 @@ struct Control {
 };
 layout(std430, binding = 0) readonly buffer Points { Control points[]; };   // w and logarithm of the extent
 layout(std430, binding = 1) readonly buffer Bends { Control bends[]; };     // change of w
-layout(std430, binding = 2) readonly buffer Stretch { float stretch[]; };   // ratio of seen slope to picture slope, over the height
+layout(std430, binding = 2) readonly buffer Stretch { vec2 stretch[]; };    // ratios of seen slope to picture slope, over the height
 
 uniform ivec2 area_first;       // pixel of the picture that the map begins with
 uniform vec2 centre;            // where the view axis meets the picture
@@ -29,7 +29,6 @@ uniform vec4 half_edges[2];     // direction, offset, width
 uniform float half_w[2];
 uniform int stretch_count;      // 0: chief rays go straight
 uniform float last_height;      // height of the last ratio
-uniform float squeeze;
 
 const float LEAST_D2 = 1e-14;
 
@@ -39,8 +38,7 @@ vec2 seen_at(vec2 slope)
     if (stretch_count == 0) return slope;
     float at = clamp(length(slope) / last_height, 0.0, 1.0) * float(stretch_count - 1);
     int low = min(int(at), stretch_count - 2);
-    float ratio = mix(stretch[low], stretch[low + 1], at - float(low));
-    return slope * vec2(1.0 + (ratio - 1.0) / squeeze, ratio);
+    return slope * mix(stretch[low], stretch[low + 1], at - float(low));
 }
 
 // Shepard's mean: sums over the points, with shares relative to the nearest point's.

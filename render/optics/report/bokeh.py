@@ -76,14 +76,14 @@ def bokeh_sheet(
         focus_distance_m: for the record.
         disc_mm: diameter that an ideal lens's disc has on the film.
     """
-    line = (np.arange(_PUPIL_SIDE) + 0.5) / _PUPIL_SIDE * 2 - 1
-    grid = np.stack(np.meshgrid(line, -line), axis=-1).reshape(-1, 2)
-    weights = transmission(iris, side=_PUPIL_SIDE).ravel()
-    pupil, weights = grid[weights > 0], weights[weights > 0]
     places = np.array([(x * gate_mm[0] / 2, y * gate_mm[1] / 2) for _, x, y in PLACES])
     inside = np.hypot(*places.T) <= rays.last_height_mm
-    beams = [rays.many_beams(places, pupil, wavelength, 0.0) for wavelength in WAVELENGTHS_NM]
-    light = np.array([np.where(beam.open, beam.light, 0.0) * weights for beam in beams]) * inside[:, None]
+    distant = [rays.distant_beams(places, _PUPIL_SIDE, wavelength) for wavelength in WAVELENGTHS_NM]
+    beams = [each.beams for each in distant]
+    iris_image = transmission(iris)
+    passed = [_at(iris_image, each.pupil) for each in distant]
+    light = np.array([np.where(beam.open, beam.light, 0.0) * w for beam, w in zip(beams, passed, strict=True)])
+    light *= inside[:, None] / light.shape[-1]
     off = np.array([np.where(np.isfinite(beam.landing_mm), beam.landing_mm, 0.0) for beam in beams])
     off -= _centres(off, light)[:, None, :]
     widths = _widths_mm(off, light, disc_mm)
@@ -94,6 +94,15 @@ def bokeh_sheet(
         colours = [_picture(off[c, i], light[c, i], widths[i]) / (even[c] * widths[i] ** 2) for c in range(len(beams))]
         stamps.append(Bokeh(name, (x, y), np.stack(colours, axis=-1), float(share[i]), widths[i]))
     return BokehSheet(focus_distance_m, disc_mm, tuple(stamps))
+
+
+def _at(image: DoubleArray, points: DoubleArray) -> DoubleArray:
+    """Values of an image over the square around the unit circle, row 0 at the top, at the nearest of its pixels."""
+    side = len(image)
+    column, row = (np.nan_to_num((1 + sign * points[..., axis]) / 2 * side) for axis, sign in ((0, 1), (1, -1)))
+    within = (column >= 0) & (column < side) & (row >= 0) & (row < side)
+    found = image[np.where(within, row, 0).astype(int), np.where(within, column, 0).astype(int)]
+    return np.asarray(np.where(within, found, 0.0))
 
 
 def _centres(landing_mm: DoubleArray, light: DoubleArray) -> DoubleArray:

@@ -16,7 +16,6 @@ from render.optics.spectrum import THREE_LINES
 
 WAVELENGTHS_NM = THREE_LINES.wavelengths_nm
 _SPOT_RAYS = 500
-_LIGHT_RAYS = 2400
 _NARROW = 0.02  # of the pupil: radius of the narrow beam whose two foci are computed
 _DARK = 2e-3  # of the light on the axis
 
@@ -96,7 +95,7 @@ def field_curves(rays: FilmRays, corner_mm: float, squeeze: float = 1.0, count: 
         count: of heights.
     """
     heights = np.linspace(0.0, corner_mm, count)
-    illumination, geometric = relative_light(rays, heights)
+    illumination, geometric = relative_light(rays, heights), _light_without_rims(rays, heights)
     lit = (heights <= rays.last_height_mm) & (illumination > _DARK)
     narrow = rays.beams(radial(heights), np.array([[0, 0], [_NARROW, 0], [0, _NARROW]]), D_LINE_NM)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -136,16 +135,21 @@ def _narrowed_bend(distortion: DoubleArray, squeeze: float) -> DoubleArray:
     return np.asarray((1 / (1 + distortion) - 1) / squeeze)
 
 
-def relative_light(rays: FilmRays, heights_mm: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    """Illumination of the film through a round iris, over that on the axis: as it is, and if no rim blocked any light.
+def relative_light(rays: FilmRays, heights_mm: DoubleArray) -> DoubleArray:
+    """Illumination ``(k,)`` of the film through a round iris, over that on the axis.
 
     Args:
         rays: the lens.
         heights_mm: ``(k,)``.
     """
-    beams = rays.many_beams(radial(np.concatenate([[0.0], heights_mm])), _even_disc(_LIGHT_RAYS), D_LINE_NM)
-    passed, whole = (beams.light * beams.open).mean(axis=1), beams.light.mean(axis=1)
-    return passed[1:] / passed[0], whole[1:] / whole[0]
+    light = rays.light(np.concatenate([[0.0], heights_mm]))
+    return np.asarray(light[1:] / light[0])
+
+
+def _light_without_rims(rays: FilmRays, heights_mm: DoubleArray) -> DoubleArray:
+    """Illumination if no rim blocked any light."""
+    light = rays.light(np.concatenate([[0.0], heights_mm]), rims=False)
+    return np.asarray(light[1:] / light[0])
 
 
 def image_circle_mm(rays: FilmRays, farthest_mm: float) -> float:
@@ -156,18 +160,14 @@ def image_circle_mm(rays: FilmRays, farthest_mm: float) -> float:
         farthest_mm: height to look out to.
     """
     heights = np.linspace(0.0, min(farthest_mm, rays.last_height_mm), 25)
-    lit = relative_light(rays, heights)[0] > _DARK
+    lit = relative_light(rays, heights) > _DARK
     if lit.all():
         return 2 * rays.last_height_mm if rays.last_height_mm < farthest_mm else float("inf")
     outer = int(np.argmin(lit))
     finer = np.linspace(heights[max(outer - 1, 0)], heights[outer], 13)
-    return 2 * float(finer[relative_light(rays, finer)[0] > _DARK][-1])
+    return 2 * float(finer[relative_light(rays, finer) > _DARK][-1])
 
 
 def radial(heights_mm: DoubleArray) -> DoubleArray:
     """``(k, 2)`` places of the picture straight above its middle."""
     return np.stack([0.0 * heights_mm, heights_mm], axis=1)
-
-
-def _even_disc(count: int) -> DoubleArray:
-    return fill_iris(sample_points(count, 0)[0, :, :2], IrisShape())

@@ -31,6 +31,19 @@ class Beams:
     open: NDArray[np.bool_]
 
 
+@dataclass(frozen=True, eq=False)
+class DistantBeams:
+    """Light of lights at infinity on a grid over the lens's opening.
+
+    Attributes:
+        pupil: ``(f, n, 2)`` points of the unit pupil, right and up.
+        beams: their rays; ``light`` is for an even share of the grid.
+    """
+
+    pupil: DoubleArray
+    beams: Beams
+
+
 class FilmRays(Protocol):
     """A lens at one focus and f-number."""
 
@@ -60,10 +73,23 @@ class FilmRays(Protocol):
         """
         ...
 
-    def many_beams(
-        self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
-    ) -> Beams:
-        """As `beams`, for pupil points by the ten thousand, from polynomials through a few hundred exact rays."""
+    def light(self, heights_mm: DoubleArray, *, rims: bool = True) -> DoubleArray:
+        """Light ``(k,)`` of a white scene at heights of the picture through a round iris, in units of the lens's own.
+
+        Args:
+            heights_mm: ``(k,)``.
+            rims: whether rims block light as well as the iris.
+        """
+        ...
+
+    def distant_beams(self, places_mm: DoubleArray, side: int, wavelength_nm: float) -> DistantBeams:
+        """Exact rays of lights at infinity, ``side²`` of them over what the lens lets through.
+
+        Args:
+            places_mm: ``(f, 2)`` of the picture, as `beams` has them.
+            side: of the grid of rays.
+            wavelength_nm: of the light.
+        """
         ...
 
 
@@ -93,13 +119,30 @@ class SqueezedRays:
         """As `FilmRays.beams`."""
         return self._narrow(places_mm, self.rays.beams(places_mm, pupil, wavelength_nm, nearness_per_m))
 
-    def many_beams(
-        self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
-    ) -> Beams:
-        """As `FilmRays.many_beams`."""
-        return self._narrow(places_mm, self.rays.many_beams(places_mm, pupil, wavelength_nm, nearness_per_m))
+    def light(self, heights_mm: DoubleArray, *, rims: bool = True) -> DoubleArray:
+        """As without the squeeze."""
+        return self.rays.light(heights_mm, rims=rims)
+
+    def distant_beams(self, places_mm: DoubleArray, side: int, wavelength_nm: float) -> DistantBeams:
+        """As `FilmRays.distant_beams`."""
+        found = self.rays.distant_beams(places_mm, side, wavelength_nm)
+        return DistantBeams(found.pupil, self._narrow(places_mm, found.beams))
 
     def _narrow(self, places_mm: DoubleArray, beams: Beams) -> Beams:
         narrowing = np.array([1 / self.squeeze, 1.0])
         place = places_mm[:, None, :]
         return Beams(place + (beams.landing_mm - place) * narrowing, beams.slopes * narrowing, beams.light, beams.open)
+
+
+def even_grid(side: int) -> DoubleArray:
+    """``(side², 2)`` centres of the cells of the square around the unit pupil, row 0 at the top."""
+    line = (np.arange(side) + 0.5) / side * 2 - 1
+    return np.stack(np.meshgrid(line, -line), axis=-1).reshape(-1, 2)
+
+
+def grid_beams(rays: FilmRays, places_mm: DoubleArray, side: int, wavelength_nm: float) -> DistantBeams:
+    """`FilmRays.distant_beams` of a lens without surfaces, whose pupil is the same everywhere."""
+    grid = even_grid(side)
+    grid = grid[np.hypot(*grid.T) <= 1]
+    beams = rays.beams(places_mm, grid, wavelength_nm, 0.0)
+    return DistantBeams(np.broadcast_to(grid, (len(places_mm), *grid.shape)), beams)

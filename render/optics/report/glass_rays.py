@@ -5,23 +5,18 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.principal_rays import PrincipalRays, principal_rays
+from render.optics.prescription.tracing import TracedRays, trace_forward
 from render.optics.report.aiming import AimedRays, Targets, aim, trace_aimed
-from render.optics.report.film_rays import Beams
+from render.optics.report.film_cone import film_cone
+from render.optics.report.film_rays import Beams, DistantBeams, even_grid
 
-_DEGREE = 10
-_POWERS = [(i, j) for i in range(_DEGREE + 1) for j in range(_DEGREE + 1 - i)]
 _NODES = 181
+_COARSE = 40
 _GOLDEN_TURN = np.pi * (3 - np.sqrt(5))
-_BATCH = 16384
-_NEAR_RIM = 1.1
-_BLOCKED_WEIGHT = 1e-3
-_RIDGE = 1e-10
-_FEWEST = 3  # nodes within the rims
 
 
 class GlassRays:
@@ -68,27 +63,53 @@ class GlassRays:
             (rays.solved & traced.passes).reshape(shape),
         )
 
-    def many_beams(
-        self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
-    ) -> Beams:
-        """As `render.optics.report.film_rays.FilmRays.many_beams`: heights at all rims are polynomials too, and cut there."""
-        nearness = self._focus if nearness_per_m is None else nearness_per_m / 1000
-        nodes = _nodes()
-        rays, wavelengths, stretch = self.aim(places_mm, nodes, wavelength_nm, nearness)
-        traced = trace_aimed(self._lens, rays, wavelengths, clip=False)
+    def light(self, heights_mm: DoubleArray, *, rims: bool = True) -> DoubleArray:
+        """As `render.optics.report.film_rays.FilmRays.light`: the projected solid angle that each place sees."""
+        cones = [film_cone(self._lens, float(height), rims=rims) for height in heights_mm]
+        return np.array([0.0 if cone is None else cone.light for cone in cones])
+
+    def distant_beams(self, places_mm: DoubleArray, side: int, wavelength_nm: float) -> DistantBeams:
+        """As `render.optics.report.film_rays.FilmRays.distant_beams`."""
+        slopes, _, stretch = self._seen(places_mm, 0.0)
+        rays, _, _ = self.aim(places_mm, _nodes(), wavelength_nm, 0.0)
+        found = []
+        for i, (slope, points, solved) in enumerate(
+            zip(slopes, *(part.reshape(len(slopes), _NODES, -1) for part in (rays.points_mm, rays.solved)), strict=True)
+        ):
+            direction = np.array([*-slope, 1.0]) / np.sqrt(1 + slope @ slope)
+            entering = points[solved[:, 0], :2]
+            if not len(entering):
+                entering = points[:1, :2]
+            box = _box_around(entering, len(entering) ** -0.5)
+            coarse = _cells(*box, _COARSE)
+            passing = coarse[self._enter(coarse, direction, wavelength_nm).passes]
+            box = _box_around(passing, 1.5 / _COARSE) if len(passing) else box
+            traced = self._enter(_cells(*box, side), direction, wavelength_nm)
+            found.append((traced, np.prod(box[1] - box[0]) * direction[2] ** 4 * stretch[i]))
         with np.errstate(invalid="ignore", divide="ignore"):
-            slopes = traced.directions[:, :2] / traced.directions[:, 2:]
-        light = rays.shrinking * rays.directions[:, 2] ** 4
-        rims = [i for i in range(len(traced.points_mm)) if i != self._lens.stop]
-        at_rims = [traced.points_mm[i, :, :2] for i in rims]
-        values = np.concatenate([traced.at(self._lens.film_mm), slopes, light[:, None], *at_rims], axis=1)
-        semi_mm = np.array([self._lens.prescription.surfaces[i].semi_diameter_mm for i in rims])
-        shape = (len(places_mm), len(nodes))
-        fit = _fit(nodes, values.reshape(*shape, -1), (rays.solved & traced.passes).reshape(shape), semi_mm)
-        got = np.concatenate([_monomials(part) @ fit for part in _batches(pupil)], axis=1)
-        is_open = _reaches(got[..., 5:], semi_mm) <= 1
-        light = np.maximum(np.nan_to_num(got[..., 4]), 0.0) * stretch[:, None]
-        return Beams(-got[..., :2], -got[..., 2:4], light, np.asarray(is_open & np.isfinite(got[..., 0])))
+            turned = [traced.directions[:, :2] / traced.directions[:, 2:] for traced, _ in found]
+        upright = np.sign(self._lens.first.entrance_pupil_magnification)
+        pupil = [upright / self._lens.stop_radius_mm * traced.points_mm[self._lens.stop, :, :2] for traced, _ in found]
+        is_open = np.array([traced.passes for traced, _ in found])
+        beams = Beams(
+            -np.array([traced.at(self._lens.film_mm) for traced, _ in found]),
+            -np.array(turned),
+            np.array([np.full(side**2, light) for _, light in found]),
+            is_open,
+        )
+        return DistantBeams(np.array(pupil), beams)
+
+    def _enter(self, points_mm: DoubleArray, direction: DoubleArray, wavelength_nm: float) -> TracedRays:
+        """Trace parallel rays from points ``(n, 2)`` of the plane of the front vertex."""
+        lens, count = self._lens, len(points_mm)
+        return trace_forward(
+            lens.prescription,
+            np.column_stack([points_mm, np.full(count, lens.vertices_mm[0])]),
+            np.tile(direction, (count, 1)),
+            wavelength_nm,
+            vertices_mm=lens.vertices_mm,
+            stop_radius_mm=lens.stop_radius_mm,
+        )
 
     def aim(
         self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_mm: float
@@ -104,22 +125,29 @@ class GlassRays:
         Returns:
             The rays, by place and pupil point; their wavelengths; and ``(f,)`` area in slopes over area on the film, 1/mm².
         """
+        slopes, crossing, stretch = self._seen(places_mm, nearness_per_mm)
+        places, count = len(places_mm), len(pupil)
+        upright = np.sign(self._lens.first.entrance_pupil_magnification)
+        wavelengths = np.full(places * count, wavelength_nm)
+        targets = Targets(
+            np.repeat(slopes, count, axis=0),
+            nearness_per_mm,
+            np.tile(upright * self._lens.stop_radius_mm * pupil, (places, 1)),
+            np.repeat(crossing, count, axis=0),
+            wavelengths,
+        )
+        return aim(self._lens, targets), wavelengths, stretch
+
+    def _seen(self, places_mm: DoubleArray, nearness_per_mm: float) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
+        """Objects seen at places: their slopes ``(f, 2)``, the chief rays' pupil crossings ``(f, 2)``, and area in slopes over
+        area on the film.
+        """
         heights = np.hypot(*np.asarray(places_mm).T)
         toward = np.divide(
             places_mm, heights[:, None], out=np.tile([0.0, 1.0], (len(heights), 1)), where=heights[:, None] > 0
         )
         slopes, crossing = self.principal.at(heights, nearness_per_mm)
-        count = len(pupil)
-        upright = np.sign(self._lens.first.entrance_pupil_magnification)
-        wavelengths = np.full(len(heights) * count, wavelength_nm)
-        targets = Targets(
-            np.repeat(slopes[:, None] * toward, count, axis=0),
-            nearness_per_mm,
-            np.tile(upright * self._lens.stop_radius_mm * pupil, (len(heights), 1)),
-            np.repeat(crossing[:, None] * toward, count, axis=0),
-            wavelengths,
-        )
-        return aim(self._lens, targets), wavelengths, self.principal.stretch(heights, nearness_per_mm)
+        return slopes[:, None] * toward, crossing[:, None] * toward, self.principal.stretch(heights, nearness_per_mm)
 
 
 def _nodes() -> DoubleArray:
@@ -129,30 +157,11 @@ def _nodes() -> DoubleArray:
     return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
 
 
-def _fit(nodes: DoubleArray, values: DoubleArray, solved: NDArray[np.bool_], semi_mm: DoubleArray) -> DoubleArray:
-    """``(f, terms, k)`` polynomials through values ``(f, n, k)`` at nodes by least squares; NaN where hardly a ray passes.
-
-    What rims block by far hardly counts: it need only be known to stay blocked.
-    """
-    reach = _reaches(np.where(solved[..., None], values[..., 5:], np.inf), semi_mm)
-    weights = np.where(solved, np.where(reach < _NEAR_RIM, 1.0, _BLOCKED_WEIGHT), 0.0)[..., None]
-    basis = _monomials(nodes)
-    normal = basis.T @ (weights * basis) + _RIDGE * np.eye(len(_POWERS))
-    fit = np.linalg.solve(normal, basis.T @ (weights * np.where(solved[..., None], values, 0.0)))
-    fit[(weights[..., 0] == 1).sum(axis=1) < _FEWEST] = np.nan
-    return np.asarray(fit)
+def _box_around(points: DoubleArray, room: float) -> tuple[DoubleArray, DoubleArray]:
+    """Corners of the box around points ``(n, 2)``, a share of its size larger on each side."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    return low - room * (high - low) - 1e-9, high + room * (high - low) + 1e-9
 
 
-def _reaches(at_rims: DoubleArray, semi_mm: DoubleArray) -> DoubleArray:
-    """Greatest relative radius ``(f, n)`` at which rays ``(f, n, 2 rims)`` meet a rim; 1 is the rim itself."""
-    heights = np.linalg.norm(at_rims.reshape(*at_rims.shape[:2], -1, 2), axis=-1)
-    return np.asarray((heights / semi_mm).max(axis=-1, initial=0.0))
-
-
-def _monomials(points: DoubleArray) -> DoubleArray:
-    powers = points[None] ** np.arange(_DEGREE + 1)[:, None, None]
-    return np.stack([powers[i, :, 0] * powers[j, :, 1] for i, j in _POWERS], axis=1)
-
-
-def _batches(points: DoubleArray) -> list[DoubleArray]:
-    return [points[i : i + _BATCH] for i in range(0, len(points), _BATCH)]
+def _cells(low: DoubleArray, high: DoubleArray, side: int) -> DoubleArray:
+    return np.asarray((low + high) / 2 + (high - low) / 2 * even_grid(side))

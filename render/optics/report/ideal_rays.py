@@ -9,7 +9,7 @@ import numpy as np
 from render.model.arrays import DoubleArray
 from render.model.lens import SeidelErrors
 from render.optics.glass import D_LINE_NM
-from render.optics.report.film_rays import Beams
+from render.optics.report.film_rays import Beams, DistantBeams, grid_beams
 
 _MIDDLE_NM, _SPAN_NM = 562.5, 175.0  # colour errors are stated between 475 and 650 nm and taken as linear between
 
@@ -61,7 +61,13 @@ class ThinRays:
         shape = landing.shape[:2]
         return Beams(landing, np.broadcast_to(slopes, landing.shape), np.ones(shape), np.ones(shape, bool))
 
-    many_beams = beams
+    def light(self, heights_mm: DoubleArray, *, rims: bool = True) -> DoubleArray:
+        """As `render.optics.report.film_rays.FilmRays.light`: the same everywhere."""
+        return np.ones(len(heights_mm))
+
+    def distant_beams(self, places_mm: DoubleArray, side: int, wavelength_nm: float) -> DistantBeams:
+        """As `render.optics.report.film_rays.FilmRays.distant_beams`."""
+        return grid_beams(self, places_mm, side, wavelength_nm)
 
     def _error(self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float) -> DoubleArray:
         """``(f, n, 2)`` slope in object space by which rays through points of the pupil ``(n, 2)`` are off."""

@@ -45,7 +45,7 @@ def measure_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> Dat
         heights_mm: ``(k,)`` image heights, from 0 outward; dark heights are left out.
         f_stop: of the rays.
     """
-    light = np.clip(relative_light(rays, heights_mm)[0], 0.0, 2.0)
+    light = np.clip(relative_light(rays, heights_mm), 0.0, 2.0)
     light[0] = 1.0
     lit = (light > _DARK) & (heights_mm <= rays.last_height_mm)
     heights = heights_mm[: int(np.argmin(lit)) if not lit.all() else len(lit)]

@@ -9,7 +9,10 @@ import numpy as np
 from render.model.arrays import DoubleArray
 from render.model.lens import DataSheet
 from render.optics.data_sheet import SheetErrors, seen_slopes, sheet_errors
-from render.optics.report.film_rays import Beams
+from render.optics.glass import D_LINE_NM
+from render.optics.report.film_rays import Beams, DistantBeams, even_grid, grid_beams
+
+_LIGHT_SIDE = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +62,17 @@ class SheetRays:
         is_open = np.maximum(errors.clearance(turned, 1), errors.clearance(turned, -1)) <= 0
         return Beams(landing, slopes, np.broadcast_to(errors.natural[:, None], is_open.shape), is_open)
 
-    many_beams = beams
+    def light(self, heights_mm: DoubleArray, *, rims: bool = True) -> DoubleArray:
+        """As `render.optics.report.film_rays.FilmRays.light`."""
+        grid = even_grid(_LIGHT_SIDE)
+        grid = grid[np.hypot(*grid.T) <= 1]
+        places = np.stack([0 * heights_mm, heights_mm], axis=1)
+        beams = self.beams(places, grid, D_LINE_NM)
+        return np.asarray(np.where(beams.open | (not rims), beams.light, 0.0).mean(axis=1))
+
+    def distant_beams(self, places_mm: DoubleArray, side: int, wavelength_nm: float) -> DistantBeams:
+        """As `render.optics.report.film_rays.FilmRays.distant_beams`."""
+        return grid_beams(self, places_mm, side, wavelength_nm)
 
     def _errors(self, heights_mm: DoubleArray) -> SheetErrors:
         return sheet_errors(self.sheet, heights_mm, focal_length_mm=self.focal_length_mm, f_stop=self.f_stop)

@@ -227,18 +227,6 @@ def test_illumination_is_the_projected_solid_angle_of_what_is_open() -> None:
     np.testing.assert_allclose(report.curves.geometric, report.curves.illumination, rtol=1e-12)
 
 
-def test_many_rays_by_polynomials_are_where_exact_rays_are() -> None:
-    rays = film_rays(replace(known(PLANAR), focus_distance_m=2.0))
-    places = np.array([[0.0, 0.0], [9.0, 6.0], [-18.0, 12.0]])
-    angle, radius = np.arange(200) * 2.4, np.sqrt((np.arange(200) + 0.5) / 200)
-    pupil = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-    exact, many = (method(places, pupil, 510.0, 0.0) for method in (rays.beams, rays.many_beams))
-    assert (exact.open != many.open).mean() < 0.01
-    both = exact.open & many.open
-    assert np.abs(exact.landing_mm - many.landing_mm)[both].max() < 0.01  # of discs of 0.9 mm
-    np.testing.assert_allclose(many.light[both], exact.light[both], rtol=2e-2)
-
-
 @pytest.mark.parametrize("lens", [DOUBLE_GAUSS, FISHEYE], ids=["double gauss", "fisheye"])
 def test_aimed_rays_meet_their_stop_point_even_far_off_the_axis(lens: KnownLens) -> None:
     glass = mount_lens(known(lens))

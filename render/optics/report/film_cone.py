@@ -1,0 +1,159 @@
+"""Dense exact rays from a place of the film back through the lens: the light that the picture gathers there.
+
+Directions are direction cosines l and m on the film, in the frame of the upright picture: right and up. An even share of their
+disc is an even share of the light of a white scene (cos θ dΩ = dl dm).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.model.arrays import DoubleArray
+from render.optics.glass import D_LINE_NM
+from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.tracing import TracedRays, trace_backward
+
+_COARSE, _SIDE = 48, 72
+_ROOM, _GROWTH, _GROWINGS = 1.3, 1.6, 4
+
+
+@dataclass(frozen=True, eq=False)
+class FilmCone:
+    """Rays on an even square grid of direction cosines around what is open.
+
+    Attributes:
+        cosines: ``(side·side, 2)``, a row of l after the other, m growing.
+        cell: area that each ray stands for.
+        side: of the grid.
+        cover: ``(side·side,)`` share of each cell that stop and rims leave open.
+        rays: as they leave the lens toward the scene, in the frame of the lens: the picture's turned around.
+    """
+
+    cosines: DoubleArray
+    cell: float
+    side: int
+    cover: DoubleArray
+    rays: TracedRays
+
+    @property
+    def light(self) -> float:
+        """Projected solid angle of what is open."""
+        return float(self.cover.sum() * self.cell)
+
+
+@dataclass(frozen=True, eq=False)
+class _Box:
+    """Part of the plane of direction cosines."""
+
+    low: DoubleArray
+    high: DoubleArray
+
+    def grid(self, side: int) -> DoubleArray:
+        """Centres of ``side`` by ``side`` cells."""
+        line = (np.arange(side) + 0.5) / side
+        across, up = (low + (high - low) * line for low, high in zip(self.low, self.high, strict=True))
+        return np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2)
+
+    def cell(self, side: int) -> float:
+        """Area of a cell."""
+        return float(np.prod((self.high - self.low) / side))
+
+    def around(self, points: DoubleArray, side: int) -> _Box:
+        """The box of cells around points of its grid, a cell of room on each side."""
+        step = (self.high - self.low) / side
+        return _Box(points.min(axis=0) - 1.5 * step, points.max(axis=0) + 1.5 * step)
+
+    def grown(self) -> _Box:
+        """A larger one about the same centre."""
+        middle, half = (self.low + self.high) / 2, (self.high - self.low) / 2
+        return _Box(middle - _GROWTH * half, middle + _GROWTH * half)
+
+
+def film_cone(
+    lens: FocusedLens, height_mm: float, wavelength_nm: float = D_LINE_NM, *, rims: bool = True, side: int = _SIDE
+) -> FilmCone | None:
+    """Trace the rays that reach a place of the film.
+
+    Args:
+        lens: as focused.
+        height_mm: of the place, straight above the picture's middle.
+        wavelength_nm: of the light.
+        rims: whether rims block light as well as the stop.
+        side: of the grid.
+
+    Returns:
+        The rays, or None where it is dark.
+    """
+    found = next(
+        filter(None, (_open_box(lens, height_mm, wavelength_nm, rims, box) for box in _boxes(lens, height_mm))), None
+    )
+    if found is None:
+        return None
+    cosines = found.grid(side)
+    rays = _trace(lens, height_mm, cosines, wavelength_nm)
+    cover = _cover(_clearance(lens, rays, rims).reshape(side, side)).ravel()
+    return FilmCone(cosines, found.cell(side), side, cover, rays)
+
+
+def _open_box(lens: FocusedLens, height_mm: float, wavelength_nm: float, rims: bool, box: _Box) -> _Box | None:
+    """Box around what is open within a box, which grows where that reaches its edge; None where nothing is open."""
+    found = None
+    for _ in range(_GROWINGS):
+        cosines = box.grid(_COARSE)
+        is_open = _clearance(lens, _trace(lens, height_mm, cosines, wavelength_nm), rims) <= 0
+        if not is_open.any():
+            return found
+        found = box.around(cosines[is_open], _COARSE)
+        if (found.low > box.low).all() and (found.high < box.high).all():
+            break
+        box = box.grown()
+    return found
+
+
+def _boxes(lens: FocusedLens, height_mm: float) -> list[_Box]:
+    """Directions to the exit pupil of rays close to the axis, and to the rear surface, with room around them."""
+    rear = _box_toward(
+        height_mm, lens.film_mm - float(lens.vertices_mm[-1]), lens.prescription.surfaces[-1].semi_diameter_mm
+    )
+    away = lens.film_mm - lens.exit_pupil_mm
+    return [_box_toward(height_mm, away, lens.exit_pupil_radius_mm), rear] if 0 < away < np.inf else [rear]
+
+
+def _box_toward(height_mm: float, away_mm: float, radius_mm: float) -> _Box:
+    radius = _ROOM * radius_mm
+    up = np.array([-radius, radius]) + height_mm
+    low, high = up / np.hypot(up, away_mm)
+    across = radius / np.hypot(radius, away_mm)
+    return _Box(np.array([-across, low]), np.array([across, high]))
+
+
+def _trace(lens: FocusedLens, height_mm: float, cosines: DoubleArray, wavelength_nm: float) -> TracedRays:
+    """Rays that arrive with the given cosines; the picture is turned around on the film, and the light goes the other way."""
+    along = np.sqrt(np.maximum(1 - (cosines**2).sum(axis=1), 1e-6))
+    directions = np.column_stack([cosines, -along])
+    start = np.tile([0.0, -height_mm, lens.film_mm], (len(cosines), 1))
+    return trace_backward(lens.prescription, start, directions, wavelength_nm, vertices_mm=lens.vertices_mm, clip=False)
+
+
+def _clearance(lens: FocusedLens, rays: TracedRays, rims: bool) -> DoubleArray:
+    """Largest ``(r / half clear diameter)² − 1``: above 0 the ray is blocked; NaN where it gets lost in the glass."""
+    limits = np.array([surface.semi_diameter_mm if rims else np.inf for surface in lens.prescription.surfaces])
+    limits[lens.stop] = lens.stop_radius_mm
+    met = (rays.points_mm[::-1, :, :2] ** 2).sum(axis=-1) / limits[:, None] ** 2 - 1
+    return np.asarray(np.where(rays.passes, met.max(axis=0), np.nan))
+
+
+def _cover(clearance: DoubleArray) -> DoubleArray:
+    """Share of each cell where the clearance, taken as linear, is at most 0; cells of lost rays are blocked."""
+    steps = np.zeros_like(clearance)
+    for axis in (0, 1):
+        change = np.abs(np.diff(clearance, axis=axis))
+        ends = [(1, 0) if axis == 0 else (0, 0), (0, 0) if axis == 0 else (1, 0)]
+        before = np.pad(change, ends, constant_values=np.nan)
+        behind = np.pad(change, [end[::-1] for end in ends], constant_values=np.nan)
+        steps += np.nan_to_num(
+            np.where(np.isnan(before), behind, np.where(np.isnan(behind), before, (before + behind) / 2))
+        )
+    return np.asarray(np.nan_to_num(np.clip(0.5 - clearance / np.maximum(steps, 1e-12), 0.0, 1.0)))

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.trace.lens_fit import even_basis, odd_basis
-from render.trace.lens_table import PUPIL_S, PUPIL_T, REGION, SLOPE_S, SLOPE_T, GridTable, PolynomialTable
-
-_SLOPE_DEGREE, _PUPIL_DEGREE = 7, 5
+from render.trace.lens_fit import FULL, even_basis, odd_basis, slope_errors
+from render.trace.lens_table import FRONT_RIM, PUPIL_S, PUPIL_T, REGION, GridTable, PolynomialTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +56,10 @@ def trace_axis_rays(table: PolynomialTable | GridTable, stops: DoubleArray) -> A
     odd = np.sign(inner[:, 1:])  # rows are of the half pupil; the other one mirrors it
     half = np.abs(inner * [0.0, 1.0]) + inner * [1.0, 0.0]
 
-    def both(even: int, sagittal: int, end: int, degree: int) -> DoubleArray:
-        along = even_basis(half, degree) @ row[even:sagittal]
-        return np.stack([along, odd[:, 0] * (odd_basis(half, degree) @ row[sagittal:end])], axis=1)
-
-    slope = both(SLOPE_T, SLOPE_S, PUPIL_T, _SLOPE_DEGREE)
-    return AxisRays(slope, both(PUPIL_T, PUPIL_S, PUPIL_S + 9, _PUPIL_DEGREE))
+    mirror = np.column_stack([np.ones(len(half)), odd[:, 0]])
+    along = even_basis(half, FULL.pupil) @ row[PUPIL_T:PUPIL_S]
+    pupil = np.stack([along, odd_basis(half, FULL.pupil) @ row[PUPIL_S:FRONT_RIM]], axis=1)
+    return AxisRays(slope_errors(row[None], half, table.slope_degree)[0] * mirror, pupil * mirror)
 
 
 def open_axes(table: PolynomialTable) -> tuple[float, float]:

@@ -21,6 +21,7 @@ from render.trace.grid_table import make_cylinder_table, make_grid_table
 from render.trace.lens_table import (
     FRONT_RIM,
     PUPIL_T,
+    ROW_LENGTH,
     SLOPE_T,
     LensTable,
     PolynomialTable,
@@ -215,7 +216,8 @@ def merge_wavelengths(bundle: RayBundle, f_px: float, w_span: float) -> RayBundl
     rows = bundle.table.rows
     middle = rows[len(rows) // 2]
     apart = np.abs(rows - middle)
-    spread = apart[..., SLOPE_T:PUPIL_T].sum(-1) + apart[..., PUPIL_T:FRONT_RIM].sum(-1) * w_span
+    slopes = apart[..., SLOPE_T:PUPIL_T].sum(-1) + apart[..., ROW_LENGTH:].sum(-1)
+    spread = slopes + apart[..., PUPIL_T:FRONT_RIM].sum(-1) * w_span
     if spread.max() * f_px > SHARED_WITHIN_PX:
         return bundle
     return replace(bundle, table=replace(bundle.table, rows=middle[None]), rgb=np.ones((1, 3)))

@@ -88,7 +88,7 @@ def add_drawn_power(
         table,
         rows=rows.astype(np.float32),
         slope_reach=table.slope_reach + float(most.max()),
-        slope_degree=_SLOPE_DEGREE,
+        slope_degree=max(table.slope_degree, _SLOPE_DEGREE),
     )
 
 

@@ -2,7 +2,7 @@
 
 A quantity that a mirror in the tangential plane leaves as it is (tangential errors, clearances, weights) is even in the sagittal
 coordinate y, one that it turns around (sagittal errors) odd. Polynomials of total degree 7 in the pupil hold aberrations up to
-the seventh order (Buchdahl 1954): for the lenses of the library a few micrometres on the film are left, wide open.
+the seventh order (Buchdahl 1954), which is enough for most lenses; fast ones with steep aspheres take up to the thirteenth.
 """
 
 from __future__ import annotations
@@ -42,6 +42,8 @@ class Degrees:
 
 FULL = Degrees(7, 5)
 LOW = Degrees(5, 3)
+SLOPE_DEGREES = (5, 7, 9, 11, 13)
+"""Degrees of the slope errors' polynomials, cheapest first. Terms above 7 follow a row's other numbers."""
 
 
 @dataclass(frozen=True)
@@ -97,20 +99,21 @@ class PupilFit:
     def __init__(self, nodes: DoubleArray, degrees: Degrees = FULL) -> None:
         """Prepare the bases at ``nodes`` ``(n, 2)`` on the half disc y >= 0, with ``degrees`` of the polynomials."""
         self.nodes, self.degrees = nodes, degrees
-        even, odd = even_basis, odd_basis
+        even, odd, slope, pupil = even_basis, odd_basis, degrees.slope, degrees.pupil
+        along, across = _slope_places(slope)
         self._parts = {
-            SLOPE_T: _Part(even(nodes, degrees.slope), _term_positions(degrees.slope, FULL.slope)),
-            SLOPE_S: _Part(odd(nodes, degrees.slope), _term_positions(degrees.slope - 1, FULL.slope - 1)),
-            PUPIL_T: _Part(even(nodes, degrees.pupil), _term_positions(degrees.pupil, FULL.pupil)),
-            PUPIL_S: _Part(odd(nodes, degrees.pupil), _term_positions(degrees.pupil - 1, FULL.pupil - 1)),
-            FRONT_RIM: _Part(even(nodes, _RIM_DEGREE), _term_positions(_RIM_DEGREE, _RIM_DEGREE)),
-            WEIGHT: _Part(even(nodes, _WEIGHT_DEGREE), _term_positions(_WEIGHT_DEGREE, _WEIGHT_DEGREE)),
+            SLOPE_T: _Part(even(nodes, slope), along),
+            SLOPE_S: _Part(odd(nodes, slope), across),
+            PUPIL_T: _Part(even(nodes, pupil), PUPIL_T + _term_positions(pupil, FULL.pupil)),
+            PUPIL_S: _Part(odd(nodes, pupil), PUPIL_S + _term_positions(pupil - 1, FULL.pupil - 1)),
+            FRONT_RIM: _Part(even(nodes, _RIM_DEGREE), FRONT_RIM + _term_positions(_RIM_DEGREE, _RIM_DEGREE)),
+            REAR_RIM: _Part(even(nodes, _RIM_DEGREE), REAR_RIM + _term_positions(_RIM_DEGREE, _RIM_DEGREE)),
+            WEIGHT: _Part(even(nodes, _WEIGHT_DEGREE), WEIGHT + _term_positions(_WEIGHT_DEGREE, _WEIGHT_DEGREE)),
         }
-        self._parts[REAR_RIM] = self._parts[FRONT_RIM]
 
     def row(self, rays: NodeRays, region: Region) -> DoubleArray:
-        """Fit the row ``(ROW_LENGTH,)`` of a field height; dark where too few rays pass for a fit."""
-        row = np.zeros(ROW_LENGTH)
+        """Fit the row ``(row_length,)`` of a field height; dark where too few rays pass for a fit."""
+        row = np.zeros(row_length(self.degrees.slope))
         if not self.is_lit(rays):
             return row
         values = {
@@ -124,7 +127,7 @@ class PupilFit:
         }
         for place, value in values.items():
             part = self._parts[place]
-            row[place + part.places] = part.solve(value, rays.passed)
+            row[part.places] = part.solve(value, rays.passed)
         row[REGION : REGION + 4] = [region.centre, region.along, region.across, float(region.clipped)]
         row[BOUND : BOUND + 4] = self._bounds(rays, region)
         return row
@@ -173,6 +176,34 @@ def open_rays(rows: DoubleArray, nodes: DoubleArray) -> NDArray[np.bool_]:
     along = rows[:, REGION, None] + rows[:, REGION + 1, None] * nodes[:, 0]
     clearance = np.maximum(clearance, np.hypot(along, rows[:, REGION + 2, None] * nodes[:, 1]) - 1)
     return np.asarray((clearance <= 0) | (rows[:, REGION + 3, None] == 0))
+
+
+def row_length(slope_degree: int) -> int:
+    """Numbers of a row, a multiple of 4, whose slope errors have polynomials of that degree."""
+    last = max(int(places.max()) for places in _slope_places(slope_degree))
+    return max(ROW_LENGTH, -(-(last + 1) // 4) * 4)
+
+
+def slope_errors(rows: DoubleArray, nodes: DoubleArray, slope_degree: int) -> DoubleArray:
+    """Slope errors ``(heights, n, 2)`` of rows ``(heights, row_length)`` at nodes ``(n, 2)`` of their discs, tangential first."""
+    along, across = _slope_places(slope_degree)
+    tangential = rows[:, along] @ even_basis(nodes, slope_degree).T
+    return np.stack([tangential, rows[:, across] @ odd_basis(nodes, slope_degree).T], axis=-1)
+
+
+def _slope_places(degree: int) -> tuple[IntArray, IntArray]:
+    """Places in a row of the terms of the tangential and the sagittal slope errors' bases."""
+    places, beyond = [], ROW_LENGTH
+    for start, highest, room in ((SLOPE_T, degree, FULL.slope), (SLOPE_S, degree - 1, FULL.slope - 1)):
+        within, at = even_powers(room), []
+        for power in even_powers(highest):
+            if power in within:
+                at.append(start + within.index(power))
+            else:
+                at.append(beyond)
+                beyond += 1
+        places.append(np.array(at, np.int32))
+    return places[0], places[1]
 
 
 class _Part:

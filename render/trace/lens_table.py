@@ -30,18 +30,21 @@ ROW_LENGTH = 88
 class PolynomialTable:
     """A rotationally symmetric lens: polynomials over the pupil, for field heights from the axis outward.
 
-    A row has room for degree 7 in the slope errors and 5 in the pupil points. In each row x is the tangential pupil coordinate,
+    A row has room for degree 7 in the slope errors and 5 in the pupil points; terms of higher degrees follow its other
+    numbers (`render.trace.lens_fit`). In each row x is the tangential pupil coordinate,
     toward the pixel, and y the sagittal one, on the unit disc; where a rim clips the stop, the disc stands for the ellipse
     around what is open. Polynomials hold the coefficients of x⁰, x¹, ... then those with y², and so on; sagittal ones are
     divided by y.
 
     Attributes:
-        rows: ``(wavelengths, heights, ROW_LENGTH)`` float32.
+        rows: ``(wavelengths, heights, n)`` float32, n `ROW_LENGTH` or more.
         last_slope: field of the last height, slope in object space; heights are even in it.
         pupil_reach_m: farthest that a ray passes from the pupil's centre.
         slope_reach: largest slope of an open ray less that of its ideal, within the picture.
-        slope_degree: of the slope errors' polynomials, 7 or 5: their coefficients above it are 0.
+        slope_degree: of the slope errors' polynomials, 5 to 13: coefficients above it are 0.
         pupil_degree: of the pupil points', 5 or 3.
+        film_error_mm: largest error of its rays on the film that was found between what it is fitted to; 0 for a table that holds
+            its lens exactly.
     """
 
     rows: FloatArray
@@ -50,6 +53,7 @@ class PolynomialTable:
     slope_reach: float
     slope_degree: int = 7
     pupil_degree: int = 5
+    film_error_mm: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

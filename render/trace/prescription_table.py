@@ -18,22 +18,39 @@ from render.model.lens import AberrationScales
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.trace.aberration_scales import changes_shape, defocus, error_change
-from render.trace.lens_fit import FULL, LOW, Degrees, NodeRays, PupilFit, Region, mean_light, pupil_nodes
-from render.trace.lens_table import BOUND, LIGHT, REGION, WEIGHT, PolynomialTable
+from render.trace.lens_fit import (
+    FULL,
+    LOW,
+    SLOPE_DEGREES,
+    Degrees,
+    NodeRays,
+    PupilFit,
+    Region,
+    mean_light,
+    pupil_nodes,
+    slope_errors,
+)
+from render.trace.lens_table import BOUND, LIGHT, REGION, SLOPE_T, WEIGHT, PolynomialTable
 
 if TYPE_CHECKING:  # so that a process without GL can ask where a lens is sharpest
     from render.trace.surface_tracer import SurfaceTracer, TracedLens
 
-HEIGHTS = 48
+HEIGHTS = (48, 96, 192)
+"""Field heights of a table: the fewest that hold the rays between them."""
 MAX_SLOPE = 4.5
 """Slope limit of 77 degrees from the axis, beyond which one perspective picture cannot be drawn; the lens is dark there."""
 FILM_ERROR_MM = 0.004
-"""Greatest error of a fitted ray on the film, mm, at which polynomials of a lower degree are accepted: a fifth of a
-pixel of 36 mm over 1920.
-"""
+"""Greatest error of a ray on the film, mm, that a table is refined for: a fifth of a pixel of 36 mm over 1920."""
 PUPIL_ERROR = 1.5e-3
 """Greatest error on the entrance pupil relative to its radius: the relative error of a circle of confusion at its edge."""
 _GRID = 41
+_MARGIN = 0.8
+"""Share of `FILM_ERROR_MM` that rays may be off which a fit goes through: between them it is worse."""
+_PAYS = 0.8
+"""Share of its error that a refinement must leave at most to be worth it."""
+_FINE_NODES = (224, 36)
+"""Nodes of the half pupil, and on its rim, for polynomials above the seventh degree."""
+_CHECKED_NODES, _CHECKED_HEIGHTS, _CHECKED_CHANGES = (90, 21), 8, 4
 _PADDING = 1.0 / _GRID
 
 
@@ -55,21 +72,11 @@ def make_prescription_table(
         wavelengths_nm: one part of the table for each.
         scales: factors on its errors.
     """
-    slopes = np.linspace(0.0, last_slope, HEIGHTS)
-    regions = _open_regions(tracer, lens, slopes)
-    nodes = pupil_nodes()
-    reference = (D_LINE_NM,) if scales.chromatic != 1 else ()
-    traced = _trace_nodes(tracer, lens, slopes, regions, nodes, (*wavelengths_nm, *reference))
-    rays = _node_rays(traced, slopes, regions, focus_w, lens.stop_radius_mm**2)
-    if reference:
-        rays = scale_chromatic(rays, scales.chromatic)
-    rays = [
-        [scale_rays(r, part[0], region, nodes, scales) for r, region in zip(part, regions, strict=True)]
-        for part in rays
-    ]
-    fit = _sufficient_fit(rays, lens)
-    rows = np.array([[fit.row(r, region) for r, region in zip(part, regions, strict=True)] for part in rays])
-    return _table(extend_dark_rows(_normalize_light(rows, scales.vignetting)), last_slope, fit.degrees)
+    maker = _TableMaker(tracer, lens, last_slope, focus_w, wavelengths_nm)
+    fit, count, rows, error_mm = maker.refined()
+    if scales.chromatic != 1 or changes_shape(scales):
+        rows = maker.rows(fit, count, scales)
+    return _table(extend_dark_rows(_normalize_light(rows, scales.vignetting)), last_slope, fit.degrees, error_mm)
 
 
 def _normalize_light(rows: DoubleArray, vignetting: float) -> DoubleArray:
@@ -102,18 +109,130 @@ def extend_dark_rows(rows: DoubleArray) -> DoubleArray:
     return rows
 
 
-def _sufficient_fit(rays: list[list[NodeRays]], lens: FocusedLens) -> PupilFit:
-    """Lowest degrees that fit the lens well enough: each term costs every ray of the picture."""
-    low = PupilFit(pupil_nodes(), LOW)
-    residuals = np.array([low.residual(r) for part in rays for r in part])
-    slope_error, pupil_error = residuals.max(axis=0)
-    slope_holds = slope_error * lens.image_scale_mm <= FILM_ERROR_MM
-    pupil_holds = pupil_error * 1000 <= PUPIL_ERROR * lens.entrance_pupil_radius_mm
-    slope = LOW.slope if slope_holds else FULL.slope
-    return PupilFit(low.nodes, Degrees(slope, LOW.pupil if pupil_holds else FULL.pupil))
+class _TableMaker:
+    """Fits a lens, and checks the fit against rays that it does not know."""
+
+    def __init__(
+        self,
+        tracer: SurfaceTracer,
+        lens: FocusedLens,
+        last_slope: float,
+        focus_w: float,
+        wavelengths_nm: Sequence[float],
+    ) -> None:
+        self._tracer, self._lens, self._last_slope = tracer, lens, last_slope
+        self._focus_w, self._wavelengths_nm = focus_w, wavelengths_nm
+        self._regions: dict[int, list[Region]] = {}
+        self._kept: dict[tuple[object, ...], tuple[list[Region], list[list[NodeRays]]]] = {}
+
+    def refined(self) -> tuple[PupilFit, int, DoubleArray, float]:
+        """Fit, number of heights, rows and error on the film, refined where it pays until the error is small enough.
+
+        More heights cost no ray of the picture anything, so they come first.
+        """
+        fit, count = self.sufficient_fit(), HEIGHTS[0]
+        rows = self.rows(fit, count)
+        error_mm = self.film_error_mm(rows, fit.degrees)
+        may_double = True
+        while error_mm > FILM_ERROR_MM:
+            if may_double and count < HEIGHTS[-1]:
+                other, more = fit, 2 * count
+            elif fit.degrees.slope < SLOPE_DEGREES[-1]:
+                degree = SLOPE_DEGREES[SLOPE_DEGREES.index(fit.degrees.slope) + 1]
+                other, more = PupilFit(pupil_nodes(*_FINE_NODES), Degrees(degree, fit.degrees.pupil)), count
+            else:
+                break
+            tried = self.rows(other, more)
+            left_mm = self.film_error_mm(tried, other.degrees)
+            if left_mm < _PAYS * error_mm:
+                fit, count, rows, error_mm = other, more, tried, left_mm
+            elif other is fit:
+                may_double = False
+            else:
+                break
+        return fit, count, rows, error_mm
+
+    def sufficient_fit(self) -> PupilFit:
+        """Lowest degrees that fit the lens well enough: each term costs every ray of the picture."""
+        low = PupilFit(pupil_nodes(), LOW)
+        _, rays = self._traced(HEIGHTS[0], low.nodes)
+        pupil_m = max(low.residual(r)[1] for part in rays for r in part)
+        holds = pupil_m * 1000 <= PUPIL_ERROR * self._lens.entrance_pupil_radius_mm
+        pupil = LOW.pupil if holds else FULL.pupil
+        for degree in SLOPE_DEGREES:
+            fine = degree > FULL.slope
+            fit = PupilFit(pupil_nodes(*_FINE_NODES) if fine else low.nodes, Degrees(degree, pupil))
+            if fine and len(rays[0][0].front) != len(fit.nodes):
+                _, rays = self._traced(HEIGHTS[0], fit.nodes)
+            worst = max(fit.residual(r)[0] for part in rays for r in part)
+            if worst * self._lens.image_scale_mm <= _MARGIN * FILM_ERROR_MM:
+                break
+        return fit
+
+    def rows(self, fit: PupilFit, count: int, scales: AberrationScales | None = None) -> DoubleArray:
+        """Rows ``(wavelengths, count, n)``, with factors on the lens's errors."""
+        reference = (D_LINE_NM,) if scales is not None and scales.chromatic != 1 else ()
+        regions, rays = self._traced(count, fit.nodes, reference)
+        if scales is not None:
+            if reference:
+                rays = scale_chromatic(rays, scales.chromatic)
+            rays = [
+                [scale_rays(r, part[0], region, fit.nodes, scales) for r, region in zip(part, regions, strict=True)]
+                for part in rays
+            ]
+        return np.array([[fit.row(r, region) for r, region in zip(part, regions, strict=True)] for part in rays])
+
+    def film_error_mm(self, rows: DoubleArray, degrees: Degrees) -> float:
+        """Largest error on the film between the fit's nodes and half way between its heights, where both neighbours are lit."""
+        count = rows.shape[1]
+        slopes = np.linspace(0.0, self._last_slope, count)
+        lit = np.flatnonzero(rows[0, :, REGION + 1] > 1.01 * _PADDING)  # others are open nowhere
+        between = np.intersect1d(lit, lit - 1)
+        if not len(between):
+            return 0.0
+        places = _places_to_check(rows[0, :, REGION : REGION + 3], between)
+        heights = (slopes[places] + slopes[places + 1]) / 2
+        blended = (rows[:, places] + rows[:, places + 1]) / 2
+        nodes = pupil_nodes(*_CHECKED_NODES)
+        regions = [Region(*row[REGION : REGION + 3]) for row in blended[0]]
+        traced = _trace_nodes(self._tracer, self._lens, heights, regions, nodes, self._wavelengths_nm)
+        exact = _node_rays(traced, heights, regions, self._focus_w, 1.0)
+        seen = slopes + rows[len(rows) // 2, :, SLOPE_T]
+        radial = np.gradient(seen, slopes)  # slope in object space per slope of the ideal lens: radially, and around
+        around = np.divide(seen, slopes, out=radial.copy(), where=slopes > 0)
+        worst = 0.0
+        for part, fitted in zip(exact, blended, strict=True):
+            off = slope_errors(fitted, nodes, degrees.slope) - np.array([r.slope for r in part])
+            off /= np.stack([radial[places], around[places]], axis=1)[:, None]
+            is_open = np.array([r.passed & (r.front <= 0) & (r.rear <= 0) for r in part])
+            is_open &= np.array([np.hypot(*region.on_stop(nodes).T) <= 1 for region in regions])
+            worst = max(worst, float(np.hypot(off[..., 0], off[..., 1])[is_open].max(initial=0.0)))
+        return worst * self._lens.image_scale_mm
+
+    def _traced(
+        self, count: int, nodes: DoubleArray, more_nm: Sequence[float] = ()
+    ) -> tuple[list[Region], list[list[NodeRays]]]:
+        key = count, len(nodes), tuple(more_nm)
+        if key not in self._kept:
+            slopes = np.linspace(0.0, self._last_slope, count)
+            if count not in self._regions:
+                self._regions[count] = _open_regions(self._tracer, self._lens, slopes)
+            regions = self._regions[count]
+            wavelengths = (*self._wavelengths_nm, *more_nm)
+            traced = _trace_nodes(self._tracer, self._lens, slopes, regions, nodes, wavelengths)
+            rays = _node_rays(traced, slopes, regions, self._focus_w, self._lens.stop_radius_mm**2)
+            self._kept[key] = regions, rays
+        return self._kept[key]
 
 
-def _table(rows: DoubleArray, last_slope: float, degrees: Degrees) -> PolynomialTable:
+def _places_to_check(regions: DoubleArray, between: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows to look behind: some evenly spaced, and those where the open region ``(heights, 3)`` changes most."""
+    even = between[np.linspace(0, len(between) - 1, _CHECKED_HEIGHTS).round().astype(int)]
+    change = np.abs(regions[between + 1] - regions[between]).sum(axis=1)
+    return np.union1d(even, between[np.argsort(change)[-_CHECKED_CHANGES:]])
+
+
+def _table(rows: DoubleArray, last_slope: float, degrees: Degrees, error_mm: float) -> PolynomialTable:
     bounds = np.abs(rows[..., BOUND : BOUND + 4])
     return PolynomialTable(
         rows.astype(np.float32),
@@ -122,18 +241,43 @@ def _table(rows: DoubleArray, last_slope: float, degrees: Degrees) -> Polynomial
         slope_reach=float((bounds[..., 0] + bounds[..., 1]).max()),
         slope_degree=degrees.slope,
         pupil_degree=degrees.pupil,
+        film_error_mm=error_mm,
     )
 
 
 def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray) -> list[Region]:
-    """Open part of the stop for each field height."""
+    """Open part of the stop for each field height, which changes smoothly with the height."""
     line = np.linspace(-1, 1, _GRID)
-    disc = np.stack(np.meshgrid(line, line[_GRID // 2 :], indexing="ij"), axis=-1).reshape(-1, 2)
-    disc = disc[np.hypot(*disc.T) <= 1 + 1e-9]
-    stops = np.tile(disc, (len(slopes), 1))
-    traced = _trace(tracer, lens, np.repeat(slopes, len(disc)), stops, (D_LINE_NM,))
-    is_open = traced.passed & _drawable(traced) & (traced.front <= 0) & (traced.rear <= 0)
-    return [enclosing_region(disc[row], len(disc), _PADDING) for row in is_open[0].reshape(len(slopes), len(disc))]
+    square = np.stack(np.meshgrid(line, line[_GRID // 2 :], indexing="ij"), axis=-1)
+    on_disc = np.hypot(*np.moveaxis(square, -1, 0)) <= 1 + 1e-9
+    disc = square[on_disc]
+    traced = _trace(tracer, lens, np.repeat(slopes, len(disc)), np.tile(disc, (len(slopes), 1)), (D_LINE_NM,))
+    clearance = np.where(traced.passed & _drawable(traced), np.maximum(traced.front, traced.rear), np.nan)
+    regions = []
+    for values in clearance[0].reshape(len(slopes), len(disc)):
+        if (values <= 0).all():
+            regions.append(Region())
+            continue
+        over_square = np.full(square.shape[:2], np.nan)
+        over_square[on_disc] = values
+        regions.append(enclosing_region(_open_points(square, over_square), -1, _PADDING))
+    return regions
+
+
+def _open_points(square: DoubleArray, clearance: DoubleArray) -> DoubleArray:
+    """Points ``(n, 2)`` of a grid that are open, and those between neighbours where the clearance, taken as linear, is 0."""
+    found = [square[clearance <= 0]]
+    for axis in (0, 1):
+        count = len(clearance[0]) if axis else len(clearance)
+        (a, b), (p, q) = (
+            (np.take(values, range(count - 1), axis), np.take(values, range(1, count), axis))
+            for values in (clearance, square)
+        )
+        crosses = (a <= 0) != (b <= 0)
+        crosses &= np.isfinite(a) & np.isfinite(b)
+        part = (a[crosses] / (a[crosses] - b[crosses]))[:, None]
+        found.append(p[crosses] + part * (q[crosses] - p[crosses]))
+    return np.concatenate(found)
 
 
 def enclosing_region(is_open: DoubleArray, all_points: int, padding: float) -> Region:
@@ -151,7 +295,7 @@ def enclosing_region(is_open: DoubleArray, all_points: int, padding: float) -> R
     x, y = is_open.T
     low, high = max(x.min() - padding, -1.0), min(x.max() + padding, 1.0)
     centre, half = (low + high) / 2, (high - low) / 2
-    stretched = half * np.linspace(1.0, 1.6, 25)
+    stretched = half * np.linspace(1.0, 1.6, 121)
     across = np.array(
         [np.sqrt((y**2 / np.maximum(1 - ((x - centre) / along) ** 2, 1e-9)).max()) for along in stretched]
     )

@@ -27,7 +27,7 @@ _ROW_DEFINES = {
         "BOUND",
         "LIGHT",
     )
-} | {"ROW_VEC4": ROW_LENGTH // 4}
+} | {"HIGHER": ROW_LENGTH, "ROW_VEC4": ROW_LENGTH // 4}
 _LINEAR = (moderngl.LINEAR, moderngl.LINEAR)
 
 Defines = dict[str, int | float | str]
@@ -49,6 +49,7 @@ class RayBuffers:
         if isinstance(bundle.table, PolynomialTable):
             defines |= {"POLYNOMIAL_LENS": 1, **_ROW_DEFINES}
             defines |= {"SLOPE_DEGREE": bundle.table.slope_degree, "PUPIL_DEGREE": bundle.table.pupil_degree}
+            defines |= {"ROW_VEC4": bundle.table.rows.shape[-1] // 4}
         elif bundle.table is not None:
             side = bundle.table.rays.shape[3]
             defines |= {"GRID_LENS": 1, "BOUND_BY_RAYS": 1, "GRID_INSET": f"{(side - 1) / side:.9f}"}

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
 from render.optics.view import PinholeView
-from render.trace.lens_fit import even_basis, odd_basis, open_rays, pupil_nodes
-from render.trace.lens_table import PUPIL_S, PUPIL_T, SLOPE_S, SLOPE_T, WEIGHT, GridTable, PolynomialTable
+from render.trace.lens_fit import FULL, even_basis, odd_basis, open_rays, pupil_nodes, slope_errors
+from render.trace.lens_table import FRONT_RIM, PUPIL_S, PUPIL_T, WEIGHT, GridTable, PolynomialTable
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle
 
@@ -58,14 +58,9 @@ def rays_of_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray, N
     rows = table.rows[len(table.rows) // 2].astype(np.float64)
     half = pupil_nodes(_NODES, rim=0)
     nodes = np.concatenate([half, half * [1.0, -1.0]])  # spread is relative to the middle of the whole disc
-    slope = _evaluate(rows, nodes, SLOPE_T, SLOPE_S, PUPIL_T, 7)
-    return slope, _evaluate(rows, nodes, PUPIL_T, PUPIL_S, PUPIL_S + 9, 5), open_rays(rows, nodes)
-
-
-def _evaluate(rows: DoubleArray, nodes: DoubleArray, even: int, odd: int, end: int, degree: int) -> DoubleArray:
-    """``(heights, nodes, 2)``."""
-    tangential = rows[:, even:odd] @ even_basis(nodes, degree).T
-    return np.stack([tangential, rows[:, odd:end] @ odd_basis(nodes, degree).T], axis=-1)
+    along = rows[:, PUPIL_T:PUPIL_S] @ even_basis(nodes, FULL.pupil).T
+    pupil = np.stack([along, rows[:, PUPIL_S:FRONT_RIM] @ odd_basis(nodes, FULL.pupil).T], axis=-1)
+    return slope_errors(rows, nodes, table.slope_degree), pupil, open_rays(rows, nodes)
 
 
 def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray]:

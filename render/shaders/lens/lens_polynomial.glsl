@@ -33,20 +33,45 @@ float horner(int first, int degree, float x)
 }
 
 // Polynomials that are even in y; those odd in y are y times an even one of a degree less. A row has room for the highest degree
-// (7 for slopes, 5 for pupil points); where a lower degree suffices, the terms above it are left out.
+// (5 for pupil points; for slopes 7, and more at the row's end); where a lower degree suffices, the terms above it are left out.
 float even2(int i, float x, float y2) { return horner(i, 2, x) + y2 * row[i + 3]; }
 float even4(int i, float x, float y2) { return horner(i, 4, x) + y2 * (horner(i + 5, 2, x) + y2 * row[i + 8]); }
 
-#if SLOPE_DEGREE == 7
+#if SLOPE_DEGREE > 7
+// Terms of an even polynomial of total degrees `low` to `high`, which follow a row's other numbers by powers of y, then of x.
+float higher(int first, int low, int high, float x, float y2)
+{
+    float value = 0.0, power = 1.0;
+    for (int j = 0; j <= high; j += 2) {
+        int least = max(low - j, 0), count = high - j - least;
+        float part = horner(first, count, x);
+        for (int i = 0; i < least; ++i) part *= x;
+        value += power * part;
+        power *= y2;
+        first += count + 1;
+    }
+    return value;
+}
+#endif
+#if SLOPE_DEGREE >= 7
 float slope_t(float x, float y2)
 {
     const int i = SLOPE_T;
-    return horner(i, 7, x) + y2 * (horner(i + 8, 5, x) + y2 * (horner(i + 14, 3, x) + y2 * horner(i + 18, 1, x)));
+    float value = horner(i, 7, x) + y2 * (horner(i + 8, 5, x) + y2 * (horner(i + 14, 3, x) + y2 * horner(i + 18, 1, x)));
+#if SLOPE_DEGREE > 7
+    value += higher(HIGHER, 8, SLOPE_DEGREE, x, y2);
+#endif
+    return value;
 }
 float slope_s(float x, float y2)
 {
     const int i = SLOPE_S;
-    return horner(i, 6, x) + y2 * (horner(i + 7, 4, x) + y2 * (horner(i + 12, 2, x) + y2 * row[i + 15]));
+    float value = horner(i, 6, x) + y2 * (horner(i + 7, 4, x) + y2 * (horner(i + 12, 2, x) + y2 * row[i + 15]));
+#if SLOPE_DEGREE > 7
+    const int tangential = (SLOPE_DEGREE + 1) * (SLOPE_DEGREE + 3) / 4 - 20;  // terms before these
+    value += higher(HIGHER + tangential, 7, SLOPE_DEGREE - 1, x, y2);
+#endif
+    return value;
 }
 #else
 float slope_t(float x, float y2)

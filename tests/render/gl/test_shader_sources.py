@@ -18,6 +18,7 @@ from render.gl.shaders import load_source
 from render.lab.reference.scenes import spheres_over_checkerboard
 from render.layers.materials import INPUTS
 from render.model.lens import Lens
+from render.trace.lens_fit import row_length
 from render.trace.ray_buffers import _ROW_DEFINES
 from tests.render.kits.compiled_shaders import (
     COMPILED,
@@ -62,8 +63,14 @@ _SURFACE: dict[str, int | float | str] = {
 _MAPS: dict[str, int | float | str] = {f"HAS_{name.upper()}": 1 for name in INPUTS}
 _MAPS |= {f"LOOKUP_{name.upper()}": number for number, name in enumerate(INPUTS)}
 _POLYNOMIAL = [
-    {"POLYNOMIAL_LENS": 1, **_ROW_DEFINES, "SLOPE_DEGREE": slope, "PUPIL_DEGREE": pupil}
-    for slope in (5, 7)
+    {
+        "POLYNOMIAL_LENS": 1,
+        **_ROW_DEFINES,
+        "SLOPE_DEGREE": slope,
+        "PUPIL_DEGREE": pupil,
+        "ROW_VEC4": row_length(slope) // 4,
+    }
+    for slope in (5, 7, 13)
     for pupil in (3, 5)
 ]
 _TRACED = ("EIGHT_LAYERS", "MAY_BE_TRANSLUCENT", "FOCAL_MAP", "SHAPED_IRIS", "CARRIED_CAMERA", "MOVERS")

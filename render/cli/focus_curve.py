@@ -20,6 +20,7 @@ from render.shot import Shot
 from render.shot.focus.curve_import import read_for_shot
 from render.shot.focus.curve_layer import curve_layer
 from usd_schemas.curves import EXACT
+from usd_schemas.settings.tables import EXPOSURE_SETTINGS
 
 LAYER = "usda"
 MAX_WARNINGS = 8
@@ -69,6 +70,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --import: time code of the file's first frame; without it frame numbers are kept,"
         " and a file with timecode begins at the first frame of the shot",
     )
+    circle = EXPOSURE_SETTINGS["circle_distance"]
+    parser.add_argument(
+        "--circle-distance",
+        choices=circle.choices,
+        help="distance by which circles of confusion, limits and stops are computed, in place of the shot's",
+    )
     parser.add_argument("--out", metavar="FILE", type=Path, help="file to write; without it, standard output")
 
 
@@ -99,6 +106,8 @@ def run(arguments: argparse.Namespace) -> None:
             text = _import_curve(shot, camera, format, arguments)
         else:
             shared.mount_lens(shot, camera, lens)
+            if arguments.circle_distance is not None:
+                shot.exposure.set(camera, circle_distance=arguments.circle_distance)
             frames = frames or every_frame(shot.frame_range.start, shot.frame_range.end)
             text = _solve_curve(shot, camera, frames, format, arguments)
     if arguments.out is None:
@@ -112,6 +121,7 @@ def _check_options(arguments: argparse.Namespace, format: str) -> None:
         raise SettingsError(f"--baked is for --format usda alone, got {format}")
     import_options = {"--gaps": arguments.gaps, "--first-frame": arguments.first_frame}
     solve_options = {"--frames": arguments.frames, "--lens": arguments.lens}
+    solve_options["--circle-distance"] = arguments.circle_distance
     misplaced = solve_options if arguments.source else import_options
     for option, value in misplaced.items():
         if value is not None:

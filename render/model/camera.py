@@ -50,6 +50,7 @@ class Camera:
         shutter_close: likewise.
         shutter: how it opens, and in which order it bares the picture.
         breathing: whether the physical image distance sets the field of view.
+        circles_by_image_distance: whether readouts take the image distance for the focal length in circles of confusion.
         clip_planes: ``(a, b, c, d)`` each, at most `render.model.limits.MAX_CLIP_PLANES`: nothing is drawn where
             ``a·x + b·y + c·z + d < 0`` in camera space, metres.
         whole_diagonal_mm: diagonal of the whole film gate, which the lens covers, where the picture shows another part of the
@@ -76,6 +77,7 @@ class Camera:
     shutter_close: float = 0.0
     shutter: Shutter = GLOBAL_SHUTTER
     breathing: bool = False
+    circles_by_image_distance: bool = False
     clip_planes: tuple[tuple[float, float, float, float], ...] = ()
     whole_diagonal_mm: float | None = None
     orthographic: Orthographic | None = None

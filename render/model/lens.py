@@ -51,6 +51,7 @@ class Glass:
         sellmeier_c: C1, C2, C3 in square micrometres.
         name: catalogue name.
         dispersion: formula that wins over index and Abbe number.
+        channels: indices for red, green and blue light; where given they win over all else.
     """
 
     index: float = 1.0
@@ -59,6 +60,7 @@ class Glass:
     sellmeier_c: tuple[float, float, float] | None = None
     name: str = ""
     dispersion: Dispersion | None = None
+    channels: tuple[float, float, float] | None = None
 
 
 AIR = Glass()

@@ -13,8 +13,9 @@ How this differs from the textbook (Ray, *Applied Photographic Optics*, 3rd ed. 
 focuses by moving images on a film plane at ``v = f·s / (s − f)`` behind it, not at ``f``: its picture grows when it
 focuses closer (it breathes), and so do its disks of confusion, which gives ``H = f² / (N·C) + f``. USD cameras keep the
 field of view that ``focalLength`` and the apertures say, whatever the focus, so the default here has ``f`` in place of
-``v`` and no ``+ f``. With ``breathing`` the image distance is the physical one and the textbook's formulas come out
-exactly.
+``v`` and no ``+ f``. With ``breathing``, or ``lens:circleDistance`` at imageDistance, the image distance is the physical
+one and the textbook's formulas come out exactly. It is equation 5.3 of Kyaw (2013), ``C = v²·|S − u| / (u·S·N'·P)``, in which
+``v / (N'·P)`` is ``A``.
 """
 
 from __future__ import annotations

@@ -57,8 +57,17 @@ def focus_law(camera: Camera) -> LensLaw:
     if has_surfaces(camera):
         return _law_of_glass(camera)
     return LensLaw.thin(
-        camera.focal_length_mm, camera.f_stop, breathing=camera.breathing, near_w=_engraved_thin_w(camera)
+        camera.focal_length_mm, camera.f_stop, breathing=_by_image_distance(camera), near_w=_engraved_thin_w(camera)
     )
+
+
+def _by_image_distance(camera: Camera) -> bool:
+    """Whether circles of confusion grow with the image distance: ``C = v·A·|w − w_f|`` (Kyaw 2013, equation 5.3).
+
+    The equation is ``v²·|S − u| / (u·S·N'·P)`` with ``v / (N'·P)`` the diameter A of the entrance pupil. Its form 5.4 for distant
+    scenes, with the f-number N for N' and P = 1, is larger by v/f.
+    """
+    return camera.breathing or camera.circles_by_image_distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +104,7 @@ def _law_of_glass(camera: Camera) -> LensLaw:
         np.interp(w * scale / 1000, way.nearness, column) for column in (way.pupils, way.scales_mm * scale)
     )
     radii_at_f1_mm = focal_mm / 2 * pupils / way.pupils[0]
-    slopes = (scales_mm if camera.breathing else focal_mm) * 2 * radii_at_f1_mm / 1000
+    slopes = (scales_mm if _by_image_distance(camera) else focal_mm) * 2 * radii_at_f1_mm / 1000
     return LensLaw(
         slopes_at_f1_mm_m=slopes[None],
         pupils_at_f1_mm=radii_at_f1_mm[None],

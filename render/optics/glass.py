@@ -12,7 +12,7 @@ import numpy as np
 from render.model.arrays import DoubleArray
 from render.model.lens import Glass
 from render.optics.dispersion.formulas import index_at
-from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM
+from render.optics.dispersion.lines import C_LINE_NM, CHANNELS_NM, D_LINE_NM, F_LINE_NM
 from render.optics.dispersion.model_glass import model_index
 
 
@@ -27,8 +27,9 @@ def refractive_index(glass: Glass, wavelength_nm: DoubleArray) -> DoubleArray: .
 def refractive_index(glass: Glass, wavelength_nm: float | DoubleArray) -> float | DoubleArray:
     """Index of a medium by the best that is known of it.
 
-    Sellmeier's equation (Sellmeier 1871; Lee, Eisemann & Seidel 2010, section 4) where the coefficients are given; else the
-    formula of its catalogue; else that of a glass of its index and Abbe number; else the index at the d line.
+    The indices of the three channels where they are given (Lee, Eisemann & Seidel 2010, section 5.3), linear between their
+    wavelengths; else Sellmeier's equation (Sellmeier 1871; Lee, Eisemann & Seidel 2010, section 4) where the coefficients are
+    given; else the formula of its catalogue; else that of a glass of its index and Abbe number; else the index at the d line.
 
     Args:
         glass: the medium.
@@ -38,7 +39,9 @@ def refractive_index(glass: Glass, wavelength_nm: float | DoubleArray) -> float 
         A number for a number and an array of its shape for an array; NaN where Sellmeier's equation has no real root.
     """
     wavelengths_nm = np.asarray(wavelength_nm, np.float64)
-    if glass.sellmeier_b is not None and glass.sellmeier_c is not None:
+    if glass.channels is not None:
+        index = np.interp(wavelengths_nm, CHANNELS_NM[::-1], glass.channels[::-1])
+    elif glass.sellmeier_b is not None and glass.sellmeier_c is not None:
         index = _sellmeier(glass.sellmeier_b, glass.sellmeier_c, wavelengths_nm)
     elif glass.dispersion is not None:
         index = index_at(glass.dispersion, wavelengths_nm)
@@ -56,4 +59,4 @@ def _sellmeier(b: tuple[float, ...], c: tuple[float, ...], wavelengths_nm: Doubl
         return np.asarray(np.sqrt(1 + sum(terms)))
 
 
-__all__ = ["C_LINE_NM", "D_LINE_NM", "F_LINE_NM", "refractive_index"]
+__all__ = ["CHANNELS_NM", "C_LINE_NM", "D_LINE_NM", "F_LINE_NM", "refractive_index"]

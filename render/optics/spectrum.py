@@ -14,7 +14,7 @@ import numpy as np
 from render.errors import SettingsError
 from render.model.arrays import DoubleArray
 from render.model.limits import MAX_WAVELENGTHS
-from render.optics.glass import D_LINE_NM
+from render.optics.glass import CHANNELS_NM, D_LINE_NM
 
 _SHORTEST_NM, _LONGEST_NM = 400.0, 700.0
 _BAND = 5
@@ -44,8 +44,7 @@ class Spectrum:
     rgb: DoubleArray
 
 
-# Lee, Eisemann & Seidel 2010, section 4: one wavelength for each channel.
-THREE_LINES = Spectrum((650.0, 510.0, 475.0), np.eye(3))
+THREE_LINES = Spectrum(CHANNELS_NM, np.eye(3))
 
 
 def spectrum(count: int) -> Spectrum:

@@ -10,7 +10,18 @@ from typing import Literal
 from usd_schemas.settings.lens_configurations import Configurations
 from usd_schemas.settings.lens_errors import AberrationScales, DataSheet, HydraDistortion, Seidel, SplitDiopter
 from usd_schemas.settings.prescription import HeightField, Prescription
-from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, Range, Slider, group, schema_group, setting
+from usd_schemas.settings.setting import (
+    Bounds,
+    Floats,
+    Option,
+    Pair,
+    Range,
+    Slider,
+    Triple,
+    group,
+    schema_group,
+    setting,
+)
 
 LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
 
@@ -70,6 +81,21 @@ class LensData:
         "renderers show them.",
         unit="none, a switch",
         rest="exposure",
+    )
+    circle_distance: Literal["focalLength", "imageDistance"] = setting(
+        "lens:circleDistance",
+        "focalLength",
+        "Circle Distance",
+        "Distance from lens to film by which circles of confusion, and with them depth of field, are computed.",
+        "- focalLength: the focal length f, as in the picture, whose framing does not change with focus: f A |1/d - 1/s| "
+        "for the pupil's diameter A, the point's depth d and the focus distance s.\n"
+        "- imageDistance: the image distance v of the focused lens in place of f (Kyaw 2013, equation 5.3), as on the film "
+        "of a real camera and in depth-of-field tables. Readouts, limits and stops follow; the picture does not change.\n"
+        "A lens with lens:breathing has the image distance either way.",
+        unit="none, a token",
+        keyable=False,
+        rest="exposure",
+        option=Option("--circle-distance"),
     )
     transmittance: float = setting(
         "lens:transmittance",
@@ -194,6 +220,22 @@ class LensData:
         unit="none, a ratio from 0 to 1",
         hard=(0, 1),
         group="Lens:Expressive",
+    )
+    channel_index: Triple = setting(
+        "lens:expressive:channelIndex",
+        (0.0, 0.0, 0.0),
+        "Channel Indices",
+        "Refractive indices of the glass for red, green and blue (650, 510 and 475 nm) in place of its dispersion; zeros "
+        "for the dispersion that it has.",
+        "They are those of the first glass of a lens with surfaces. The other glasses bend each colour more or less by the "
+        "same factor: a glass of index n has 1 + (n - 1) (N - 1) / (n1 - 1), with N given and n1 the first glass's own "
+        "index at the d line. In between the index is linear in the wavelength, and beyond it stays. "
+        "lens:expressive:blend does not count here.",
+        unit="none, ratios above 1, or three zeros",
+        group="Lens:Expressive",
+        rest="exposure",
+        bounds=Bounds(0, 10),
+        option=Option("--channel-index", "R,G,B"),
     )
     flare_ghosts: float = setting(
         "lens:flare:ghosts",

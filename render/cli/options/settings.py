@@ -13,6 +13,7 @@ from usd_schemas.settings.tables import SETTINGS
 
 MAX_SECONDS = 1e6
 """The longest time that a shutter is open: twelve days."""
+_TRIPLE = tuple[float, float, float]
 _OPTIONS = [(item, item.option) for item in SETTINGS.values() if item.option is not None]
 
 
@@ -25,7 +26,10 @@ def add_settings(group: argparse._ArgumentGroup) -> None:
         elif setting.choices:
             kind = {"choices": setting.choices}
         else:
-            kind = {"metavar": option.metavar, "type": str if option.is_time else setting.type}
+            kind = {
+                "metavar": option.metavar,
+                "type": str if option.is_time or setting.type == _TRIPLE else setting.type,
+            }
         group.add_argument(option.flag, dest=_dest(setting), help=_help(setting, option), **kind)
 
 
@@ -36,9 +40,9 @@ def read_settings(arguments: argparse.Namespace) -> dict[str, Any]:
         arguments: as `add_settings` declares them.
 
     Raises:
-        SettingsError: a value is out of its option's range, or is no time.
+        SettingsError: a value is out of its option's range, no time, or not the three numbers that it has to be.
     """
-    typed = {setting.name: _value(option, getattr(arguments, _dest(setting))) for setting, option in _OPTIONS}
+    typed = {setting.name: _value(setting, option, getattr(arguments, _dest(setting))) for setting, option in _OPTIONS}
     return {name: value for name, value in typed.items() if value is not None}
 
 
@@ -63,12 +67,22 @@ def read_seconds(option: str, typed: str) -> float:
     return time_s
 
 
-def _value(option: Option, typed: Any) -> Any:
+def _value(setting: Setting, option: Option, typed: Any) -> Any:
     if typed is not None and option.is_time:
         return read_seconds(option.flag, typed)
+    if typed is not None and setting.type == _TRIPLE:
+        return _read_triple(option.flag, typed)
     if option.range is not None:
         return check_number(option.flag, typed, option.range.least, option.range.most, option.noun)
     return typed
+
+
+def _read_triple(flag: str, typed: str) -> tuple[float, float, float]:
+    try:
+        red, green, blue = (float(number) for number in typed.split(","))
+    except ValueError:
+        raise SettingsError(f"{flag} takes three numbers such as 1.515,1.521,1.528, got {typed[:40]!r}") from None
+    return red, green, blue
 
 
 def _dest(setting: Setting) -> str:

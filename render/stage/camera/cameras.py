@@ -244,6 +244,7 @@ def _add_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.T
         shutter_close=camera_number(usd.GetShutterCloseAttr(), time),
         shutter=_shutter(shutter, stage, camera.path),
         breathing=glass.breathing,
+        circles_by_image_distance=glass.circle_distance == "imageDistance",
     )
 
 

@@ -26,6 +26,7 @@ from render.model.lens import (
     SeidelErrors,
     Surface,
 )
+from render.optics.channel_indices import with_channel_indices
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.validation import MAX_CONFIGURATIONS
@@ -125,6 +126,7 @@ def make_iris(data: ApertureData, camera: str, confined_to: Path | None = None) 
 def _prescription(data: LensData, camera: str) -> Prescription:
     rows = data.prescription
     count = len(rows.radius)
+    _check_channels(data.channel_index, camera)
     wanted = _SURFACES.get(data.model)
     if count == 0 or (wanted and count != wanted):
         expected = f"{wanted or 'at least one'} entries for lens:model {data.model}"
@@ -139,7 +141,7 @@ def _prescription(data: LensData, camera: str) -> Prescription:
         raise _error(
             camera, "lens:prescription:radiusAcross", f"left out for lens:model {data.model}", "radii of cylinders"
         )
-    return Prescription(
+    prescription = Prescription(
         tuple(
             Surface(
                 columns["radius"][i],
@@ -160,6 +162,13 @@ def _prescription(data: LensData, camera: str) -> Prescription:
         focus_group_across=group_across,
         configurations=_configurations(data.configurations, count, camera) if data.model == "prescription" else (),
     )
+    return with_channel_indices(prescription, data.channel_index) if any(data.channel_index) else prescription
+
+
+def _check_channels(indices: Sequence[float], camera: str) -> None:
+    if any(indices) and not all(1 < index <= 10 for index in indices):
+        expected = "three numbers above 1 and up to 10, or three zeros"
+        raise _error(camera, "lens:expressive:channelIndex", expected, _format_values(indices))
 
 
 def _configurations(rows: ConfigurationsData, surfaces: int, camera: str) -> tuple[Configuration, ...]:

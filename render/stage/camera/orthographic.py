@@ -60,6 +60,7 @@ def stand_back(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode, near_m: flo
             THIN_LENS, name=camera.lens.name, squeeze=camera.lens.squeeze, transmittance=camera.lens.transmittance
         ),
         breathing=False,
+        circles_by_image_distance=False,
         orthographic=stated,
     )
     return _step_back(there, stated, _DEPTHS_AWAY * depth - first)

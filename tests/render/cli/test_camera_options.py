@@ -54,6 +54,17 @@ def test_stops_of_time_iso_and_filter_are_stops_of_the_picture(command: Command,
 
 
 @pytest.mark.gl
+def test_channel_indices_draw_fringes_for_one_run(command: Command, tmp_path: Path) -> None:
+    def drawn(indices: str) -> FloatArray:
+        options = ("--lens", "singlet_50", "--channel-index", indices)
+        return recorded(command, tmp_path, "fringe.exr", *options)[..., :3]
+
+    even, spread = drawn("1.5,1.5,1.5"), drawn("1.4,1.5,1.6")
+    assert (np.abs(spread - even).max(axis=(0, 1)) > 0.1 * even.max(axis=(0, 1)))[[0, 2]].all()
+    assert np.abs(spread - even).max(axis=(0, 1))[1] < 0.7 * np.abs(spread - even).max(axis=(0, 1))[0]
+
+
+@pytest.mark.gl
 def test_half_the_shutter_time_is_a_stop_when_exposed_by_time(command: Command, tmp_path: Path) -> None:
     def opened(*options: object) -> tuple[float, float]:
         path = tmp_path / "shutter.exr"
@@ -154,6 +165,10 @@ def test_a_frame_is_where_the_shape_says(tmp_path: Path) -> None:
         (["--exposure-time", "1e300"], "--exposure-time takes seconds such as 0.02 or 1/50, up to 1e+06, got '1e300'"),
         (["--shutter", "-1/50"], "--shutter takes seconds such as 0.02 or 1/50, got '-1/50'"),
         (["--iso", "1e300"], "exposure:iso is of type float, got 1e+300"),
+        (
+            ["--channel-index", "1.5,1.6"],
+            "--channel-index takes three numbers such as 1.515,1.521,1.528, got '1.5,1.6'",
+        ),
         (["--crop", "1000:1"], "a picture's shape is from 1:20 to 20:1, got '1000:1'"),
         (["--guides", ""], "--guides takes shapes such as 2.39:1, and safe, thirds, center, got ''"),
         (["--look", "-Night"], "--look: expected one argument; a value that begins with - is written after a ="),

@@ -139,6 +139,17 @@ def test_a_curve_of_some_frames_runs_forward(pullfocus: Command, shot: Path) -> 
     assert [float(row["time_code"]) for row in csv.DictReader(io.StringIO(text))] == [1, 3, 5, 9]
 
 
+def test_limits_by_the_image_distance_are_closer(pullfocus: Command, shot: Path) -> None:
+    """The circle is larger by v / f = 5 / (5 - 0.05), so that the limits are as much nearer in inverse depth."""
+    reaches = []
+    for options in ([], ["--circle-distance", "imageDistance"]):
+        [sample] = json.loads(pullfocus("focus-curve", shot, "--frames", "1", *options).out)["samples"]
+        reaches.append(1 / sample["nearM"] - 1 / 5)
+    assert reaches[0] / reaches[1] == pytest.approx(5 / 4.95, rel=1e-6)
+    misplaced = pullfocus("focus-curve", shot, "--import", shot, "--circle-distance", "imageDistance")
+    assert (misplaced.status, misplaced.err.count("\n")) == (2, 1)
+
+
 @pytest.mark.parametrize("baked", [False, True])
 def test_a_curve_as_a_layer_focuses_the_shot(baked: bool, pullfocus: Command, shot: Path) -> None:
     out = shot.parent / "focus.usda"

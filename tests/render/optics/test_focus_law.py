@@ -104,3 +104,19 @@ def test_a_law_that_is_none_is_refused() -> None:
         LensLaw(even, even[:, :2], one, one, 0 * one, one)
     with pytest.raises(SettingsError, match="f-numbers"):
         LensLaw(even, even, -one, one, 0 * one, one)
+
+
+@pytest.mark.parametrize("lens", [None, PLANAR], ids=["thin", "glass"])
+def test_circles_may_grow_with_the_image_distance_alone(lens: KnownLens | None) -> None:
+    """Kyaw 2013, equation 5.3, with v / (N'P) for the pupil's diameter A: ``v²|S − u| / (u·S·N'·P) = v·A·|1/u − 1/S|``."""
+    camera = Camera(np.eye(4), focal_length_mm=50.0, f_stop=2.0) if lens is None else camera_with(lens)
+    by_image = focus_law(replace(camera, circles_by_image_distance=True))
+    breathing, plain = focus_law(replace(camera, breathing=True)), focus_law(camera)
+    near_w = np.array([1.0])
+    assert by_image.coc_slope_mm_m(near_w) == pytest.approx(breathing.coc_slope_mm_m(near_w))
+    assert by_image.coc_slope_mm_m(near_w)[0] > 1.02 * plain.coc_slope_mm_m(near_w)[0]
+    if lens is None:
+        v_mm, a_mm, s_mm, u_mm = 1000 / 19, 25.0, 2000.0, 1000.0
+        assert by_image.coc_slope_mm_m(near_w)[0] * 0.5 == pytest.approx(
+            v_mm**2 * (s_mm - u_mm) / (u_mm * s_mm * (v_mm / a_mm))
+        )

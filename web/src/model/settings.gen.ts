@@ -222,6 +222,7 @@ export const EXPOSURE_DEFAULTS = {
   "shutterOpen": 0.0,
   "shutterClose": 0.0,
   "breathing": false,
+  "circleDistance": "focalLength",
   "transmittance": 1.0,
   "neutralDensity": 0.0,
   "stopMarking": "f",
@@ -240,6 +241,10 @@ export const EXPOSURE_DEFAULTS = {
 } as const;
 
 export const EXPOSURE_CHOICES = {
+  "circleDistance": [
+    "focalLength",
+    "imageDistance"
+  ],
   "stopMarking": [
     "f",
     "t"

@@ -2570,6 +2570,12 @@ export interface components {
          *         "exposure": {
          *           "breathing": false,
          *           "camera": "/World/main_cam",
+         *           "channelIndex": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "circleDistance": "focalLength",
          *           "compensationStops": 0,
          *           "etag": "\"92c4bf18a0860070\"",
          *           "exposureFStop": 2,
@@ -3214,6 +3220,12 @@ export interface components {
          * @example {
          *       "breathing": false,
          *       "camera": "/World/main_cam",
+         *       "channelIndex": [
+         *         0,
+         *         0,
+         *         0
+         *       ],
+         *       "circleDistance": "focalLength",
          *       "compensationStops": 0,
          *       "etag": "\"92c4bf18a0860070\"",
          *       "exposureFStop": 2,
@@ -3265,6 +3277,24 @@ export interface components {
              * @description Prim path.
              */
             readonly camera: string;
+            /**
+             * Channelindex
+             * @description Refractive indices of the glass for red, green and blue (650, 510 and 475 nm) in place of its dispersion; zeros for the dispersion that it has. They are those of the first glass of a lens with surfaces. The other glasses bend each colour more or less by the same factor: a glass of index n has 1 + (n - 1) (N - 1) / (n1 - 1), with N given and n1 the first glass's own index at the d line. In between the index is linear in the wavelength, and beyond it stays. lens:expressive:blend does not count here.
+             */
+            readonly channelIndex: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Circledistance
+             * @description Distance from lens to film by which circles of confusion, and with them depth of field, are computed.
+             *     - focalLength: the focal length f, as in the picture, whose framing does not change with focus: f A |1/d - 1/s| for the pupil's diameter A, the point's depth d and the focus distance s.
+             *     - imageDistance: the image distance v of the focused lens in place of f (Kyaw 2013, equation 5.3), as on the film of a real camera and in depth-of-field tables. Readouts, limits and stops follow; the picture does not change.
+             *     A lens with lens:breathing has the image distance either way.
+             * @enum {string}
+             */
+            readonly circleDistance: "focalLength" | "imageDistance";
             /**
              * Compensationstops
              * @description Stops brighter (positive) or darker than what is set; it does not count where the meter exposes. It is USD's `exposure`.
@@ -3436,6 +3466,23 @@ export interface components {
              * @description Whether the field of view changes with focus, as the image distance of a real lens makes it, and with it the light that reaches the film (the bellows factor). False keeps the field of view that focalLength and the apertures say, and the light, as other USD renderers show them.
              */
             readonly breathing?: boolean | null;
+            /**
+             * Channelindex
+             * @description Refractive indices of the glass for red, green and blue (650, 510 and 475 nm) in place of its dispersion; zeros for the dispersion that it has. They are those of the first glass of a lens with surfaces. The other glasses bend each colour more or less by the same factor: a glass of index n has 1 + (n - 1) (N - 1) / (n1 - 1), with N given and n1 the first glass's own index at the d line. In between the index is linear in the wavelength, and beyond it stays. lens:expressive:blend does not count here.
+             */
+            readonly channelIndex?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Circledistance
+             * @description Distance from lens to film by which circles of confusion, and with them depth of field, are computed.
+             *     - focalLength: the focal length f, as in the picture, whose framing does not change with focus: f A |1/d - 1/s| for the pupil's diameter A, the point's depth d and the focus distance s.
+             *     - imageDistance: the image distance v of the focused lens in place of f (Kyaw 2013, equation 5.3), as on the film of a real camera and in depth-of-field tables. Readouts, limits and stops follow; the picture does not change.
+             *     A lens with lens:breathing has the image distance either way.
+             */
+            readonly circleDistance?: ("focalLength" | "imageDistance") | null;
             /**
              * Compensationstops
              * @description Stops brighter (positive) or darker than what is set; it does not count where the meter exposes. It is USD's `exposure`.

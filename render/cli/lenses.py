@@ -13,6 +13,7 @@ from render.cli.console import print_json, print_message
 from render.cli.options.lens_search import add_lens_search, found_lenses
 from render.cli.options.shared import add_unknown_glass, glass_advice
 from render.cli.rich_output import print_result
+from render.cli.tables.comparison import comparison_json, comparison_table
 from render.cli.tables.glass import glass_json, glass_table
 from render.cli.tables.lens import lens_json, lens_table
 from render.cli.tables.sheet_path import resolve_sheet_path
@@ -21,6 +22,7 @@ from render.files import check_writable, write_atomic
 from render.optics.dispersion.names import find_glass, find_in_catalogue, near_glasses
 from render.optics.lens_files import UNKNOWN_GLASS, data_sheet_text, is_data_sheet
 from render.optics.report import LensReport, lens_report
+from render.shot.lens.comparison import compared_lens
 from render.shot.lens.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
 from render.shot.lens.measured_lens import measured_lens
 
@@ -47,21 +49,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="write its data sheet as a .lens file; a lens with surfaces is measured as it is set",
     )
-    show.add_argument(
-        "--focal-length", metavar="MM", type=float, help="of a zoom; without it where the library or the file has it"
-    )
-    show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
-    show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
-    show.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
-    add_unknown_glass(show)
-    # No default here, so that --json before `show` is kept.
-    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
+    _add_setting(show)
+    compare = actions.add_parser("compare", help="two lenses side by side, and with --out a sheet that draws both")
+    compare.set_defaults(run=run_compare)
+    for name in ("lens", "other"):
+        compare.add_argument(name, metavar="NAME|FILE", help="of the library, or a lens file")
+    compare.add_argument("--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder")
+    _add_setting(compare)
     glass = actions.add_parser("glass", help="numbers of a glass, by any of its names, and its refractive indices")
     glass.set_defaults(run=run_glass)
     glass.add_argument(
         "glass", metavar="NAME", help="such as N-BK7, or with its maker NBK7_SCHOTT, or a code such as 517642"
     )
     glass.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
+
+
+def _add_setting(parser: argparse.ArgumentParser) -> None:
+    """Add the options that set a lens, and --json."""
+    parser.add_argument(
+        "--focal-length", metavar="MM", type=float, help="of a zoom; without it where the library or the file has it"
+    )
+    parser.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
+    parser.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
+    parser.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
+    add_unknown_glass(parser)
+    # No default here, so that --json before the action is kept.
+    parser.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
 
 
 def run_list(arguments: argparse.Namespace) -> None:
@@ -122,7 +135,7 @@ def run_show(arguments: argparse.Namespace) -> None:
         InputError: the file has no usable lens, or one that cannot focus at infinity.
         OutputError: the sheet cannot be written.
     """
-    lens = _read_lens(arguments)
+    lens = _read_lens(arguments.lens, arguments)
     if arguments.tables is not None:
         if not is_data_sheet(arguments.tables):
             raise SettingsError(f"--tables writes a .lens file, got {arguments.tables}")
@@ -140,6 +153,35 @@ def run_show(arguments: argparse.Namespace) -> None:
         from render.drawing import draw_lens_sheet  # matplotlib takes a second to load
 
         write_atomic(target, draw_lens_sheet(lens, report, target.suffix.lower().removeprefix(".")))
+        print_message(f"drawn: {target}")
+
+
+def run_compare(arguments: argparse.Namespace) -> None:
+    """Measure two lenses at the same setting, print them side by side, and draw both with --out.
+
+    Args:
+        arguments: as `add_arguments` declares them.
+
+    Raises:
+        SettingsError: the library has no such lens, or a setting is out of range.
+        InputError: a file has no usable lens.
+        OutputError: the sheet cannot be written.
+    """
+    first, second = (_read_lens(name, arguments) for name in (arguments.lens, arguments.other))
+    named = f"{first.name}_and_{second.name}"
+    target = None if arguments.out is None else resolve_sheet_path(arguments.out, named)
+    sides = (
+        compared_lens(first, _report(first, arguments)),
+        compared_lens(second, _report(second, arguments)),
+    )
+    if arguments.json:
+        print_json(comparison_json(sides))
+    else:
+        print_result(comparison_table(sides))
+    if target is not None:
+        from render.drawing import draw_lens_comparison  # matplotlib takes a second to load
+
+        write_atomic(target, draw_lens_comparison(sides, target.suffix.lower().removeprefix(".")))
         print_message(f"drawn: {target}")
 
 
@@ -178,10 +220,10 @@ def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
         raise
 
 
-def _read_lens(arguments: argparse.Namespace) -> LensAlone:
+def _read_lens(name: str, arguments: argparse.Namespace) -> LensAlone:
     try:
         with glass_advice():
-            return lens_alone(arguments.lens, arguments.allow_unknown_glass)
+            return lens_alone(name, arguments.allow_unknown_glass)
     except NotFoundError as error:
         raise SettingsError(error.detail, code=error.code, path=error.path) from error
 

@@ -1,0 +1,95 @@
+"""`pullfocus lenses compare`: two lenses side by side, in numbers and drawn."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import OpenImageIO
+import pytest
+
+from render.optics.measured.geometric_mtf import geometric_mtf
+from tests.render.kits.cli_shots import Command
+from tests.render.kits.lens_files import FILES
+
+
+@pytest.fixture
+def pullfocus(capsys: pytest.CaptureFixture[str]) -> Command:
+    return Command(capsys)
+
+
+def compared(pullfocus: Command, *arguments: object) -> list[dict[str, Any]]:
+    ended = pullfocus("lenses", "compare", *arguments, "--json")
+    assert ended.status == 0, ended.err
+    lenses: list[dict[str, Any]] = json.loads(ended.out)["lenses"]
+    return lenses
+
+
+def test_each_side_is_what_show_says_of_it(pullfocus: Command) -> None:
+    setting = ("--f-stop", "2.8", "--focus", "2", "--gate", "24x18")
+    sides = compared(pullfocus, "planar_50", "zeiss_distagon_15", *setting)
+    for name, side in zip(("planar_50", "zeiss_distagon_15"), sides, strict=True):
+        shown = json.loads(pullfocus("lenses", "show", name, *setting, "--json").out)
+        assert {key: side[key] for key in shown} == shown
+
+
+def test_a_lens_against_itself_differs_in_nothing(pullfocus: Command) -> None:
+    one, other = compared(pullfocus, "double_gauss_50", "double_gauss_50")
+    assert one == other
+    assert 0 < one["mtf"]["sagittal"][2][0] < one["mtf"]["sagittal"][0][0] < 1
+    assert one["mtf"]["heightsMm"][-1] == pytest.approx(np.hypot(36, 24) / 2)
+
+
+def test_stopping_down_raises_contrast_and_keeps_breathing(pullfocus: Command) -> None:
+    [wide, _] = compared(pullfocus, "planar_50", "thin_50")
+    [stopped, thin] = compared(pullfocus, "planar_50", "thin_50", "--f-stop", "8")
+    assert stopped["mtf"]["sagittal"][2][0] > wide["mtf"]["sagittal"][2][0] + 0.2
+    assert stopped["breathing"]["growth"] == pytest.approx(wide["breathing"]["growth"], rel=0.03)
+    assert thin["mtf"]["sagittal"][2] == pytest.approx([1.0] * 13)
+    assert thin["breathing"]["growth"] == pytest.approx([50 / (1000 * d - 50) for d in (5, 2, 1, 0.5)])
+
+
+def test_the_contrast_of_a_disc_is_the_airy_functions() -> None:
+    """An evenly lit disc of radius a has 2·J1(2πνa)/(2πνa): 0 first where 2νa = 1.2197 (Born & Wolf 1999, section 8.5.2)."""
+    side = (np.arange(400) + 0.5) / 200 - 1
+    grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    disc = 0.01 * grid[np.hypot(*grid.T) <= 1]
+    [found] = geometric_mtf(disc[None], np.ones((1, len(disc))), np.array([0.0, 1.2196699 / 0.02, 25.0]))
+    assert found[0] == pytest.approx(1)
+    assert found[1] == pytest.approx(0, abs=2e-3)
+    assert found[2] == pytest.approx(0.72170, abs=2e-3)
+
+
+def test_two_lenses_are_drawn_as_png_and_svg(pullfocus: Command, tmp_path: Path) -> None:
+    file = tmp_path / "achromat.seq"
+    file.write_text(FILES["achromat.seq"])
+    png, svg = tmp_path / "two.png", tmp_path / "two.svg"
+    assert pullfocus("lenses", "compare", file, "soft_focus_85", "--out", png).status == 0
+    assert OpenImageIO.ImageBuf(str(png)).spec().width == 1920
+    assert pullfocus("lenses", "compare", "pinhole_35", "swirly_58", "--out", svg).status == 0
+    assert ElementTree.parse(svg).getroot().tag.endswith("svg")
+
+
+def test_the_table_has_both_lenses_in_columns(pullfocus: Command) -> None:
+    out = pullfocus("lenses", "compare", "pinhole_35", "planar_50").out
+    assert "Pinhole 35 mm" in out and "Planar 50 mm f/1.4" in out
+    for word in ("distortion %", "MTF % at 20/mm", "breathing", "colour", "sagittal focus mm"):
+        assert word in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("planar_50", "planar_51"), "planar_50"),
+        (("planar_50", "thin_50", "--f-stop", "-1"), "an f-number must be above 0, got -1"),
+        (("planar_50", "thin_50", "--gate", "36"), "--gate takes width x height in mm"),
+        (("planar_50", "thin_50", "--out", "two.jpg"), "--out takes a folder, or a file that ends in .png or .svg"),
+    ],
+)
+def test_what_cannot_be_compared_is_one_line(pullfocus: Command, arguments: tuple[str, ...], words: str) -> None:
+    ended = pullfocus("lenses", "compare", *arguments)
+    assert (ended.status, ended.out, ended.err.count("\n")) == (2, "", 1)
+    assert words in ended.err

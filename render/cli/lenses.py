@@ -21,6 +21,9 @@ from render.errors import InputError, NotFoundError, SettingsError
 from render.files import check_writable, write_atomic
 from render.optics.dispersion.names import find_glass, find_in_catalogue, near_glasses
 from render.optics.lens_files import UNKNOWN_GLASS, data_sheet_text, is_data_sheet
+from render.optics.lens_files.writing import target_suffix, write_lens
+from render.optics.prescription.completion import complete_prescription
+from render.optics.prescription.mounting import PRESCRIBED
 from render.optics.report import LensReport, lens_report
 from render.shot.lens.comparison import compared_lens
 from render.shot.lens.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
@@ -38,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show.add_argument(
         "lens",
         metavar="NAME|FILE",
-        help="of the library, or a .dat, .zmx, .seq, Optical Bench .txt or data sheet .lens file",
+        help="of the library, or a .dat, .zmx, .seq, Optical Bench .txt, .roa, optiland .json or data sheet .lens file",
     )
     show.add_argument(
         "--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder to put NAME.png in"
@@ -56,6 +59,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         compare.add_argument(name, metavar="NAME|FILE", help="of the library, or a lens file")
     compare.add_argument("--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder")
     _add_setting(compare)
+    export = actions.add_parser("export", help="write a lens as a lens file of another program")
+    export.set_defaults(run=run_export)
+    export.add_argument("lens", metavar="NAME|FILE", help="of the library, or a lens file; it must have surfaces")
+    export.add_argument("path", metavar="PATH", type=Path, help="Zemax .zmx, CODE V .seq or Optical Bench .txt")
+    add_unknown_glass(export)
     glass = actions.add_parser("glass", help="numbers of a glass, by any of its names, and its refractive indices")
     glass.set_defaults(run=run_glass)
     glass.add_argument(
@@ -183,6 +191,35 @@ def run_compare(arguments: argparse.Namespace) -> None:
 
         write_atomic(target, draw_lens_comparison(sides, target.suffix.lower().removeprefix(".")))
         print_message(f"drawn: {target}")
+
+
+def run_export(arguments: argparse.Namespace) -> None:
+    """Write a lens as a lens file; print what its format cannot say.
+
+    Args:
+        arguments: as `add_arguments` declares them.
+
+    Raises:
+        SettingsError: the library has no such lens, the lens has no surfaces, or no lens file has that suffix.
+        InputError: the file has no usable lens.
+        OutputError: the file cannot be written.
+    """
+    suffix = target_suffix(arguments.path)
+    check_writable(arguments.path)
+    alone = _read_lens(arguments.lens, arguments)
+    lens = alone.camera.lens
+    if lens.model not in PRESCRIBED or lens.prescription is None:
+        raise SettingsError(f"{alone.name} has no surfaces to write: its model is {lens.model}")
+    written = write_lens(complete_prescription(lens.prescription), suffix)
+    notes = list(written.notes)
+    if lens.height_field is not None:
+        notes.append("The heights that are added to its surfaces are not written.")
+    if lens.squeeze != 1:
+        notes.append(f"Its squeeze of {lens.squeeze:g} is not written.")
+    write_atomic(arguments.path, written.content)
+    for note in notes:
+        print_message(f"note: {note}")
+    print_message(f"written: {arguments.path}")
 
 
 def run_glass(arguments: argparse.Namespace) -> None:

@@ -24,7 +24,8 @@ from render.optics.lens_files.lens_text import LensText
 _LONGEST_NM = 1e5  # a hundred micrometres: no glass is transparent there
 _LAURENT = (0, 2, -2, -4, -6, -8, -10, -12)  # powers of the wavelength
 _FORMULAS = ("GMS", "GML", "SLM", "SEL", "CAU", "HAR", "HER", "BUC")  # other formulas of private glasses
-_POWERS = np.array([0.0, -2.0, -4.0, 2.0])
+_POWERS = np.array([0.0, -2.0, -4.0, 2.0, -6.0, -8.0])
+_MANY = 7  # indices, from which on all terms are fitted; fewer, rounded as they are, would make them swing
 
 
 class PrivateGlasses:
@@ -86,7 +87,7 @@ class PrivateGlasses:
 
 
 def fit_indices(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> Glass:
-    """The glass through some indices: n = A + B/L² + C/L⁴ + D·L², as many terms as there are indices, by least squares.
+    """The glass through some indices: n = A + B/L² + C/L⁴ + D·L² + E/L⁶ + F/L⁸, or fewer terms, by least squares.
 
     One or two indices do not tell how the dispersion bends: then it is that of a glass of this index and Abbe number.
 
@@ -95,7 +96,7 @@ def fit_indices(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> G
         wavelengths_nm: of the indices.
         indices: at these wavelengths.
     """
-    powers = _POWERS[: len(indices)]
+    powers = _POWERS[: len(_POWERS) if len(indices) >= _MANY else min(len(indices), 4)]
     coefficients = np.linalg.lstsq((wavelengths_nm[:, None] / 1000) ** powers, indices, rcond=None)[0]
     pairs = zip(coefficients.tolist(), powers.tolist(), strict=True)
     dispersion = Dispersion("cauchy", tuple(number for pair in pairs for number in pair))

@@ -40,7 +40,7 @@ class JsonPart:
             place = f"{place}.{key}" if place else key
         return JsonPart(self._text, value, place)
 
-    def list(self, key: str, *, at_most: int) -> list[JsonPart]:
+    def entries(self, key: str, *, at_most: int) -> list[JsonPart]:
         """The entries of a list; none where it is missing.
 
         Raises:
@@ -86,7 +86,7 @@ class JsonPart:
         found = self.part(key)
         if found.part("__ndarray__"):
             return found.numbers("__ndarray__", at_most=at_most)
-        parts = self.list(key, at_most=at_most)
+        parts = self.entries(key, at_most=at_most)
         return [JsonPart(self._text, {"": part._value}, part._place).number("") for part in parts]
 
     def word(self, key: str) -> str:

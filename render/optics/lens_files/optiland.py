@@ -44,7 +44,7 @@ def read_optiland(text: LensText, glasses: FileGlasses) -> Prescription:
         InputError: the file is not of this format, or has unsupported features.
     """
     whole = read_json(text)
-    parts = whole.part("surface_group").list("surfaces", at_most=MAX_SURFACES + 2)
+    parts = whole.part("surface_group").entries("surfaces", at_most=MAX_SURFACES + 2)
     if len(parts) < 3:
         raise text.error("expected an object, at least one surface and an image (surface_group.surfaces)")
     draft = Draft(text, name=whole.word("name"))

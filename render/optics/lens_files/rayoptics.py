@@ -53,8 +53,8 @@ def read_rayoptics(text: LensText, glasses: FileGlasses) -> Prescription:
     """
     model = read_json(text).part("optical_model", "attributes")
     sequence = model.part("seq_model", "attributes")
-    faces = sequence.list("ifcs", at_most=MAX_SURFACES + 2)
-    gaps = sequence.list("gaps", at_most=MAX_SURFACES + 1)
+    faces = sequence.entries("ifcs", at_most=MAX_SURFACES + 2)
+    gaps = sequence.entries("gaps", at_most=MAX_SURFACES + 1)
     if len(faces) < 3 or len(gaps) != len(faces) - 1:
         raise text.error("expected an object, at least one surface and an image, and a gap between each two of them")
     system = model.part("system_spec", "attributes")
@@ -130,7 +130,7 @@ def _shape(surface: DraftSurface, profile: JsonPart, label: str) -> None:
 
 def _clear(face: JsonPart, label: str) -> float:
     """Half of the clear diameter; 0 where it is unknown."""
-    for aperture in face.list("clear_apertures", at_most=MAX_SURFACES):
+    for aperture in face.entries("clear_apertures", at_most=MAX_SURFACES):
         if _kind(aperture) != "Circular":
             raise aperture.error(f"clear apertures of the kind {_kind(aperture) or 'none'} are not supported", label)
         numbers = aperture.part("attributes")

@@ -1,0 +1,103 @@
+"""Writes CODE V's `.seq` files; `render.optics.lens_files.code_v` describes them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from render.model.lens import Glass, Prescription, Surface
+from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM
+from render.optics.dispersion.names import glass_of_code
+from render.optics.glass import refractive_index
+from render.optics.lens_files.writing import beam_diameter_mm, glass_form, number
+from render.optics.prescription.paraxial import first_order
+
+_LETTERS = "ABCDEFGHJ"  # of r⁴, r⁶, ... r²⁰
+# Wavelengths of a private glass: enough for a curve, within what lenses are used for.
+_PRIVATE_NM = (404.66, 435.83, 486.13, 546.07, D_LINE_NM, 656.27, 706.52)
+_SAME_INDEX = 1e-7
+
+
+def code_v_text(lens: Prescription, notes: list[str]) -> str:
+    """The text of a `.seq` file.
+
+    Args:
+        lens: complete, with a plain name.
+        notes: takes what the format cannot say.
+    """
+    private: dict[Glass, str] = {}
+    surfaces: list[str] = []
+    for index, surface in enumerate(lens.surfaces, 1):
+        surfaces += _surface(index, surface, private, notes)
+    lines = [
+        "RDM;LEN",
+        f"TITLE '{lens.name}'",
+        f"EPD   {number(beam_diameter_mm(lens, first_order(lens).focal_length_mm))}",
+        "DIM   M",
+        f"WL    {C_LINE_NM!r} {D_LINE_NM!r} {F_LINE_NM!r}",
+        "REF   2",
+        "XAN   0.0",
+        "YAN   0.0",
+        *_catalogue(private),
+        "SO    0.0 0.1E14",
+        *surfaces,
+        "SI    0.0 0.0",
+        "GO",
+    ]
+    if lens.focus_group is not None:
+        notes.append("The group that moves to focus is not written.")
+    return "\n".join(lines) + "\n"
+
+
+def _surface(index: int, surface: Surface, private: dict[Glass, str], notes: list[str]) -> Iterator[str]:
+    glass = _glass(surface.glass, private)
+    yield f"S     {number(surface.radius_mm)} {number(surface.thickness_mm)} {glass}".rstrip()
+    if surface.is_stop:
+        yield "  STO"
+    yield f"  CIR {number(surface.semi_diameter_mm)}"
+    if surface.aspheric:
+        terms = zip(_LETTERS, surface.aspheric, strict=False)
+        yield "  ASP"
+        yield f"  K {number(surface.conic)}"
+        yield from (f"  {letter} {number(term)}" for letter, term in terms)
+    elif surface.conic:
+        yield "  CON"
+        yield f"  K {number(surface.conic)}"
+    if any(surface.aspheric[len(_LETTERS) :]):
+        notes.append(f"Surface {index} has terms beyond r^20, which are not written.")
+
+
+def _glass(glass: Glass, private: dict[Glass, str]) -> str:
+    form = glass_form(glass)
+    if form.kind == "air":
+        return ""
+    if form.kind == "catalogue":
+        return f"{re.sub('[^A-Z0-9]', '', form.name.upper())}_{form.maker.upper()}"
+    if form.kind == "model" and glass.abbe:
+        code = f"{round((glass.index - 1) * 1e6):06d}.{round(glass.abbe * 1e4):06d}"
+        found = glass_of_code(code)
+        if found is not None and abs(found.index - glass.index) < _SAME_INDEX and abs(found.abbe - glass.abbe) < 1e-6:
+            return code
+    return f"'{private.setdefault(glass, f'GLASS{len(private) + 1}')}'"
+
+
+def _catalogue(private: dict[Glass, str]) -> Iterator[str]:
+    """The private catalogue; a medium without dispersion has its index at one wavelength."""
+    if not private:
+        return
+    yield "PRV"
+    for is_even in (False, True):
+        glasses = {glass: name for glass, name in private.items() if _is_even(glass) == is_even}
+        wavelengths = _PRIVATE_NM[4:5] if is_even else _PRIVATE_NM
+        if glasses:
+            yield f"  PWL {' '.join(repr(nm) for nm in wavelengths)}"
+        for glass, name in glasses.items():
+            indices = (f"{float(refractive_index(glass, nm)):.9f}" for nm in wavelengths)
+            yield f"  '{name}' {' '.join(indices)}"
+    yield "END"
+
+
+def _is_even(glass: Glass) -> bool:
+    return bool(np.ptp([refractive_index(glass, nm) for nm in _PRIVATE_NM]) < _SAME_INDEX)

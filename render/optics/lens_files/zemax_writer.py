@@ -1,0 +1,97 @@
+"""Writes Zemax's sequential `.zmx` files; `render.optics.lens_files.zemax` describes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from render.model.lens import Glass, Prescription, Surface
+from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM, G_LINE_NM
+from render.optics.dispersion.names import find_in_catalogue
+from render.optics.glass import refractive_index
+from render.optics.lens_files.writing import beam_diameter_mm, glass_form, index_change, number
+from render.optics.prescription.paraxial import first_order
+
+_TERMS = 7  # of an even asphere from r⁴ on: PARM 2 to 8
+_NORMAL_LINE = (0.6438, -0.001682)  # of P_gF over V_d, through K7 and F2 (Schott, TIE-29)
+
+
+def zemax_text(lens: Prescription, notes: list[str]) -> str:
+    """The text of a `.zmx` file.
+
+    Args:
+        lens: complete, with a plain name.
+        notes: takes what the format cannot say.
+    """
+    makers = list(
+        dict.fromkeys(form.maker.upper() for form in (glass_form(s.glass) for s in lens.surfaces) if form.maker)
+    )
+    lines = [
+        "VERS 140124 258 36214",
+        "MODE SEQ",
+        f"NAME {lens.name}",
+        "UNIT MM X W X CM MR CPMM",
+        f"ENPD {number(beam_diameter_mm(lens, first_order(lens).focal_length_mm))}",
+        f"GCAT {' '.join(makers)}",
+        "FTYP 0 0 1 3 0 0 0",
+        "XFLN 0",
+        "YFLN 0",
+        *(f"WAVM {i} {nm / 1000!r} 1" for i, nm in enumerate((F_LINE_NM, D_LINE_NM, C_LINE_NM), 1)),
+        "PWAV 2",
+        "SURF 0",
+        "  TYPE STANDARD",
+        "  CURV 0.0",
+        "  DISZ INFINITY",
+        "  DIAM 0 0 0 0 1",
+    ]
+    for index, surface in enumerate(lens.surfaces, 1):
+        lines += _surface(index, surface, makers, notes)
+    lines += [
+        f"SURF {len(lens.surfaces) + 1}",
+        "  TYPE STANDARD",
+        "  CURV 0.0",
+        "  DISZ 0",
+        "  DIAM 0 0 0 0 1",
+        "MNUM 1 1",
+    ]
+    if lens.focus_group is not None:
+        notes.append("The group that moves to focus is not written.")
+    return "\n".join(lines) + "\n"
+
+
+def _surface(index: int, surface: Surface, makers: list[str], notes: list[str]) -> Iterator[str]:
+    yield f"SURF {index}"
+    if surface.is_stop:
+        yield "  STOP"
+    yield f"  TYPE {'EVENASPH' if surface.aspheric else 'STANDARD'}"
+    yield f"  CURV {number(1 / surface.radius_mm if surface.radius_mm else 0.0)}"
+    if surface.conic:
+        yield f"  CONI {number(surface.conic)}"
+    for place, term in enumerate(surface.aspheric[:_TERMS], 2):
+        yield f"  PARM {place} {number(term)}"
+    if any(surface.aspheric[_TERMS:]):
+        notes.append(f"Surface {index} has terms beyond r^{2 * _TERMS + 2}, which are not written.")
+    yield f"  DISZ {number(surface.thickness_mm)}"
+    glass = _glass(index, surface.glass, makers, notes)
+    if glass:
+        yield f"  GLAS {glass}"
+    yield f"  DIAM {number(surface.semi_diameter_mm)} 1 0 0 1"
+
+
+def _glass(index: int, glass: Glass, makers: list[str], notes: list[str]) -> str:
+    form = glass_form(glass)
+    if form.kind == "air":
+        return ""
+    if form.kind == "catalogue":
+        found = find_in_catalogue(form.name, makers)
+        if found is not None and found.maker == form.maker:
+            return f"{form.name} 0 0 {number(round(glass.index, 6))} {number(round(glass.abbe, 3))} 0 0 0 0 0 0"
+    deviation = 0.0
+    if form.kind != "model" and glass.abbe:
+        g, f, c = (refractive_index(glass, line) for line in (G_LINE_NM, F_LINE_NM, C_LINE_NM))
+        deviation = (g - f) / (f - c) - _NORMAL_LINE[0] - _NORMAL_LINE[1] * glass.abbe
+        name = glass.name or "without name"
+        notes.append(
+            f"Glass {name} of surface {index} is written by n_d, V_d and dP_gF: its index changes by up to"
+            f" {index_change(glass):.1g} without the last."
+        )
+    return f"___BLANK 1 0 {number(glass.index)} {number(glass.abbe)} {number(deviation)} 0 0 0 0 0"

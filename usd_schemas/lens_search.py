@@ -44,7 +44,7 @@ class LensSearch:
     """A search; fields that are left at their defaults let every lens pass.
 
     Attributes:
-        focal_length_mm: shortest and longest, in millimetres, both included.
+        focal_length_mm: shortest and longest, in millimetres, both included; a zoom passes where its range has some of them.
         faster_than: largest f-number wide open, which is included; pinholes have none and do not pass.
         family: one of `FAMILIES`.
         years: first and last, both included; lenses without a year do not pass unless all do.
@@ -76,12 +76,17 @@ class LensSearch:
     def finds(self, lens: LibraryLens) -> bool:
         """Whether a lens is what is searched for."""
         return (
-            _within(lens.focal_length_mm, self.focal_length_mm)
+            self._has_focal_length(lens)
             and (0 < lens.f_stop <= self.faster_than or self.faster_than == math.inf)
             and (not self.family or self._family in lens.families)
             and (self.years == LensSearch.years or (lens.year is not None and _within(lens.year, self.years)))
             and all(word in _text(lens) for word in self.words.lower().split())
         )
+
+    def _has_focal_length(self, lens: LibraryLens) -> bool:
+        """Whether a lens, or some of a zoom's range, is within the focal lengths."""
+        shortest, longest = lens.focal_length_range_mm or (lens.focal_length_mm, lens.focal_length_mm)
+        return shortest <= self.focal_length_mm[1] and longest >= self.focal_length_mm[0]
 
 
 def _within(number: float, limits: tuple[float, float]) -> bool:

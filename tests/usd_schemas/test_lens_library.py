@@ -11,7 +11,8 @@ from pxr import Usd, UsdGeom
 import usd_schemas
 from usd_schemas import AberrationScales, ApertureData, LensCamera, LensData, SchemaError, Seidel, mount_lens
 from usd_schemas.lens_library import LIBRARY_FILE, library_lens, library_lenses
-from usd_schemas.lens_search import FAMILIES
+from usd_schemas.lens_search import FAMILIES, LensSearch
+from usd_schemas.units import tenths_from_mm
 from usd_schemas.validation import validate
 
 
@@ -47,8 +48,14 @@ def test_the_library_keeps_the_rules_of_the_schemas() -> None:
 def test_each_lens_says_what_a_list_of_lenses_shows(entry: usd_schemas.LibraryLens) -> None:
     assert entry.description.endswith(".")
     assert "\n" not in entry.description
-    [engraved] = re.findall(r"(\d+) mm", entry.lens.name)
-    assert entry.focal_length_mm == pytest.approx(float(engraved), rel=0.02)
+    [(shortest, engraved)] = re.findall(r"(\d+-)?(\d+) mm", entry.lens.name)
+    if shortest:  # zooms are engraved with round numbers
+        engraved_mm = float(shortest[:-1]), float(engraved)
+        assert entry.focal_length_range_mm == pytest.approx(engraved_mm, rel=0.05)
+        assert entry.focal_length_mm == pytest.approx(entry.focal_length_range_mm[0], rel=1e-3)
+    else:
+        assert entry.focal_length_range_mm is None
+        assert entry.focal_length_mm == pytest.approx(float(engraved), rel=0.02)
     assert f"f/{entry.f_stop:g}" in entry.lens.name or entry.lens.model == "pinhole"
     assert entry.name.split("_")[-2 if entry.name.endswith("2x") else -1] in entry.lens.name
     assert (entry.lens.f_stop_range[0], entry.f_stop > 0) == (entry.f_stop, entry.lens.model != "pinhole")
@@ -67,7 +74,28 @@ def test_each_lens_says_whence_it_is_and_what_it_is(entry: usd_schemas.LibraryLe
 
 
 def test_every_family_is_known_and_has_a_lens() -> None:
-    assert {family for entry in library_lenses() for family in entry.families} | {"zoom"} == set(FAMILIES)
+    assert {family for entry in library_lenses() for family in entry.families} == set(FAMILIES)
+
+
+def test_a_zoom_keeps_the_focal_lengths_within_its_range(stage: Usd.Stage, camera: LensCamera) -> None:
+    zoom = library_lens("tele_zoom_70_200")
+    focal_length = camera.prim.GetAttribute("focalLength")
+    for time, mm in ((1, 80.0), (24, 190.0)):
+        focal_length.Set(tenths_from_mm(mm, stage), time)
+    kept = [focal_length.Get(time) for time in (1, 24)]
+    mounted = mount_lens(camera, zoom.lens, focal_length_mm=zoom.focal_length_mm, f_stop=zoom.f_stop)
+    assert mounted.focal_length_mm is None
+    assert [focal_length.Get(time) for time in (1, 24)] == kept
+    mount_lens(camera, library_lens("planar_50").lens, focal_length_mm=50)
+    assert mount_lens(camera, zoom.lens, focal_length_mm=72.09).focal_length_mm == pytest.approx(72.1)
+    focal_length.Set(focal_length.Get() * 10)
+    assert mount_lens(camera, zoom.lens, focal_length_mm=72.09).focal_length_mm == pytest.approx(194.01)
+
+
+def test_a_zoom_is_found_by_any_focal_length_of_its_range() -> None:
+    zoom = library_lens("tele_zoom_70_200")
+    found = [LensSearch(focal_length_mm=(mm, mm)).finds(zoom) for mm in (50, 72.1, 135, 194, 250)]
+    assert found == [False, True, True, True, False]
 
 
 def test_a_lens_is_found_in_any_letter_case_or_a_hint_is_given() -> None:

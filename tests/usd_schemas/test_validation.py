@@ -12,6 +12,7 @@ from usd_schemas import (
     ApertureData,
     Asset,
     CharacteristicCurve,
+    Configurations,
     DataSheet,
     FilmData,
     FocusData,
@@ -83,6 +84,11 @@ def singlet(**changes: object) -> Callable[[Usd.Stage], None]:
     return lens(prescription=replace(SINGLET, **changes))  # type: ignore[arg-type]
 
 
+def zoom(**changes: object) -> Callable[[Usd.Stage], None]:
+    positions = Configurations(thickness=(4.0, 48.0, 4.0, 49.0))
+    return lens(configurations=replace(positions, **changes))  # type: ignore[arg-type]
+
+
 def film(**changes: object) -> Callable[[Usd.Stage], None]:
     return lambda stage: camera_of(stage).film.author(FilmData(curve=CharacteristicCurve(**changes)))  # type: ignore[arg-type]
 
@@ -113,6 +119,14 @@ def film(**changes: object) -> Callable[[Usd.Stage], None]:
             "Prescription",
             "needs two surfaces, got 1",
         ),
+        (
+            zoom(thickness=(1.0, 2.0, 3.0)),
+            "Configurations",
+            "one entry for each of the 2 surfaces in each position, got 3",
+        ),
+        (zoom(thickness=(1.0, -2.0)), "Configurations", "entry 1 of lens:configuration:thickness must be at least 0"),
+        (zoom(f_stop=(2.0,)), "Configurations", "lens:configuration:fStop must have 2 entries, one for each position"),
+        (zoom(object_distance=(0.0, -1.0)), "Configurations", "entry 1 of lens:configuration:objectDistance"),
         (lens(model="dataSheet"), "DataSheet", "needs tables, got none"),
         (lens(data_sheet=DataSheet(height=(0.0, 10.0, 5.0))), "DataSheet", "must increase from 0"),
         (

@@ -40,9 +40,18 @@ def test_the_library_is_a_table_with_a_line_for_each_lens(pullfocus: Command) ->
         assert entry.description in line
     listed = json.loads(pullfocus("lenses", "--json").out)["lenses"]
     assert [lens["name"] for lens in listed] == [entry.name for entry in library_lenses()]
-    assert {"name", "title", "model", "focalLengthMm", "fStop", "families", "year", "source", "description"} == set(
-        listed[0]
-    )
+    assert {
+        "name",
+        "title",
+        "model",
+        "focalLengthMm",
+        "focalLengthRangeMm",
+        "fStop",
+        "families",
+        "year",
+        "source",
+        "description",
+    } == set(listed[0])
 
 
 def found(pullfocus: Command, *search: str) -> list[str]:
@@ -122,6 +131,41 @@ def test_f_numbers_of_beam_cone_and_pupil_are_in_the_json(pullfocus: Command) ->
     thin = shown(pullfocus, "thin_50")
     assert (report["transmittanceSource"], thin["transmittanceSource"]) == ("coatings", "stated")
     assert (thin["fStopWorking"], thin["fStopParaxial"], thin["transmittance"]) == (None, None, 1)
+
+
+def test_a_zoom_is_shown_at_any_focal_length_of_its_range(pullfocus: Command) -> None:
+    report = shown(pullfocus, "tele_zoom_70_200", "--focal-length", "135", "--focus", "3")
+    assert (report["focalLengthMm"], report["fStopWideOpen"]) == (135, pytest.approx(2.8, rel=0.01))
+    zoom = report["zoom"]
+    assert (zoom["shortestMm"], zoom["longestMm"]) == pytest.approx((72.1, 194.01), rel=2e-4)
+    assert zoom["keepsFocus"]
+    assert [each["fStop"] for each in zoom["positions"]] == [2.8] * 3
+    at_ends = [shown(pullfocus, "tele_zoom_70_200", "--focal-length", mm)["fieldOfViewDeg"] for mm in (72.1, 194)]
+    assert [ends["diagonal"] for ends in at_ends] == pytest.approx([34, 12.7], abs=1)  # 2·atan(21.6/f), less distortion
+    output = pullfocus("lenses", "show", "tele_zoom_70_200").out
+    assert "72.09 to 194 mm; keeps its focus" in output
+    assert shown(pullfocus, "planar_50")["zoom"] is None
+
+
+@pytest.mark.parametrize(
+    ("lens", "said"),
+    [
+        ("tele_zoom_70_200", "zooms from 72.09 to 194 mm, got 50 mm"),
+        ("planar_50", "is no zoom: its focal length is 50 mm"),
+    ],
+)
+def test_a_focal_length_that_a_lens_has_not_is_refused(lens: str, said: str, pullfocus: Command) -> None:
+    ended = pullfocus("lenses", "show", lens, "--focal-length", "50")
+    assert (ended.status, ended.out, ended.err.count("\n")) == (2, "", 1)
+    assert said in ended.err
+
+
+def test_the_groups_that_float_are_told(pullfocus: Command) -> None:
+    report = shown(pullfocus, "master_prime_100", "--focus", "1")
+    groups = [(each["first"], each["last"]) for each in report["barrelMm"]["floatingGroups"]]
+    assert groups == [(8, 11), (12, 20)]
+    assert report["closeFocusM"] == pytest.approx(1.0047)
+    assert "surfaces 9 to 12 by -13.86 mm" in pullfocus("lenses", "show", "master_prime_100").out
 
 
 def test_the_gate_decides_the_field(pullfocus: Command) -> None:
@@ -265,7 +309,7 @@ def test_a_lens_that_does_not_reach_infinity_is_no_wrong_argument(pullfocus: Com
     file.write_text(FILES["zoom.txt"])
     ended = pullfocus("lenses", "show", file)
     assert (ended.status, ended.err.count("\n")) == (1, 1)
-    assert "An example cannot focus at infinity: the farthest that it reaches is 0.2484 m; --focus sets" in ended.err
+    assert "An example cannot focus at infinity: the farthest that it reaches is 0.1256 m; --focus sets" in ended.err
     assert pullfocus("lenses", "show", file, "--focus", "1").status == 2
     assert 0 < shown(pullfocus, file, "--focus", "0.2")["nearestFocusM"] < 0.2
 

@@ -15,9 +15,10 @@ from render.model.camera import Camera
 from render.model.lens import AIR, Across, Glass, Prescription, Surface
 from render.model.lens import DataSheet as SheetTables
 from render.optics.glass import refractive_index
-from render.optics.lens_files import MeasuredLens
+from render.optics.lens_files import MeasuredLens, parse_lens_file
 from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.paraxial import first_order
+from render.optics.prescription.zooming import marked_close_focus_m, zoom_of
 from render.shot.findings.camera_findings import camera_findings
 from render.shot.lens.lens_choice import measured_choice
 from render.stage import find_not_honoured, read_camera
@@ -27,10 +28,12 @@ from render.stage.camera.planes import rotate_plane
 from tests.render.kits.glasses import glass
 from tests.render.kits.lenses import SIX_LENSES, KnownLens
 from tests.render.kits.stages import new_stage, write_picture
+from tests.render.kits.zoom_files import FLOATING_TXT, TELE_ZOOM_TXT
 from usd_schemas import (
     AberrationScales,
     ApertureData,
     Asset,
+    Configurations,
     DataSheet,
     HeightField,
     LensCamera,
@@ -207,6 +210,20 @@ def test_large_masks_are_averaged_down(stage: Usd.Stage, camera: LensCamera, tmp
     assert mask.mean() == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.parametrize("text", [TELE_ZOOM_TXT, FLOATING_TXT], ids=["zoom", "floating"])
+def test_positions_of_zoom_and_focus_come_through_usd(stage: Usd.Stage, camera: LensCamera, text: str) -> None:
+    read = parse_lens_file(text.encode(), "lens.txt")
+    camera.lens.author(lens_data(read))
+    written = _read(stage).lens.prescription
+    assert written is not None
+    places = [each.thicknesses_mm for each in written.configurations]
+    assert places == [pytest.approx(each.thicknesses_mm) for each in read.configurations]
+    assert [each.object_mm for each in written.configurations] == [each.object_mm for each in read.configurations]
+    before, after = zoom_of(read), zoom_of(written)
+    assert (before and before.positions) == (after and after.positions)
+    assert _read(stage).lens.close_focus_m == pytest.approx(marked_close_focus_m(read))
+
+
 def test_height_fields_are_scaled_to_millimetres(stage: Usd.Stage, camera: LensCamera, tmp_path: Path) -> None:
     heights = np.linspace(-1, 1, 16, dtype=np.float32).reshape(4, 4, 1)
     file = write_picture(tmp_path / "front.exr", heights)
@@ -238,6 +255,20 @@ def test_height_fields_are_scaled_to_millimetres(stage: Usd.Stage, camera: LensC
         (
             LensData(model="prescription", prescription=replace(SINGLET, focus_group=(1, 0))),
             "lens:prescription:focusGroup",
+        ),
+        (
+            LensData(model="prescription", prescription=SINGLET, configurations=Configurations(thickness=(1.0,) * 3)),
+            "lens:configuration:thickness of camera /cam must be 2 entries for each position, of at most 64 positions, got 3",
+        ),
+        (
+            LensData(model="prescription", prescription=SINGLET, configurations=Configurations((1.0,) * 20_000)),
+            "lens:configuration:thickness .* got 20000",
+        ),
+        (
+            LensData(
+                model="prescription", prescription=SINGLET, configurations=Configurations((1.0,) * 4, f_stop=(2.0,))
+            ),
+            "lens:configuration:fStop of camera /cam must be 2 entries, one for each position, got 1",
         ),
         (
             LensData(model="heightField", prescription=SINGLET, height_field=HeightField(front=Asset("./none.exr"))),

@@ -368,7 +368,7 @@ def _with_front_focus(lens: Prescription, positions: Sequence[ZoomPosition]) -> 
 
 
 def _notes(zoom: Zoom, focal_length_mm: float) -> list[str]:
-    """What happens to focus when the zoom is pulled, and whether it is set beyond its range."""
+    """Sentences on focus when the zoom is pulled, and on a focal length beyond its range."""
     span = f"{zoom.shortest_mm:.4g} to {zoom.longest_mm:.4g} mm"
     if not zoom.keeps_focus:
         drift = f"zoomed through, its focus drifts by {zoom.drift_mm:.3g} mm at the film until it is focused again"

@@ -139,7 +139,7 @@ def test_the_iris_between_positions_keeps_the_f_number() -> None:
     assert f_stops == pytest.approx([2.8] * 5, rel=0.015)
 
 
-def test_near_positions_belong_to_the_zoom_positions_they_share_spaces_with() -> None:
+def test_near_positions_belong_to_zoom_positions_by_their_spaces() -> None:
     bare = ZOOM_TXT.replace("Focal Length\t48\t70\t48\t70", "Focal Length\t48\t70\tundefined\tundefined")
     for text in (ZOOM_TXT, bare):
         lens = parse_lens_file(text.encode(), "zoom.txt")
@@ -165,7 +165,7 @@ def test_floating_groups_stand_at_close_focus_where_the_file_has_them() -> None:
     assert found == pytest.approx([1.10, 10.843, 20.359], abs=0.35)
 
 
-def test_floating_focus_at_infinity_and_its_magnification_are_the_patents() -> None:
+def test_floating_focus_has_the_focal_lengths_of_the_patent() -> None:
     lens = complete_prescription(floating())
     assert first_order(lens).focal_length_mm == pytest.approx(99.80, rel=1e-4)
     assert first_order(lens).back_focal_mm == pytest.approx(40.123, abs=2e-3)

@@ -18,6 +18,7 @@ from docs._site import (
     command_line,
     engine_pages,
     keys,
+    lens_library,
     openapi,
     overview,
     properties,
@@ -42,6 +43,7 @@ def generated_pages() -> dict[str, str]:
         "reference/models.md": openapi.models_page(ROOT),
         "reference/engines.md": engine_pages.page(),
         "reference/properties.md": properties.page(),
+        "reference/lens_library.md": lens_library.page(),
         "reference/service_settings.md": service_settings.page(),
         **python_api.pages(ROOT, PYTHON_INDEX),
     }

@@ -7,9 +7,21 @@ from pathlib import Path
 
 from pxr import Sdf
 
-from docs._site import command_line, keys, openapi, overview, properties, python_api, schema, service_settings
+from docs._site import (
+    command_line,
+    keys,
+    lens_library,
+    openapi,
+    overview,
+    properties,
+    python_api,
+    schema,
+    service_settings,
+)
 from render.stage.honoured.rules import RULES
 from service.http.configuration import setting_types
+from usd_schemas import library_lenses
+from usd_schemas.lens_search import FAMILIES
 
 COMMANDS = (
     "record",
@@ -60,6 +72,14 @@ def test_the_properties_page_has_every_rule() -> None:
         (row,) = [line for line in page.splitlines() if line.startswith(f"| `{schema_name}` |")]
         for names in (rules.honoured, *rules.neutral, *rules.ignored, *rules.named):
             assert all(f"`{name}`" in row for name in names.split() if name != "*")
+
+
+def test_the_page_of_lenses_has_each_with_its_source() -> None:
+    page = lens_library.page()
+    for lens in library_lenses():
+        (row,) = [line for line in page.splitlines() if line.startswith(f"| `{lens.name}` |")]
+        assert row.endswith(f"| {lens.source} |")
+    assert all(f"| {word} |" in page for word in FAMILIES)
 
 
 def test_the_page_of_settings_explains_each_of_them() -> None:

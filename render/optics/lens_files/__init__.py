@@ -25,6 +25,7 @@ Reader = Callable[[LensText, "FileGlasses"], Prescription]
 LENS_FILE_SUFFIXES = (".dat", ".zmx", ".seq", ".txt", ".roa", ".json", SUFFIX)
 _BY_SUFFIX = {".dat": "pbrt", ".zmx": "zemax", ".seq": "code_v", ".roa": "rayoptics"}
 _JSON_BY_KEY = {'"surface_group"': "optiland", '"optical_model"': "rayoptics"}
+_OSLO = re.compile(r"^[ \t]*NXT\b", re.MULTILINE)
 _BY_CONTENT = (
     (r"^[ \t]*\[lens data\]", "optical_bench"),
     (r"^[ \t]*SURF[ \t]+\d+[ \t]*$", "zemax"),
@@ -138,6 +139,8 @@ def _format_of(text: LensText) -> str:
         for key, name in _JSON_BY_KEY.items():
             if key in content:
                 return name
+    if _OSLO.search(content):
+        raise text.error("it is a lens of OSLO, whose .len files are not read: expected one that it exports for Zemax")
     for pattern, name in _BY_CONTENT:
         if re.search(pattern, content, re.MULTILINE | re.IGNORECASE):
             return name

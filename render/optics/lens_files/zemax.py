@@ -14,7 +14,7 @@
       DIAM 5.58 1 0 0 1 ""              semi-diameter
 
 What is not listed has no say in how light goes through a lens, or is refused: other surface types, mirrors, tilts,
-and non-sequential systems. A COORDBRK whose decentres and tilts are all 0 is a plane in the medium before it.
+and non-sequential systems. A COORDBRK whose decentres and tilts are all 0 is left out.
 """
 
 from __future__ import annotations
@@ -22,12 +22,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.dispersion.model_glass import deviating_glass
-from render.optics.lens_files.configurations import Quantity
+from render.optics.lens_files.configurations import Quantity, join_gaps
 from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish, is_object_near
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
@@ -65,8 +64,8 @@ def read_zemax(text: LensText, glasses: FileGlasses) -> Prescription:
     """
     reader = _Reader(text, glasses)
     for line, raw in enumerate(text.lines, 1):
-        command, _, rest = raw.strip().partition(" ")
-        reader.take(command.upper(), rest.split(), rest.strip(), line)
+        command, *rest = raw.split(maxsplit=1) or [""]
+        reader.take(command.upper(), " ".join(rest).split(), " ".join(rest).strip(), line)
     return reader.finish()
 
 
@@ -127,13 +126,10 @@ class _Reader:
         if image.glass != AIR or image.thickness:
             why = "the last one must be the image, without glass or thickness: the file is cut off"
             raise self._error(image, why, len(self._text.lines))
-        for before, surface in pairwise(self._surfaces[:-1]):
-            if any(surface is each for each in self._breaks):
-                surface.glass = before.glass
-        draft.surfaces = self._surfaces[1:-1]
         aperture = SystemAperture() if self._floats_by_stop else self._aperture
         kinds: dict[str, Quantity] = {"pupil": "pupil_diameter", "f_number": "f_number"}
         value = self._configurations.finish(draft, self._surfaces, kinds.get(aperture.kind))
+        draft.surfaces = self._without_breaks()
         if value is not None and aperture.kind != "stop":
             aperture = replace(aperture, value=value)
         distance = object_distance(draft.configurations)
@@ -143,6 +139,19 @@ class _Reader:
             draft.film_is_solved = True
             draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
         return with_system_aperture(finish(draft), aperture, draft.unit_mm, self._text, object_is_near=is_near)
+
+    def _without_breaks(self) -> list[DraftSurface]:
+        """The surfaces between object and image without breaks that do nothing; one that is the stop stays a plane."""
+        kept = self._surfaces[:1]
+        for surface in self._surfaces[1:-1]:
+            is_break = any(surface is each for each in self._breaks)
+            if is_break and not surface.is_stop:
+                join_gaps(self._draft.configurations, kept[-1], surface)
+                kept[-1].thickness += surface.thickness
+                continue
+            surface.glass = kept[-1].glass if is_break else surface.glass
+            kept.append(surface)
+        return kept[1:]
 
     def _mode(self, words: list[str], rest: str, line: int) -> None:
         if words and words[0].upper() != "SEQ":

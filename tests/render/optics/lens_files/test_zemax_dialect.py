@@ -20,11 +20,16 @@ def _with_break(*parameters: str) -> str:
     return TRIPLET_ZMX.replace("  DISZ 4.0\n", "  DISZ 2.5\n", 1).replace("SURF 2\n", section + "SURF 2\n")
 
 
-def test_a_break_of_nothing_is_a_plane_in_its_glass() -> None:
+def test_a_break_of_nothing_is_left_out() -> None:
     lens, plain = _read(_with_break("PARM 1 0", "PARM 3 0.0", "PARM 6 1")), _read(TRIPLET_ZMX)
-    assert len(lens.surfaces) == len(plain.surfaces) + 1
+    assert lens.surfaces == plain.surfaces
+
+
+def test_a_break_that_is_the_stop_is_a_plane_in_its_glass() -> None:
+    text = _with_break("PARM 1 0").replace("SURF 4\n  STOP\n", "SURF 4\n").replace("SURF 1.5\n", "SURF 1.5\n  STOP\n")
+    lens = _read(text)
+    assert [s.is_stop for s in lens.surfaces].index(True) == 1
     assert lens.surfaces[1].glass == lens.surfaces[0].glass
-    assert sum(s.thickness_mm for s in lens.surfaces) == sum(s.thickness_mm for s in plain.surfaces)
 
 
 @pytest.mark.parametrize(

@@ -340,9 +340,7 @@ class MountLensFile(Model):
 
     type: Literal["mountLensFile"] = "mountLensFile"
     file_name: FileName = Field(description="Its extension names the format.")
-    content: FileContent = Field(
-        description="pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file, in base64."
-    )
+    content: FileContent = Field(description="A lens file: .dat, .zmx, .seq, .txt, .roa, .json or .lens, in base64.")
 
 
 Change = Annotated[

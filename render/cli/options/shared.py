@@ -108,8 +108,8 @@ def add_lens(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--lens",
         metavar="NAME|FILE",
-        help="mount a lens: one of the library (pullfocus lenses), or a .dat, .zmx, .seq, Optical Bench .txt or data sheet"
-        " .lens file; it sets the camera's focal length, and its f-number where that is wider than the lens opens",
+        help="mount a lens: one of the library (pullfocus lenses), or a .dat, .zmx, .seq, Optical Bench .txt, .roa, .json or"
+        " data sheet .lens file; it sets the camera's focal length, and its f-number where that is wider than the lens opens",
     )
     add_unknown_glass(parser)
 

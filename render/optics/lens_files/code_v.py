@@ -25,7 +25,8 @@ from typing import Literal
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_glass import PrivateGlasses
 from render.optics.lens_files.code_v_zoom import CodeVZoom
-from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish, is_object_near
+from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.drafts import Draft, check_glass, finish, is_object_near
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture

@@ -11,7 +11,7 @@ from render.model.lens import Glass, Prescription, Surface
 from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM
 from render.optics.dispersion.names import glass_of_code
 from render.optics.glass import refractive_index
-from render.optics.lens_files.writing import beam_diameter_mm, glass_form, number
+from render.optics.lens_files.written_parts import beam_diameter_mm, glass_form, number
 from render.optics.prescription.paraxial import first_order
 
 _LETTERS = "ABCDEFGHJ"  # of r⁴, r⁶, ... r²⁰

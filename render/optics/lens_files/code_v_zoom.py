@@ -16,7 +16,8 @@ from render.optics.lens_files.configurations import (
     DraftVariation,
     Quantity,
 )
-from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface
+from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft
 from render.optics.lens_files.lens_text import LensText
 from render.optics.prescription.validation import MAX_CONFIGURATIONS
 

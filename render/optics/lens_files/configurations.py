@@ -8,16 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from render.errors import InputError
 from render.model.lens import Configuration, Prescription
+from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.prescription.paraxial import focal_points, paraxial_system
-
-if TYPE_CHECKING:
-    from render.optics.lens_files.drafts import DraftSurface
 
 Quantity = Literal[
     # of a surface

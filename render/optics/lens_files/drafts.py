@@ -16,6 +16,7 @@ from render.optics.lens_files.configurations import (
     place_variations,
     to_configurations,
 )
+from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.rims import with_trimmed_rims, without_negative_gaps
 
@@ -25,33 +26,6 @@ _MAX_LENGTH_MM = 1e5
 _PLANE_RADIUS_MM, _LEAST_RADIUS_MM = 1e9, 1e-3
 _INDEX_RANGE, _LEAST_ABBE = (1.0, 5.0), 5.0
 _VISIBLE_NM = np.linspace(400.0, 700.0, 31)
-
-
-@dataclass
-class DraftSurface:
-    """Surface in the file's own unit, while the file is being read.
-
-    Attributes:
-        label: as the file counts it.
-        line: first line, counted from 1; 0 in a file whose lines say nothing.
-        radius: of curvature; 0 is a plane.
-        thickness: to the next surface.
-        glass: the medium behind it.
-        semi_diameter: half the clear diameter; 0 where it is unknown.
-        conic: conic constant.
-        terms: coefficients of r², r⁴, r⁶, ... by the power of r.
-        is_stop: whether it is the aperture stop.
-    """
-
-    label: str
-    line: int
-    radius: float = 0.0
-    thickness: float = 0.0
-    glass: Glass = AIR
-    semi_diameter: float = 0.0
-    conic: float = 0.0
-    terms: dict[int, float] = field(default_factory=dict)
-    is_stop: bool = False
 
 
 @dataclass
@@ -116,7 +90,10 @@ def finish(draft: Draft) -> Prescription:
     if len(stops) > 1:
         raise text.error(f"surface {stops[0].label} is the stop already", stops[1].line, stops[1].label)
     surfaces, behind = _without_marks(draft.surfaces)
-    surfaces = without_negative_gaps(draft, surfaces)
+    surfaces, draft.focus_group, notes = without_negative_gaps(
+        surfaces, draft.focus_group, draft.configurations, draft.unit_mm
+    )
+    draft.notes += notes
     variations = place_variations(draft.configurations, draft.surfaces, surfaces, draft.unit_mm)
     surfaces[-1].thickness = 0.0 if draft.film_is_solved else sum(each.thickness for each in [surfaces[-1], *behind])
     if all(surface.glass == AIR for surface in surfaces):

@@ -25,7 +25,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from render.model.lens import AIR, Glass, Prescription
-from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish
+from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.drafts import Draft, check_glass, finish
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.optical_bench_positions import Positions

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from render.errors import SettingsError
 from render.model.lens import Glass, Prescription, Surface
-from render.optics.lens_files.writing import glass_form, index_change, number
+from render.optics.lens_files.written_parts import glass_form, index_change, number
 from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.paraxial import first_order
 

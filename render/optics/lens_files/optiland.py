@@ -17,7 +17,8 @@ from __future__ import annotations
 import math
 
 from render.model.lens import AIR, Glass, Prescription
-from render.optics.lens_files.drafts import MAX_SURFACES, Draft, DraftSurface, check_glass, finish, is_object_near
+from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.drafts import MAX_SURFACES, Draft, check_glass, finish, is_object_near
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.json_text import JsonPart, read_json
 from render.optics.lens_files.lens_text import LensText

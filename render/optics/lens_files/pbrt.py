@@ -18,7 +18,8 @@ import numpy as np
 
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
-from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish
+from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.drafts import Draft, check_glass, finish
 from render.optics.lens_files.lens_text import LensText
 from render.optics.prescription.paraxial import focal_points, paraxial_system
 

@@ -23,14 +23,8 @@ import numpy as np
 
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_glass import fit_indices
-from render.optics.lens_files.drafts import (
-    MAX_SURFACES,
-    Draft,
-    DraftSurface,
-    check_glass,
-    finish,
-    is_object_near,
-)
+from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.drafts import MAX_SURFACES, Draft, check_glass, finish, is_object_near
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.json_text import JsonPart, read_json
 from render.optics.lens_files.lens_text import LensText

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from render.model.lens import AIR, Glass, Prescription
-from render.optics.lens_files.configurations import join_gaps
+from render.optics.lens_files.configurations import DraftConfigurations, join_gaps
+from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.prescription.clear_diameters import meeting_mm
 from render.optics.prescription.surface_shape import conic_extent_mm
 from render.optics.prescription.validation import solid_neighbours
 
-if TYPE_CHECKING:
-    from render.optics.lens_files.drafts import Draft, DraftSurface
+Group = tuple[DraftSurface, DraftSurface] | None
 
 _ROUNDED = 0.05  # share of a clear diameter that is trimmed without an error
 _WITHOUT_NOTE = 1e-6
@@ -54,14 +53,26 @@ def _trimmed(lens: Prescription, index: int, limit_mm: float, why: str) -> Presc
     return replace(lens, surfaces=surfaces, notes=(*lens.notes, note) if is_noted else lens.notes)
 
 
-def without_negative_gaps(draft: Draft, surfaces: Sequence[DraftSurface]) -> list[DraftSurface]:
+def without_negative_gaps(
+    surfaces: Sequence[DraftSurface], group: Group, configurations: DraftConfigurations, unit_mm: float
+) -> tuple[list[DraftSurface], Group, list[str]]:
     """The surfaces without planes of air that stand before their neighbours.
 
     A plane that is not the stop is left out, so that light goes from neighbour to neighbour over the sum of both gaps. A stop
     that glass bulges through is moved to the glass. Other negative gaps stay, for `render.optics.prescription.validation` to
     refuse.
+
+    Args:
+        surfaces: front to rear; their thicknesses change.
+        group: first and last surface that move to focus.
+        configurations: of the lens; gaps that are joined are joined in each.
+        unit_mm: the file's unit of length.
+
+    Returns:
+        The surfaces, the group without what was left out, and a note for each change.
     """
     kept: list[DraftSurface] = []
+    notes: list[str] = []
     before: Glass = AIR
     for place, surface in enumerate(surfaces):
         gap_before = kept[-1].thickness if kept else 0.0
@@ -74,20 +85,19 @@ def without_negative_gaps(draft: Draft, surfaces: Sequence[DraftSurface]) -> lis
         if whole < 0:
             kept.append(surface)
         elif not surface.is_stop:
-            join_gaps(draft.configurations, kept[-1], surface)
+            join_gaps(configurations, kept[-1], surface)
             kept[-1].thickness = whole
-            draft.focus_group = _without(draft.focus_group, surface, kept[-1], surfaces[place + 1])
-            where = f"stands {-min(gap_before, surface.thickness) * draft.unit_mm:.4g} mm before its neighbour"
-            draft.notes.append(f"Surface {surface.label}, a plane of air, {where}; it is left out.")
+            group = _without(group, surface, kept[-1], surfaces[place + 1])
+            where = f"stands {-min(gap_before, surface.thickness) * unit_mm:.4g} mm before its neighbour"
+            notes.append(f"Surface {surface.label}, a plane of air, {where}; it is left out.")
         else:
-            _move_to_glass(draft, kept[-1], surface, whole)
+            if not (configurations.varies(kept[-1]) or configurations.varies(surface)):
+                notes += _move_to_glass(kept[-1], surface, whole, unit_mm)
             kept.append(surface)
-    return kept
+    return kept, group, notes
 
 
-def _without(
-    group: tuple[DraftSurface, DraftSurface] | None, dropped: DraftSurface, front: DraftSurface, behind: DraftSurface
-) -> tuple[DraftSurface, DraftSurface] | None:
+def _without(group: Group, dropped: DraftSurface, front: DraftSurface, behind: DraftSurface) -> Group:
     """A group without a plane at one of its ends."""
     if group is None or group[0] is group[1]:
         return group
@@ -99,14 +109,10 @@ def _is_plane(surface: DraftSurface) -> bool:
     return surface.radius == 0 and not any(surface.terms.values())
 
 
-def _move_to_glass(draft: Draft, front: DraftSurface, stop: DraftSurface, whole: float) -> None:
-    """Move a stop that stands before the vertex of a neighbour to that vertex, where the distance is small."""
+def _move_to_glass(front: DraftSurface, stop: DraftSurface, whole: float, unit_mm: float) -> list[str]:
+    """Move a stop that stands before the vertex of a neighbour to that vertex, where the distance is small; a note on it."""
     shift = -min(front.thickness, stop.thickness)
     if stop.semi_diameter and shift > 2 * _BULGE * stop.semi_diameter:
-        return
-    if draft.configurations.varies(front) or draft.configurations.varies(stop):
-        return
+        return []
     front.thickness, stop.thickness = (0.0, whole) if front.thickness < 0 else (whole, 0.0)
-    draft.notes.append(
-        f"Glass bulges {shift * draft.unit_mm:.4g} mm through the stop, surface {stop.label}; it is moved to the glass."
-    )
+    return [f"Glass bulges {shift * unit_mm:.4g} mm through the stop, surface {stop.label}; it is moved to the glass."]

@@ -27,7 +27,8 @@ from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.dispersion.model_glass import deviating_glass
 from render.optics.lens_files.configurations import Quantity, join_gaps
-from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish, is_object_near
+from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.drafts import Draft, check_glass, finish, is_object_near
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture

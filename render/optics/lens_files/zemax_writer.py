@@ -8,7 +8,7 @@ from render.model.lens import Glass, Prescription, Surface
 from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM, G_LINE_NM
 from render.optics.dispersion.names import find_in_catalogue
 from render.optics.glass import refractive_index
-from render.optics.lens_files.writing import beam_diameter_mm, glass_form, index_change, number
+from render.optics.lens_files.written_parts import beam_diameter_mm, glass_form, index_change, number
 from render.optics.prescription.paraxial import first_order
 
 _TERMS = 7  # of an even asphere from r⁴ on: PARM 2 to 8

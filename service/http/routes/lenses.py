@@ -122,7 +122,7 @@ async def mount_lens_file(
     shot: ShotId,
     file: Annotated[
         UploadFile,
-        File(description="pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file."),
+        File(description="A lens file: .dat, .zmx, .seq, .txt, .roa, .json or .lens."),
     ],
     context: EditContextDep,
     camera: CameraQuery = None,

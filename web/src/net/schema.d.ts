@@ -1948,7 +1948,7 @@ export interface components {
         readonly Body_mountLensFile: {
             /**
              * File
-             * @description pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file.
+             * @description A lens file: .dat, .zmx, .seq, .txt, .roa, .json or .lens.
              */
             readonly file: string;
         };
@@ -7454,7 +7454,7 @@ export interface components {
             /**
              * Content
              * Format: byte
-             * @description pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file, in base64.
+             * @description A lens file: .dat, .zmx, .seq, .txt, .roa, .json or .lens, in base64.
              */
             readonly content: string;
             /**

@@ -11,7 +11,7 @@ export function importCurve({ mounting }: Session): void {
 
 /** Asks for the prescription of a lens. */
 export function mountLensFile({ mounting }: Session): void {
-  chooseFile(".dat,.zmx,.seq,.txt,.lens", (file) => {
+  chooseFile(".dat,.zmx,.seq,.txt,.roa,.json,.lens", (file) => {
     mounting.lensFile(file);
   });
 }

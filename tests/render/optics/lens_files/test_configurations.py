@@ -16,7 +16,7 @@ from render.optics.lens_files.configurations import (
     place_variations,
     prescription_at,
 )
-from render.optics.lens_files.drafts import DraftSurface
+from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.prescription.paraxial import first_order
 from tests.render.kits.lens_files import DOUBLE_GAUSS_SEQ, TRIPLET_ZMX, ZOOM_TXT
 

@@ -11,8 +11,9 @@ from render.model.lens import Dispersion, Glass, Prescription, Surface
 from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM, G_LINE_NM
 from render.optics.dispersion.names import find_glass
 from render.optics.glass import refractive_index
-from render.optics.lens_files import parse_lens_file, writing
+from render.optics.lens_files import parse_lens_file
 from render.optics.lens_files.writing import WRITTEN_SUFFIXES, unwritable, write_lens
+from render.optics.lens_files.written_parts import glass_form, plain_name
 from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.paraxial import first_order
 from render.shot.lens.lens_alone import library_lens_alone
@@ -68,8 +69,8 @@ def test_a_lens_of_the_library_comes_back(name: str, lens: Prescription, suffix:
     assert len(again.surfaces) == len(lens.surfaces) + plane_for_stop
     assert first_order(again).focal_length_mm == pytest.approx(first_order(lens).focal_length_mm, rel=1e-6)
     if not plane_for_stop:
-        own = any(writing.glass_form(surface.glass).kind == "own" for surface in lens.surfaces)
-        _check_same(replace(lens, name=writing.plain_name(lens.name)), again, 1e-3 if own else 1e-7)
+        own = any(glass_form(surface.glass).kind == "own" for surface in lens.surfaces)
+        _check_same(replace(lens, name=plain_name(lens.name)), again, 1e-3 if own else 1e-7)
 
 
 def _made(*glasses: Glass, **changes: object) -> Prescription:

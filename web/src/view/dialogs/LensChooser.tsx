@@ -37,7 +37,7 @@ export function LensChooser({ editor, session, readout }: LensChooserProps): JSX
         <button
           type="button"
           class="button"
-          title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq, Optical Bench .txt or data sheet .lens (Alt L)"
+          title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq, Optical Bench .txt, .roa, .json or data sheet .lens (Alt L)"
           onClick={() => {
             mountLensFile(session);
           }}

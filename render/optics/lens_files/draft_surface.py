@@ -1,0 +1,34 @@
+"""A surface as it is read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from render.model.lens import AIR, Glass
+
+
+@dataclass
+class DraftSurface:
+    """Surface in the file's own unit, while the file is being read.
+
+    Attributes:
+        label: as the file counts it.
+        line: first line, counted from 1; 0 in a file whose lines say nothing.
+        radius: of curvature; 0 is a plane.
+        thickness: to the next surface.
+        glass: the medium behind it.
+        semi_diameter: half the clear diameter; 0 where it is unknown.
+        conic: conic constant.
+        terms: coefficients of r², r⁴, r⁶, ... by the power of r.
+        is_stop: whether it is the aperture stop.
+    """
+
+    label: str
+    line: int
+    radius: float = 0.0
+    thickness: float = 0.0
+    glass: Glass = AIR
+    semi_diameter: float = 0.0
+    conic: float = 0.0
+    terms: dict[int, float] = field(default_factory=dict)
+    is_stop: bool = False

@@ -24,8 +24,23 @@ _BULGE = 0.25  # share of its clear diameter by which a stop may stand before th
 def with_trimmed_rims(lens: Prescription) -> Prescription:
     """The lens with rims trimmed that reach a little beyond their sphere, or into their neighbour; a note names each.
 
-    Rims that reach farther stay, for `render.optics.prescription.validation` to refuse.
+    Rims that reach farther stay, for `render.optics.prescription.validation` to refuse. Neighbours keep apart at every position
+    of zoom and focus.
     """
+    lens = _with_trimmed_rims(lens)
+    for each in lens.configurations:
+        if min(each.thicknesses_mm) >= 0:
+            pairs = zip(lens.surfaces, each.thicknesses_mm, strict=True)
+            placed = replace(lens, surfaces=tuple(replace(surface, thickness_mm=gap) for surface, gap in pairs))
+            trimmed = _with_trimmed_rims(placed)
+            widths = [surface.semi_diameter_mm for surface in trimmed.surfaces]
+            narrowed = [replace(s, semi_diameter_mm=w) for s, w in zip(lens.surfaces, widths, strict=True)]
+            lens = replace(lens, surfaces=tuple(narrowed), notes=trimmed.notes)
+    return lens
+
+
+def _with_trimmed_rims(lens: Prescription) -> Prescription:
+    """Trim at the position of the surfaces."""
     with np.errstate(all="ignore"):
         for index, surface in enumerate(lens.surfaces):
             lens = _trimmed(lens, index, conic_extent_mm(surface), "its sphere ends there")

@@ -12,7 +12,7 @@ from render.optics.lens_files.written_parts import plain_name
 WRITTEN_SUFFIXES = (".zmx", ".seq", ".txt")
 _WRITTEN = frozenset(  # fields of the model that the writers know
     {"radius_mm", "thickness_mm", "glass", "semi_diameter_mm", "conic", "aspheric", "is_stop", "coating_nm"}
-    | {"surfaces", "focus_group", "f_stop", "name", "notes"}
+    | {"surfaces", "focus_group", "f_stop", "name", "notes", "configurations"}
 )
 
 
@@ -54,6 +54,8 @@ def write_lens(lens: Prescription, suffix: str) -> WrittenLens:
     lens = replace(lens, name=plain_name(lens.name))
     notes: list[str] = []
     text = text_of(lens, notes)
+    if lens.configurations:
+        notes.append("Of its positions of zoom and focus the one that it stands at is written.")
     if any(surface.coating_nm for surface in lens.surfaces):
         notes.append("Coatings are not written.")
     # OpticStudio writes UTF-16; what is ASCII every program reads.

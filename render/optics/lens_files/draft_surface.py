@@ -21,6 +21,7 @@ class DraftSurface:
         conic: conic constant.
         terms: coefficients of r², r⁴, r⁶, ... by the power of r.
         is_stop: whether it is the aperture stop.
+        across: radius and conic constant in x, where they are others than in y; None where not.
     """
 
     label: str
@@ -32,3 +33,4 @@ class DraftSurface:
     conic: float = 0.0
     terms: dict[int, float] = field(default_factory=dict)
     is_stop: bool = False
+    across: tuple[float, float] | None = None

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from render.errors import InputError
-from render.model.lens import AIR, Glass, Prescription, Surface
+from render.model.lens import AIR, Across, Glass, Prescription, Surface
 from render.optics.dispersion.formulas import index_at
 from render.optics.lens_files.configurations import (
     DraftConfigurations,
@@ -146,7 +146,8 @@ def _place(surfaces: Sequence[DraftSurface], wanted: DraftSurface) -> int:
 
 
 def _is_mark(surface: DraftSurface, before: Glass) -> bool:
-    return surface.radius == 0 and not any(surface.terms.values()) and surface.glass == before and not surface.is_stop
+    is_flat = surface.radius == 0 and surface.across is None and not any(surface.terms.values())
+    return is_flat and surface.glass == before and not surface.is_stop
 
 
 def _in_mm(surface: DraftSurface, draft: Draft) -> Surface:
@@ -155,7 +156,8 @@ def _in_mm(surface: DraftSurface, draft: Draft) -> Surface:
         if abs(length) > _MAX_LENGTH_MM:
             raise _error(surface, draft, f"the {name} must be at most {_MAX_LENGTH_MM:g} mm, got {length:g} mm")
     radius, conic, coefficients = _shape(surface, draft)
-    return Surface(radius, thickness, surface.glass, semi_diameter, conic, coefficients, surface.is_stop)
+    across = surface.across and Across(surface.across[0] * draft.unit_mm, surface.across[1])
+    return Surface(radius, thickness, surface.glass, semi_diameter, conic, coefficients, surface.is_stop, across=across)
 
 
 def _shape(surface: DraftSurface, draft: Draft) -> tuple[float, float, tuple[float, ...]]:

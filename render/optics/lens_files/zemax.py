@@ -5,7 +5,7 @@
     FNUM 2.1 0                          or ENPD, the entrance beam's diameter; FLOA: that of the stop's DIAM
     SURF 4                              0 is the object, the last one the image
       STOP
-      TYPE EVENASPH                     or STANDARD
+      TYPE EVENASPH                     or STANDARD, BICONICX, TOROIDAL (`render.optics.lens_files.zemax_cylinders`)
       CURV 1.117818019226E-001 0 0 0 0 ""   1/radius
       PARM 2 1.10721E-5                 PARM i: coefficient of r^(2i)
       DISZ 4.25                         thickness
@@ -26,6 +26,7 @@ from dataclasses import replace
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.dispersion.model_glass import deviating_glass
+from render.optics.lens_files import zemax_cylinders
 from render.optics.lens_files.configurations import Quantity, join_gaps
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.drafts import Draft, check_glass, finish, is_object_near
@@ -35,7 +36,7 @@ from render.optics.lens_files.speed import SystemAperture, with_system_aperture
 from render.optics.lens_files.zemax_configurations import OPERANDS, SOLVES, ZemaxConfigurations, object_distance
 
 _UNITS_MM = {"MM": 1.0, "CM": 10.0, "IN": 25.4, "INCH": 25.4, "INCHES": 25.4, "M": 1000.0, "METER": 1000.0}
-_TYPES = ("STANDARD", "EVENASPH")
+_TYPES = ("STANDARD", "EVENASPH", *zemax_cylinders.TYPES)
 _PARAMETERS = tuple("12345678")
 _REFUSED_TYPES = {
     "GRAD": "gradient-index glasses",
@@ -81,6 +82,7 @@ class _Reader:
         self._configurations = ZemaxConfigurations(text)
         self._floats_by_stop = False
         self._breaks: list[DraftSurface] = []
+        self._two_curves = zemax_cylinders.TwoCurves(text)
         self._is_asphere = False  # the surface that is being read
         self._of_system: dict[str, Callable[[list[str], str, int], None]] = {
             "MODE": self._mode,
@@ -123,6 +125,7 @@ class _Reader:
         if len(self._surfaces) < 3:
             got = f"got {len(self._surfaces)}"
             raise self._text.error(f"expected SURF sections for the object, at least one surface and the image, {got}")
+        self._two_curves.finish()
         draft, image = self._draft, self._surfaces[-1]
         if image.glass != AIR or image.thickness:
             why = "the last one must be the image, without glass or thickness: the file is cut off"
@@ -201,6 +204,8 @@ class _Reader:
             kind = _first(words) or "nothing"
             raise self._error(surface, f"surfaces of TYPE {' and '.join(_TYPES)} are supported, got {kind}", line)
         self._is_asphere = _first(words).upper() == "EVENASPH"
+        if _first(words).upper() in zemax_cylinders.TYPES:
+            self._two_curves.begin(surface, _first(words).upper(), line)
 
     def _curvature(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         curvature = self._number(surface, _first(words), "curvature (CURV)", line)
@@ -222,6 +227,10 @@ class _Reader:
     def _parameter(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         if any(surface is each for each in self._breaks):
             self._break(surface, words, line)
+            return
+        if len(words) > 1 and self._two_curves.holds(surface):
+            value = self._number(surface, words[1], f"parameter (PARM {words[0][:9]})", line)
+            self._two_curves.take(surface, words[0], value)
             return
         if not self._is_asphere:  # a sphere has parameters without meaning
             return

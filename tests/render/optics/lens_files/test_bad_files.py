@@ -57,8 +57,8 @@ def test_a_wrong_row_of_a_pbrt_file(old: str, new: str, expected: str) -> None:
     [
         (
             "TYPE EVENASPH",
-            "TYPE TOROIDAL",
-            "line 32, surface 4: surfaces of TYPE STANDARD and EVENASPH are supported, got TO",
+            "TYPE ZERNSAG",
+            "line 32, surface 4: surfaces of TYPE STANDARD and .* TOROIDAL are supported, got ZER",
         ),
         ("MODE SEQ", "MODE NSC", "line 2: the MODE must be SEQ"),
         ("UNIT MM", "UNIT FURLONG", "line 4: the UNIT must be one of MM, CM, IN.*got FURLONG"),

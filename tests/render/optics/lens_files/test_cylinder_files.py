@@ -1,0 +1,92 @@
+"""Surfaces with two curves in Zemax files."""
+
+from __future__ import annotations
+
+import pytest
+
+from render.errors import InputError
+from render.model.lens import Across, Prescription
+from render.optics.lens_files import parse_lens_file
+from render.optics.prescription.meridians import turned
+from render.optics.prescription.paraxial import focal_points, paraxial_system
+
+FILE = """MODE SEQ
+UNIT MM
+FNUM 8 0
+SURF 0
+  TYPE STANDARD
+  CURV 0
+  DISZ INFINITY
+SURF 1
+  TYPE {kind}
+  CURV {curvature}
+  CONI {conic}
+{parameters}  DISZ 5
+  GLAS N-BK7 0 0 1.5168 64.17
+  DIAM 8
+SURF 2
+  STOP
+  TYPE STANDARD
+  CURV -0.02
+  DISZ 60
+  DIAM 8
+SURF 3
+  TYPE STANDARD
+  CURV 0
+  DISZ 0
+"""
+
+
+def read(kind: str, curvature: float, conic: float = 0.0, unit: str = "MM", **parameters: float) -> Prescription:
+    lines = "".join(f"  PARM {name[1:]} {value}\n" for name, value in parameters.items())
+    text = FILE.format(kind=kind, curvature=curvature, conic=conic, parameters=lines).replace("UNIT MM", f"UNIT {unit}")
+    return parse_lens_file(text.encode(), "cylinders.zmx")
+
+
+def test_a_biconic_has_its_radius_and_conic_in_x() -> None:
+    lens = read("BICONICX", 0.02, -1.0, p1=80.0, p2=-0.5)
+    assert (lens.surfaces[0].radius_mm, lens.surfaces[0].conic) == (50.0, -1.0)
+    assert lens.surfaces[0].across == Across(80.0, -0.5)
+    assert not lens.surfaces[1].across
+
+
+def test_a_radius_of_0_in_x_is_none() -> None:
+    assert read("BICONICX", 0.02).surfaces[0].across == Across(0.0, 0.0)
+
+
+def test_lengths_are_in_the_files_unit() -> None:
+    assert read("BICONICX", 0.2, unit="CM", p1=8.0, p2=-0.5).surfaces[0].across == Across(80.0, -0.5)
+
+
+@pytest.mark.parametrize(
+    ("curvature", "turn_mm", "across"), [(0.02, 0.0, Across(0.0)), (0.0, 40.0, Across(40.0)), (0.02, 50.0, None)]
+)
+def test_a_torus_that_is_a_cylinder_or_a_sphere_is_read(
+    curvature: float, turn_mm: float, across: Across | None
+) -> None:
+    lens = read("TOROIDAL", curvature, p1=turn_mm)
+    assert lens.surfaces[0].across == across
+
+
+def test_the_planes_of_a_biconic_have_its_curves() -> None:
+    """Each plane's focal length is the one that the thick lens's equation gives."""
+    lens = read("BICONICX", 0.02, p1=80.0)
+    n = 1.5168
+    for part, radius in ((lens, 50.0), (turned(lens), 80.0)):
+        power = (n - 1) * (1 / radius + 0.02 - (n - 1) * 5 * 0.02 / (n * radius))
+        assert focal_points(paraxial_system(part))[0] == pytest.approx(1 / power, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters", "message"),
+    [
+        ("TOROIDAL", {"p1": 70.0}, "a torus of the radii 50 and 70 is not supported"),
+        ("TOROIDAL", {"p1": 0.0, "p3": 1e-6}, "PARM 3 of a surface of TYPE TOROIDAL must be 0"),
+        ("TOROIDAL", {"p1": 0.0, "p2": 1e-6}, "PARM 2 of a surface of TYPE TOROIDAL must be 0"),
+        ("BICONICX", {"p1": 70.0, "p5": 1.0}, "PARM 5 of a surface of TYPE BICONICX must be 0"),
+        ("BICONICX", {"p1": float("inf")}, "parameter"),
+    ],
+)
+def test_other_surfaces_are_refused(kind: str, parameters: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        read(kind, 0.02, **parameters)

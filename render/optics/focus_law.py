@@ -14,12 +14,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from render.errors import SettingsError
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.lens import Prescription
 from render.model.lens_law import NO_LIMIT_W, LensLaw
 from render.optics.prescription.f_numbers import widest_f_number
 from render.optics.prescription.focus_mechanism import LONGEST_WAY, FocusMechanism
+from render.optics.prescription.focusing import focus_across
 from render.optics.prescription.mounting import has_surfaces, scale_to
 from render.optics.prescription.paraxial import entrance_pupil
 from render.optics.prescription.zooming import zoom_of
@@ -133,10 +135,23 @@ def _way_to(mechanism: FocusMechanism, end_mm: float) -> _Way:
         if nearness is None or (rows and nearness <= rows[-1][0]):
             break
         moved = mechanism.shifted_vertices(float(shift_mm))
+        if rows and not _focuses_across(mechanism, moved, nearness):
+            break
         pupil_mm, pupil = entrance_pupil(replace(mechanism.system, vertices_mm=moved), mechanism.stop)
         rows.append((nearness, abs(pupil), seen.scale_mm, mechanism.film_mm - pupil_mm))
     nearness, pupils, scales_mm, to_film_mm = np.array(rows).T
     return _Way(nearness, pupils, scales_mm, to_film_mm, widest_f_number(mechanism.prescription))
+
+
+def _focuses_across(mechanism: FocusMechanism, moved_mm: DoubleArray, nearness: float) -> bool:
+    """Whether a lens that is sharp from top to bottom can also be from side to side, where cylinders move for that."""
+    if mechanism.prescription.focus_group_across is None:
+        return True
+    try:
+        focus_across(mechanism, moved_mm, nearness, 0.0, "paraxial")
+    except SettingsError:
+        return False
+    return True
 
 
 def round_focal_length(prescription: Prescription, focal_length_mm: float) -> float:

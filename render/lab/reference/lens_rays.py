@@ -62,6 +62,8 @@ def _unsqueeze(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) 
     if camera.f_stop > 0 and lens.model == "seidel" and lens.seidel is not None:
         return _Seidel(camera, pupil, lens.seidel)
     if has_surfaces(camera):
+        if lens.has_cylinders:
+            raise SettingsError("the ray-by-ray reference knows no lenses with cylinders")
         if camera.focal_surface is not None:
             raise SettingsError("the ray-by-ray reference knows lenses with surfaces focused at a distance alone")
         if own_scales(lens) != AberrationScales():

@@ -133,15 +133,29 @@ def focus_lens(
         shift_mm = _spot_shift_mm(mechanism, nearness, shift_mm, radius_mm)
     moved_mm = mechanism.shifted_vertices(shift_mm)
     if prescription.focus_group_across is not None:
-        moved_mm = _focus_across(mechanism, moved_mm, nearness, radius_mm, by)
+        moved_mm = focus_across(mechanism, moved_mm, nearness, radius_mm, by)
     f_number = max(f_stop, widest_f_number(prescription))
     return _assemble(mechanism, nearness, shift_mm, moved_mm, radius_mm, f_number)
 
 
-def _focus_across(
+def focus_across(
     mechanism: FocusMechanism, moved_mm: DoubleArray, nearness: float, radius_mm: float, by: FocusCriterion
 ) -> DoubleArray:
-    """Vertices with the cylinders that focus from side to side moved too."""
+    """Move the cylinders that focus from side to side.
+
+    Args:
+        mechanism: of a lens that has such cylinders.
+        moved_mm: ``(n,)`` its vertices as it is focused from top to bottom.
+        nearness: 1 over the focus distance, 1/mm; 0 is infinity.
+        radius_mm: of the iris.
+        by: as for `focus_lens`.
+
+    Returns:
+        The vertices with the cylinders moved too.
+
+    Raises:
+        SettingsError: they do not move so far.
+    """
     focused = _with_gaps(mechanism, moved_mm)
     front_mm = float(moved_mm[0])
     pupil_mm = first_order(focused).entrance_pupil_mm  # from top to bottom, where the cylinders leave it

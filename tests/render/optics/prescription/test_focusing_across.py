@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from render.errors import InputError, SettingsError
-from render.model.lens import Across, Glass, Prescription, Surface
+from render.model.camera import Camera
+from render.model.lens import Across, Glass, Lens, Prescription, Surface
+from render.optics.focus_law import focus_law
 from render.optics.prescription.beams import best_focus_mm
 from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.focusing import FocusedLens, focus_lens
@@ -139,3 +141,21 @@ def test_clear_diameters_are_solved_for_in_both_meridians(lens: Prescription) ->
     )
     for got, first, second in zip(solved.surfaces, one.surfaces, other.surfaces, strict=True):
         assert got.semi_diameter_mm == pytest.approx(max(first.semi_diameter_mm, second.semi_diameter_mm), rel=1e-2)
+
+
+def test_the_focus_law_ends_where_the_cylinders_do(lens: Prescription) -> None:
+    """A plate before the positive cylinder leaves the negative one 6 mm: the prime could focus nearer than that allows."""
+    room_mm, thick_mm = 6.0, 50.0
+    left_mm = NEGATIVE_MM + POSITIVE_MM - room_mm - thick_mm / N
+    plate = Surface(0.0, thick_mm, GLASS, 12.0), Surface(0.0, left_mm, semi_diameter_mm=12.0)
+    first = AFOCAL.surfaces[0], replace(AFOCAL.surfaces[NEGATIVE], thickness_mm=room_mm)
+    held = replace(AFOCAL, surfaces=(*first, *plate, *AFOCAL.surfaces[POSITIVE:]), focus_group=(6, 8))
+    nearest_w = []
+    for glass in (AFOCAL, held):
+        mounted = Lens("prescription", prescription=glass)
+        nearest_w.append(float(focus_law(Camera(np.eye(4), 100.0, 24.0, 8.0, f_stop=20.0, lens=mounted)).near_w[0]))
+    assert nearest_w[1] < 0.6 * nearest_w[0]
+    whole = complete_prescription(held)
+    focus_lens(whole, 1 / nearest_w[1], 20.0, by="paraxial")
+    with pytest.raises(SettingsError, match="its cylinders move by"):
+        focus_lens(whole, 0.85 / nearest_w[1], 20.0, by="paraxial")

@@ -11,11 +11,15 @@ from render.model.lens import Across, Configuration, Glass, Prescription
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.dispersion.sellmeier_fit import as_sellmeier
 from render.optics.lens_files import MeasuredLens
+from render.optics.prescription.meridians import turned
+from render.optics.prescription.paraxial import focal_points, paraxial_system
 from render.optics.prescription.zooming import marked_close_focus_m, zoom_positions
 from usd_schemas import Configurations, DataSheet, LensData
 from usd_schemas import Prescription as PrescriptionData
 
 _DECIMALS = 9  # of a millimetre: sums of thicknesses without their binary rounding
+SQUEEZES = 0.1, 10.0
+"""The schema's range; real lenses squeeze by 1.25 to 2."""
 ASPHERIC = tuple(f"aspheric{power}" for power in range(4, 21, 2))
 """Fields of the schema's prescription that hold the coefficients of r⁴, r⁶, ... r²⁰."""
 
@@ -62,6 +66,7 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         name=name or prescription.name,
         close_focus=1000 * marked_close_focus_m(prescription),
         f_stop_range=(prescription.f_stop, 0.0),
+        squeeze=_nominal_squeeze(prescription),
         prescription=data,
         configurations=_configurations(prescription),
     )
@@ -81,6 +86,15 @@ def _configurations(prescription: Prescription) -> Configurations:
         focal_length=tuple(focal_mm for _, focal_mm in rows),
         f_stop=_unless_zero(each.f_stop for each, _ in rows),
     )
+
+
+def _nominal_squeeze(prescription: Prescription) -> float:
+    """Squeeze of a lens with cylinders at infinity, to two decimals; 1 of any other, and where none makes a picture."""
+    if not prescription.is_anamorphic:
+        return 1.0
+    own, across = (focal_points(paraxial_system(part))[0] for part in (prescription, turned(prescription)))
+    squeeze = round(own / across, 2)
+    return squeeze if SQUEEZES[0] <= squeeze <= SQUEEZES[1] else 1.0
 
 
 def _across(prescription: Prescription) -> dict[str, tuple[float, ...]]:

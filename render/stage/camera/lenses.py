@@ -30,7 +30,7 @@ from render.optics.channel_indices import with_channel_indices
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.validation import MAX_CONFIGURATIONS
-from render.stage.camera.lens_data import ASPHERIC
+from render.stage.camera.lens_data import ASPHERIC, SQUEEZES
 from render.stage.camera.planes import read_plane, rotate_plane
 from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
 from render.stage.materials.image_files import TextureError
@@ -40,7 +40,6 @@ from usd_schemas import Prescription as PrescriptionData
 from usd_schemas import Seidel as SeidelData
 
 _SURFACES = {"spherical": 2, "heightField": 2}
-_SQUEEZES = 0.1, 10.0  # the schema's range; real lenses squeeze by 1.25 to 2
 
 
 def make_lens(data: LensData, camera: str, confined_to: Path | None = None) -> Lens:
@@ -57,7 +56,7 @@ def make_lens(data: LensData, camera: str, confined_to: Path | None = None) -> L
     for name, value in _numbers(data):
         if not math.isfinite(value):
             raise _error(camera, f"lens:{name}", "a finite number", f"{value}")
-    least, most = _SQUEEZES
+    least, most = SQUEEZES
     if not least <= data.squeeze <= most:
         raise _error(camera, "lens:squeeze", f"from {least:g} to {most:g}", f"{data.squeeze:g}")
     if not (0 <= data.transmittance <= 1 and data.neutral_density >= 0):

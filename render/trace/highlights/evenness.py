@@ -14,6 +14,8 @@ from render.trace.lens_table import GridTable
 def grid_changes(table: GridTable) -> tuple[float, float, float]:
     """Bounds of the derivatives of a table's rays by the place on the unit disc, over all wavelengths, fields and open rays.
 
+    Of a lens with cylinders they are those of the picture squeezed as the pupil is: evenness is a ratio of areas, which stays.
+
     Returns:
         Largest derivative of a slope error; largest difference of a pupil point's derivative from ``c`` times the identity,
         metres; and ``c``, metres. The size of a derivative is the root of the sum of its elements' squares.
@@ -26,6 +28,10 @@ def grid_changes(table: GridTable) -> tuple[float, float, float]:
         return float("inf"), 0.0, 0.0
     rays = table.rays.astype(np.float64)
     right, down = np.diff(rays, axis=-2) * (side - 1) / 2, np.diff(rays, axis=-3) * (side - 1) / 2
+    if table.mirrored:
+        widened = down[..., :-1, 3][cells].mean() / right[..., :-1, :, 2][cells].mean()
+        right[..., 0::2] *= widened
+        down[..., 0::2] *= widened
     c = float((right[..., :-1, :, 2][cells].mean() + down[..., :-1, 3][cells].mean()) / 2)
     right[..., 2] -= c
     down[..., 3] -= c

@@ -17,7 +17,9 @@ from render.model.lens import DataSheet as SheetTables
 from render.optics.glass import refractive_index
 from render.optics.lens_files import MeasuredLens, parse_lens_file
 from render.optics.prescription.completion import complete_prescription
+from render.optics.prescription.meridians import turned
 from render.optics.prescription.paraxial import first_order
+from render.optics.prescription.stop_placement import with_stop
 from render.optics.prescription.zooming import marked_close_focus_m, zoom_of
 from render.shot.findings.camera_findings import camera_findings
 from render.shot.lens.lens_choice import measured_choice
@@ -408,6 +410,8 @@ CYLINDERS = Prescription(
 def test_cylinders_are_written_and_read(stage: Usd.Stage, camera: LensCamera) -> None:
     mount_lens(camera, lens_data(CYLINDERS))
     assert _read(stage).lens.prescription == CYLINDERS
+    own, across = (first_order(with_stop(part)).focal_length_mm for part in (CYLINDERS, turned(CYLINDERS)))
+    assert _read(stage).lens.squeeze == pytest.approx(own / across, abs=0.01)
 
 
 def test_a_lens_of_spheres_has_no_arrays_across() -> None:

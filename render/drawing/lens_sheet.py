@@ -5,13 +5,21 @@ from __future__ import annotations
 import textwrap
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 
 from render.drawing.data_sheet_curves import draw_blur, draw_character, draw_colour
 from render.drawing.field_curves import draw_distortion, draw_field_curvature, draw_illumination
 from render.drawing.page import FAINT, INK, SMALL, draw_message, encode_figure, style
 from render.drawing.point_images import draw_bokeh, draw_no_bokeh, draw_spots
 from render.drawing.section import draw_section
+from render.drawing.transfer_curves import (
+    draw_breathing,
+    draw_focus_scale,
+    draw_lateral,
+    draw_longitudinal,
+    draw_mtf,
+    draw_through_focus,
+)
 from render.optics.report import LensReport, data_sheet
 from render.optics.report.data_sheet import metres
 from render.shot.lens.lens_alone import LensAlone
@@ -29,6 +37,15 @@ _DATA_SHEET_CURVES = (
     ((0.375, 0.745, 0.265, 0.14), draw_colour),
     ((0.375, 0.545, 0.265, 0.12), draw_character),
 )
+_MORE_INCHES, _MORE_SIZE = 6.6, (0.28, 0.28)
+_MORE_CURVES = (
+    ((0.045, 0.63), draw_mtf),
+    ((0.375, 0.63), draw_through_focus),
+    ((0.705, 0.63), draw_breathing),
+    ((0.045, 0.14), draw_longitudinal),
+    ((0.375, 0.14), draw_lateral),
+    ((0.705, 0.14), draw_focus_scale),
+)
 _CURVES_LOW, _CURVE_SIZE = 0.085, (0.28, 0.165)
 
 
@@ -44,17 +61,20 @@ def draw_lens_sheet(lens: LensAlone, report: LensReport, suffix: str) -> bytes:
         The file.
     """
     with style():
-        figure = Figure(figsize=_INCHES, facecolor="white")
+        page = Figure(figsize=(_INCHES[0], _INCHES[1] + _MORE_INCHES), facecolor="white")
+        figure, more = page.subfigures(2, 1, squeeze=False, height_ratios=(_INCHES[1], _MORE_INCHES))[:, 0]
         _write_head(figure, lens, report)
         _write_numbers(figure, report)
         _draw_inside(figure, report)
         _draw_point_images(figure, report)
         for left, draw in _CURVES:
             draw(figure.add_axes((left, _CURVES_LOW, *_CURVE_SIZE)), report)
-        return encode_figure(figure, suffix)
+        for (left, low), draw in _MORE_CURVES:
+            draw(more.add_axes((left, low, *_MORE_SIZE)), report)
+        return encode_figure(page, suffix)
 
 
-def _draw_inside(figure: Figure, report: LensReport) -> None:
+def _draw_inside(figure: FigureBase, report: LensReport) -> None:
     """Draw the section of a lens with surfaces, or the curves of a data sheet."""
     if report.camera.lens.data_sheet is not None:
         for place, draw in _DATA_SHEET_CURVES:
@@ -64,7 +84,7 @@ def _draw_inside(figure: Figure, report: LensReport) -> None:
     draw_section(figure.add_axes(_SECTION), report)
 
 
-def _write_head(figure: Figure, lens: LensAlone, report: LensReport) -> None:
+def _write_head(figure: FigureBase, lens: LensAlone, report: LensReport) -> None:
     camera = report.camera
     stop = f"f/{report.f_stop:.3g}, " if report.f_stop else ""
     gate = f"{camera.horizontal_aperture_mm:g} × {camera.vertical_aperture_mm:g} mm"
@@ -78,7 +98,7 @@ def _write_head(figure: Figure, lens: LensAlone, report: LensReport) -> None:
         )
 
 
-def _write_numbers(figure: Figure, report: LensReport) -> None:
+def _write_numbers(figure: FigureBase, report: LensReport) -> None:
     """Write as many numbers as there is room for. A lens file may have many notes; a last line marks what is cut off."""
     y = _NUMBERS_TOP
     notes = [("note", note) for note in report.notes]
@@ -96,7 +116,7 @@ def _write_numbers(figure: Figure, report: LensReport) -> None:
         y -= _LINE / 2
 
 
-def _draw_point_images(figure: Figure, report: LensReport) -> None:
+def _draw_point_images(figure: FigureBase, report: LensReport) -> None:
     focus = metres(report.camera.focus_distance_m)
     words = f"of a point in focus at {focus}, by image height; up is outward, circle: diffraction's disc"
     _title(figure, _SPOTS_LEFT, "Spots", words if report.f_stop else "")
@@ -116,15 +136,15 @@ def _draw_point_images(figure: Figure, report: LensReport) -> None:
     draw_bokeh(_row(figure, _BOKEH_LEFT, len(report.bokeh.places)), report)
 
 
-def _title(figure: Figure, left: float, title: str, words: str) -> None:
+def _title(figure: FigureBase, left: float, title: str, words: str) -> None:
     figure.text(left, _STAMPS_TITLE, title, weight="bold", va="bottom", color=INK)
     figure.text(left + 0.042, _STAMPS_TITLE, words, fontsize=SMALL, va="bottom", color=INK)
 
 
-def _row(figure: Figure, left: float, count: int) -> list[Axes]:
+def _row(figure: FigureBase, left: float, count: int) -> list[Axes]:
     size = (_STAMP_INCHES / _INCHES[0], _STAMP_INCHES / _INCHES[1])
     return [figure.add_axes((left + i * _STAMP_STEP, _STAMPS_LOW, *size)) for i in range(count)]
 
 
-def _wide(figure: Figure, left: float) -> Axes:
+def _wide(figure: FigureBase, left: float) -> Axes:
     return figure.add_axes((left, _STAMPS_LOW, 5 * _STAMP_STEP, _STAMP_INCHES / _INCHES[1]))

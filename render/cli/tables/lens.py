@@ -15,6 +15,7 @@ from render.model.arrays import DoubleArray
 from render.optics.prescription.zooming import Zoom
 from render.optics.report import LensReport, data_sheet
 from render.optics.report.field import WAVELENGTHS_NM
+from render.optics.report.mtf import FREQUENCIES, LIGHT
 from render.shot.lens.lens_alone import LensAlone
 
 
@@ -63,6 +64,9 @@ def lens_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
         "spotWavelengthsNm": list(WAVELENGTHS_NM),
         "curves": {key: _numbers(values) for key, values in camel_case_keys(vars(report.curves)).items()},
         "bokeh": _bokeh(report),
+        "mtf": _mtf(report),
+        "colour": _colour(report),
+        "focusScale": [finite(camel_case_keys(asdict(mark))) | {"label": mark.label} for mark in report.focus_marks],
         "notes": list(report.notes),
     }
 
@@ -89,6 +93,54 @@ def _zoom(zoom: Zoom | None) -> dict[str, Any] | None:
 
 def _numbers(values: DoubleArray) -> list[float | None]:
     return [float(value) if math.isfinite(value) else None for value in values]
+
+
+def _mtf(report: LensReport) -> dict[str, Any] | None:
+    mtf = report.mtf
+    if mtf is None:
+        return None
+    directions = ("sagittal", "tangential")
+    over_field = [
+        {
+            "linePairsPerMm": frequency,
+            **{
+                f"{direction}{kind}": _numbers(values[f, d])
+                for kind, values in (("", mtf.field), ("Geometric", mtf.field_geometric))
+                for d, direction in enumerate(directions)
+            },
+        }
+        for f, frequency in enumerate(FREQUENCIES)
+    ]
+    through_focus = [
+        {
+            "linePairsPerMm": frequency,
+            "heightMm": float(height),
+            **{direction: _numbers(mtf.focus[f, d, p]) for d, direction in enumerate(directions)},
+        }
+        for f, frequency in enumerate(FREQUENCIES)
+        for p, height in enumerate(mtf.focus_heights_mm)
+    ]
+    return {
+        "wavelengths": [{"nm": nm, "weight": weight} for nm, weight in LIGHT],
+        "diffraction": "wavefront" if mtf.is_exact else "rays times the perfect lens",
+        "heightsMm": _numbers(mtf.heights_mm),
+        "overField": over_field,
+        "filmShiftsMm": _numbers(mtf.shifts_mm),
+        "throughFocus": through_focus,
+    }
+
+
+def _colour(report: LensReport) -> dict[str, Any] | None:
+    colour = report.colour
+    if colour is None:
+        return None
+    return {
+        "wavelengthsNm": list(WAVELENGTHS_NM),
+        "pupil": _numbers(colour.pupil),
+        "longitudinalMm": [_numbers(values) for values in colour.longitudinal_mm],
+        "heightsMm": _numbers(colour.heights_mm),
+        "lateralUm": [_numbers(values) for values in colour.lateral_um],
+    }
 
 
 def _bokeh(report: LensReport) -> dict[str, Any] | None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from render.optics.prescription.zooming import Zoom
 from render.optics.report.lens_report import LensReport
+from render.optics.report.mtf import FREQUENCIES
 
 Row = tuple[str, str]
 
@@ -87,7 +88,21 @@ def _picture(report: LensReport) -> Iterator[Row]:
     yield "illumination", f"{100 * light:.0f} % in the corner{stops}"
     if report.f_stop:
         sizes = ", ".join("dark" if math.isnan(spot.rms_um) else f"{spot.rms_um:.0f}" for spot in report.spots)
+        yield "MTF", _transfer(report)
         yield "spots", f"{sizes} µm rms, axis to corner; diffraction's disc ⌀\u00a0{report.airy_um:.1f}\u00a0µm"
+
+
+def _transfer(report: LensReport) -> str:
+    mtf = report.mtf
+    if mtf is None:
+        return ""
+    lit = np.flatnonzero(np.isfinite(mtf.field[0, 0]))
+    if not len(lit):
+        return "dark"
+    middle = ", ".join(f"{100 * value:.0f}" for value in mtf.field[:, 0, 0])
+    outer = ", ".join(f"{100 * s:.0f}/{100 * t:.0f}" for s, t in mtf.field[:, :, lit[-1]])
+    frequencies = ", ".join(f"{frequency:g}" for frequency in FREQUENCIES)
+    return f"{middle} % at {frequencies} lp/mm on the axis; {outer} % sagittal/tangential at {mtf.heights_mm[lit[-1]]:.1f} mm"
 
 
 def _barrel(report: LensReport) -> Iterator[Row]:

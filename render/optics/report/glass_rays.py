@@ -7,15 +7,18 @@ from functools import cached_property
 import numpy as np
 
 from render.model.arrays import DoubleArray
+from render.optics.glass import refractive_index
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.principal_rays import PrincipalRays, principal_rays
 from render.optics.prescription.tracing import TracedRays, trace_forward
 from render.optics.report.aiming import AimedRays, Targets, aim, trace_aimed
 from render.optics.report.film_cone import film_cone
 from render.optics.report.film_rays import Beams, DistantBeams, even_grid
+from render.optics.report.wavefront import Wavefront, fit_wavefront
 
 _NODES = 181
 _COARSE = 40
+_WAVE_SIDE = 56
 _GOLDEN_TURN = np.pi * (3 - np.sqrt(5))
 
 
@@ -98,6 +101,44 @@ class GlassRays:
             is_open,
         )
         return DistantBeams(np.array(pupil), beams)
+
+    def wavefront(self, height_mm: float, wavelength_nm: float) -> Wavefront | None:
+        """The wavefront of an object in focus that the chief ray at the d line takes to a height of the picture.
+
+        Args:
+            height_mm: of the image.
+            wavelength_nm: of the light.
+
+        Returns:
+            None where no light arrives.
+        """
+        cone = film_cone(self._lens, height_mm, wavelength_nm, side=_WAVE_SIDE)
+        if cone is None or cone.light <= 0:
+            return None
+        slopes, _, _ = self._seen(np.array([[0.0, height_mm]]), self._focus)
+        return fit_wavefront(cone, self._path_mm(cone.rays, height_mm, slopes[0], wavelength_nm), wavelength_nm)
+
+    def _path_mm(self, rays: TracedRays, height_mm: float, slope: DoubleArray, wavelength_nm: float) -> DoubleArray:
+        """Optical path ``(n,)`` from the object to the film, less that of all; rays go from film to scene."""
+        lens = self._lens
+        steps = np.diff(
+            rays.points_mm, axis=0
+        )  # from the last surface to the first; back where they cut into each other
+        legs = np.copysign(np.linalg.norm(steps, axis=-1), -steps[..., 2])
+        glasses = [surface.glass for surface in lens.prescription.surfaces[-2::-1]]
+        path = sum(
+            (leg * refractive_index(glass, wavelength_nm) for leg, glass in zip(legs, glasses, strict=True)),
+            start=np.zeros(rays.points_mm.shape[1]),
+        )
+        met = rays.points_mm[-1] - [0.0, 0.0, lens.entrance_pupil_mm]
+        toward = np.array([*slope, -1.0])
+        if self._focus:
+            object_mm = toward / self._focus
+            path = path + np.linalg.norm(object_mm - met, axis=1) - np.linalg.norm(object_mm)
+        else:
+            path = path - met @ (toward / np.linalg.norm(toward))
+        place = np.array([0.0, -height_mm, lens.film_mm])
+        return np.asarray(path + np.linalg.norm(rays.points_mm[0] - place, axis=1))
 
     def _enter(self, points_mm: DoubleArray, direction: DoubleArray, wavelength_nm: float) -> TracedRays:
         """Trace parallel rays from points ``(n, 2)`` of the plane of the front vertex."""

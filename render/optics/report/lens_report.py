@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,10 +18,13 @@ from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.mounting import distance_from_film_m, has_surfaces, mount_lens, nearer_than_marked
 from render.optics.prescription.zooming import Zoom, zoom_of
 from render.optics.report.bokeh import BokehSheet, bokeh_sheet
+from render.optics.report.colour import ColourCurves, measure_colour
 from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, seen_at, spots
 from render.optics.report.film_rays import FilmRays, SqueezedRays
+from render.optics.report.focus_scale import FocusMark, focus_scale
 from render.optics.report.glass_rays import GlassRays
 from render.optics.report.ideal_rays import ThinRays
+from render.optics.report.mtf import Mtf, measure_mtf
 from render.optics.report.numbers import (
     Barrel,
     ThirdOrder,
@@ -106,6 +110,25 @@ class LensReport:
     def corner_mm(self) -> float:
         """Image height of the gate's corner."""
         return corner_mm(self.camera)
+
+    @cached_property
+    def mtf(self) -> Mtf | None:
+        """Modulation transfer; None for a pinhole."""
+        return (
+            measure_mtf(film_rays(self.camera), self.corner_mm, self.working_f_stop or self.f_stop)
+            if self.f_stop
+            else None
+        )
+
+    @cached_property
+    def colour(self) -> ColourCurves | None:
+        """Errors of each colour; None for a pinhole."""
+        return measure_colour(film_rays(self.camera), self.corner_mm) if self.f_stop else None
+
+    @cached_property
+    def focus_marks(self) -> tuple[FocusMark, ...]:
+        """Scale of the focus ring; empty for a lens without surfaces."""
+        return focus_scale(self.camera) if self.focused else ()
 
 
 def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:

@@ -245,7 +245,7 @@ def test_a_sheet_is_drawn_in_the_format_that_its_name_asks_for(
         assert ElementTree.parse(file).getroot().tag.endswith("svg")
     else:
         pixels = OpenImageIO.ImageBuf(str(file)).get_pixels(OpenImageIO.UINT8)
-        assert pixels.shape[:2] == (1344, 1920)
+        assert pixels.shape[:2] == (2136, 1920)
         assert (pixels[..., :3].max(axis=-1) < 250).mean() > 0.03  # there is something on it
 
 

@@ -17,7 +17,7 @@ from render.cli.tables.comparison import comparison_json, comparison_table
 from render.cli.tables.glass import glass_json, glass_table
 from render.cli.tables.lens import lens_json, lens_table
 from render.cli.tables.sheet_path import resolve_sheet_path
-from render.errors import InputError, NotFoundError, SettingsError
+from render.errors import GraphicsError, InputError, NotFoundError, SettingsError
 from render.files import check_writable, write_atomic
 from render.optics.dispersion.names import find_glass, find_in_catalogue, near_glasses
 from render.optics.lens_files import UNKNOWN_GLASS, data_sheet_text, is_data_sheet
@@ -150,10 +150,11 @@ def run_show(arguments: argparse.Namespace) -> None:
         check_writable(arguments.tables)
     target = None if arguments.out is None else resolve_sheet_path(arguments.out, lens.name)
     report = _report(lens, arguments)
+    error_mm = _picture_error_mm(report)
     if arguments.json:
-        print_json(lens_json(lens, report))
+        print_json(lens_json(lens, report, error_mm))
     else:
-        print_result(lens_table(lens, report))
+        print_result(lens_table(lens, report, error_mm))
     if arguments.tables is not None:
         write_atomic(arguments.tables, data_sheet_text(measured_lens(lens, report)).encode())
         print_message(f"written: {arguments.tables}")
@@ -255,6 +256,18 @@ def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
         ):  # infinity is the default, not the user's choice
             raise InputError(f"{error.detail}; --focus sets another distance", code=error.code) from error
         raise
+
+
+def _picture_error_mm(report: LensReport) -> float | None:
+    """Error of the rays of pictures through the lens; None for one without surfaces, or where there is no device."""
+    if report.camera.lens.model not in ("spherical", "prescription") or report.focused is None:
+        return None
+    from render.trace.table_error import table_error_mm  # loads OpenGL
+
+    try:
+        return table_error_mm(report.camera)
+    except GraphicsError:
+        return None
 
 
 def _read_lens(name: str, arguments: argparse.Namespace) -> LensAlone:

@@ -18,13 +18,16 @@ from render.optics.report.field import WAVELENGTHS_NM
 from render.optics.report.mtf import FREQUENCIES, LIGHT
 from render.shot.lens.lens_alone import LensAlone
 
+_PICTURE_ERROR_MM = 0.004  # as render.trace.prescription_table.FILM_ERROR_MM, which loads OpenGL
 
-def lens_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
+
+def lens_json(lens: LensAlone, report: LensReport, picture_error_mm: float | None) -> dict[str, Any]:
     """Convert a report to JSON; keys end with their unit, and infinite or dark values are null.
 
     Args:
         lens: the lens.
         report: of the lens.
+        picture_error_mm: error on the film of the rays of pictures; None where it is not known.
     """
     camera = report.camera
     across, up, diagonal = report.field_of_view_deg
@@ -67,7 +70,8 @@ def lens_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
         "mtf": _mtf(report),
         "colour": _colour(report),
         "focusScale": [finite(camel_case_keys(asdict(mark))) | {"label": mark.label} for mark in report.focus_marks],
-        "notes": list(report.notes),
+        "pictureErrorUm": None if picture_error_mm is None else 1000 * picture_error_mm,
+        "notes": [*report.notes, *_picture_notes(picture_error_mm)],
     }
 
 
@@ -93,6 +97,15 @@ def _zoom(zoom: Zoom | None) -> dict[str, Any] | None:
 
 def _numbers(values: DoubleArray) -> list[float | None]:
     return [float(value) if math.isfinite(value) else None for value in values]
+
+
+def _picture_notes(error_mm: float | None) -> list[str]:
+    if error_mm is None or error_mm <= _PICTURE_ERROR_MM:
+        return []
+    return [
+        f"Rays of pictures are up to {1000 * error_mm:.1f} µm off on the film, more than the {1000 * _PICTURE_ERROR_MM:g} µm that"
+        " their table is refined for."
+    ]
 
 
 def _mtf(report: LensReport) -> dict[str, Any] | None:
@@ -162,12 +175,13 @@ def _bokeh(report: LensReport) -> dict[str, Any] | None:
     }
 
 
-def lens_table(lens: LensAlone, report: LensReport) -> Table:
+def lens_table(lens: LensAlone, report: LensReport, picture_error_mm: float | None) -> Table:
     """Convert a report to a table, one row for each number.
 
     Args:
         lens: the lens.
         report: of the lens.
+        picture_error_mm: error on the film of the rays of pictures; None where it is not known.
     """
     table = Table(
         box=box.SIMPLE_HEAD, show_header=False, title=one_line(lens.title), title_justify="left", pad_edge=False
@@ -178,6 +192,9 @@ def lens_table(lens: LensAlone, report: LensReport) -> Table:
         for row in group:
             table.add_row(*row)
         table.add_section()
-    for note in report.notes:
+    if picture_error_mm is not None:
+        table.add_row("picture's rays", f"within {1000 * picture_error_mm:.1f} µm of exact rays on the film")
+        table.add_section()
+    for note in (*report.notes, *_picture_notes(picture_error_mm)):
         table.add_row("note", one_line(note))
     return table

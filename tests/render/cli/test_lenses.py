@@ -13,6 +13,8 @@ from xml.etree import ElementTree
 import OpenImageIO
 import pytest
 
+from render.cli.tables.lens import _PICTURE_ERROR_MM
+from render.trace.prescription_table import FILM_ERROR_MM
 from tests.render.kits.cli_shots import Command
 from tests.render.kits.lens_files import FILES
 from usd_schemas import library_lenses
@@ -166,6 +168,30 @@ def test_the_groups_that_float_are_told(pullfocus: Command) -> None:
     assert groups == [(8, 11), (12, 20)]
     assert report["closeFocusM"] == pytest.approx(1.0047)
     assert "surfaces 9 to 12 by -13.86 mm" in pullfocus("lenses", "show", "master_prime_100").out
+
+
+def test_transfer_colour_and_focus_scale_are_in_the_json(pullfocus: Command) -> None:
+    report, thin = shown(pullfocus, "double_gauss_50", "--f-stop", "2.8"), shown(pullfocus, "thin_50")
+    mtf = report["mtf"]
+    assert [each["linePairsPerMm"] for each in mtf["overField"]] == [10, 20, 40]
+    assert sum(each["weight"] for each in mtf["wavelengths"]) == pytest.approx(1)
+    for each in mtf["overField"]:
+        assert len(each["sagittal"]) == len(each["tangentialGeometric"]) == len(mtf["heightsMm"])
+        assert each["sagittal"][0] == pytest.approx(each["tangential"][0], abs=0.01)
+    assert len(mtf["throughFocus"][0]["tangential"]) == len(mtf["filmShiftsMm"])
+    assert (mtf["diffraction"], thin["mtf"]["diffraction"]) == ("wavefront", "rays times the perfect lens")
+    assert len(report["colour"]["longitudinalMm"]) == 3
+    assert (report["focusScale"][0]["label"], thin["focusScale"]) == ("∞", [])
+    assert 0 < report["pictureErrorUm"] <= 4
+    assert thin["pictureErrorUm"] is None
+
+
+def test_an_error_of_the_pictures_rays_is_noted_above_4_um(pullfocus: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert FILM_ERROR_MM == _PICTURE_ERROR_MM
+    monkeypatch.setattr("render.trace.table_error.table_error_mm", lambda _: 0.0071)
+    report = shown(pullfocus, "double_gauss_50")
+    assert report["pictureErrorUm"] == pytest.approx(7.1)
+    assert any("up to 7.1 µm off on the film" in note for note in report["notes"])
 
 
 def test_the_gate_decides_the_field(pullfocus: Command) -> None:

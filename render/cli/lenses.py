@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
 
 from rich import box
 from rich.table import Table
 
+from render.cli import lens_measurements
 from render.cli.console import print_json, print_message
+from render.cli.options import shared
 from render.cli.options.lens_search import add_lens_search, found_lenses
 from render.cli.options.shared import add_unknown_glass, glass_advice
 from render.cli.rich_output import print_result
@@ -19,6 +20,7 @@ from render.cli.tables.lens import lens_json, lens_table
 from render.cli.tables.sheet_path import resolve_sheet_path
 from render.errors import GraphicsError, InputError, NotFoundError, SettingsError
 from render.files import check_writable, write_atomic
+from render.model.camera import Camera
 from render.optics.dispersion.names import find_glass, find_in_catalogue, near_glasses
 from render.optics.lens_files import UNKNOWN_GLASS, data_sheet_text, is_data_sheet
 from render.optics.lens_files.writing import target_suffix, write_lens
@@ -26,7 +28,7 @@ from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.mounting import PRESCRIBED
 from render.optics.report import LensReport, lens_report
 from render.shot.lens.comparison import compared_lens
-from render.shot.lens.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
+from render.shot.lens.lens_alone import LensAlone, lens_alone
 from render.shot.lens.measured_lens import measured_lens
 
 
@@ -53,27 +55,43 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write its data sheet as a .lens file; a lens with surfaces is measured as it is set",
     )
     _add_setting(show)
+    _add_json(show)
     compare = actions.add_parser("compare", help="two lenses side by side, and with --out a sheet that draws both")
     compare.set_defaults(run=run_compare)
     for name in ("lens", "other"):
         compare.add_argument(name, metavar="NAME|FILE", help="of the library, or a lens file")
     compare.add_argument("--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder")
     _add_setting(compare)
+    _add_json(compare)
     export = actions.add_parser("export", help="write a lens as a lens file of another program")
     export.set_defaults(run=run_export)
     export.add_argument("lens", metavar="NAME|FILE", help="of the library, or a lens file; it must have surfaces")
     export.add_argument("path", metavar="PATH", type=Path, help="Zemax .zmx, CODE V .seq or Optical Bench .txt")
     add_unknown_glass(export)
+    fit = actions.add_parser("fit", help="a data sheet from an MTF chart, calibrated distortion, an STMap, bokeh")
+    lens_measurements.add_fit(fit)
+    for name, words in (
+        ("stmap", "its distortion as STMaps, for compositors"),
+        ("opentrackio", "its lens part of an OpenTrackIO sample, with distortion"),
+    ):
+        action = actions.add_parser(name, help=words)
+        action.add_argument("lens", metavar="NAME|FILE", help="of the library, or a lens file")
+        _add_setting(action)
+        action.set_defaults(run=run_stmap if name == "stmap" else run_opentrackio)
+        if name == "stmap":
+            lens_measurements.add_stmap(action)
+        else:
+            action.add_argument("--out", metavar="FILE", type=Path, help="file to write; without it, standard output")
     glass = actions.add_parser("glass", help="numbers of a glass, by any of its names, and its refractive indices")
     glass.set_defaults(run=run_glass)
     glass.add_argument(
         "glass", metavar="NAME", help="such as N-BK7, or with its maker NBK7_SCHOTT, or a code such as 517642"
     )
-    glass.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
+    _add_json(glass)
 
 
 def _add_setting(parser: argparse.ArgumentParser) -> None:
-    """Add the options that set a lens, and --json."""
+    """Add the options that set a lens."""
     parser.add_argument(
         "--focal-length", metavar="MM", type=float, help="of a zoom; without it where the library or the file has it"
     )
@@ -81,7 +99,10 @@ def _add_setting(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
     parser.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
     add_unknown_glass(parser)
-    # No default here, so that --json before the action is kept.
+
+
+def _add_json(parser: argparse.ArgumentParser) -> None:
+    """Add --json without a default, so that it is kept where it stands before the action."""
     parser.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
 
 
@@ -223,6 +244,26 @@ def run_export(arguments: argparse.Namespace) -> None:
     print_message(f"written: {arguments.path}")
 
 
+def run_stmap(arguments: argparse.Namespace) -> None:
+    """Write the STMaps of a lens (`lens_measurements.run_stmap`)."""
+    lens_measurements.run_stmap(arguments, _camera)
+
+
+def run_opentrackio(arguments: argparse.Namespace) -> None:
+    """Write the OpenTrackIO lens part of a lens (`lens_measurements.run_opentrackio`)."""
+    lens_measurements.run_opentrackio(arguments, _camera)
+
+
+def _camera(arguments: argparse.Namespace) -> Camera:
+    lens = _read_lens(arguments.lens, arguments)
+    return _set_to(lens, arguments)
+
+
+def _set_to(lens: LensAlone, arguments: argparse.Namespace) -> Camera:
+    gate_mm = shared.read_gate(arguments.gate)
+    return lens.set_to(arguments.f_stop, arguments.focus, gate_mm, focal_length_mm=arguments.focal_length)
+
+
 def run_glass(arguments: argparse.Namespace) -> None:
     """Print the numbers of a glass.
 
@@ -245,9 +286,7 @@ def run_glass(arguments: argparse.Namespace) -> None:
 
 
 def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
-    camera = lens.set_to(
-        arguments.f_stop, arguments.focus, _read_gate(arguments.gate), focal_length_mm=arguments.focal_length
-    )
+    camera = _set_to(lens, arguments)
     try:
         return lens_report(camera, lens.f_stop)
     except SettingsError as error:
@@ -276,13 +315,3 @@ def _read_lens(name: str, arguments: argparse.Namespace) -> LensAlone:
             return lens_alone(name, arguments.allow_unknown_glass)
     except NotFoundError as error:
         raise SettingsError(error.detail, code=error.code, path=error.path) from error
-
-
-def _read_gate(typed: str | None) -> tuple[float, float]:
-    if typed is None:
-        return FULL_FRAME_MM
-    try:
-        width, height = (float(number) for number in re.split("[x×]", typed.lower()))
-    except ValueError:
-        raise SettingsError(f"--gate takes width x height in mm, such as 24.89x18.66, got {typed}") from None
-    return width, height

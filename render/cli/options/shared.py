@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,6 +15,7 @@ from render.errors import InputError, NotFoundError, PullfocusError, SettingsErr
 from render.optics.lens_files import UNKNOWN_GLASS
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
 from render.shot import Shot
+from render.shot.lens.lens_alone import FULL_FRAME_MM
 from render.shot.lens.lens_choice import LensChoice, choose_lens
 from render.stage import StageOptions
 from render.stage.options import DEFAULT_OPTIONS
@@ -174,6 +176,21 @@ def mount_lens(shot: Shot, camera_path: str | None, lens: LensChoice | None) -> 
     print_message(f"lens: {lens.name} ({', '.join(changes) or 'the camera as it is set'})")
     for note in lens.notes:
         print_message(f"lens: {note}")
+
+
+def read_gate(typed: str | None) -> tuple[float, float]:
+    """Read a film gate in mm, such as 24.89x18.66; None is full frame.
+
+    Raises:
+        SettingsError: it is none.
+    """
+    if typed is None:
+        return FULL_FRAME_MM
+    try:
+        width, height = (float(number) for number in re.split("[x×]", typed.lower()))
+    except ValueError:
+        raise SettingsError(f"--gate takes width x height in mm, such as 24.89x18.66, got {typed}") from None
+    return width, height
 
 
 def add_frames(parser: argparse._ActionsContainer, without: str) -> None:

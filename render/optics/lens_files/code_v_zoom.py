@@ -121,6 +121,8 @@ class CodeVZoom:
         if words[0].isdecimal():
             if not (len(words[0]) < 6 and 1 <= int(words[0]) <= MAX_CONFIGURATIONS):
                 raise self._text.error(f"ZOO must be from 1 to {MAX_CONFIGURATIONS}, got {words[0][:40]}", line)
+            if self._values and int(words[0]) != self.count:
+                raise self._text.error(f"ZOO {words[0]} stands behind values of {self.count} positions", line)
             self.count = int(words[0])
             return
         command, rest = words[0].upper()[:3], list(words[1:])

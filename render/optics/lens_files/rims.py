@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.lens import AIR, Glass, Prescription
+from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.lens_files.configurations import DraftConfigurations, join_gaps
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.prescription.clear_diameters import meeting_mm
-from render.optics.prescription.surface_shape import conic_extent_mm
+from render.optics.prescription.surface_shape import clearance_mm, conic_extent_mm
 from render.optics.prescription.validation import solid_neighbours
 
 Group = tuple[DraftSurface, DraftSurface] | None
@@ -71,7 +71,7 @@ def _trimmed(lens: Prescription, index: int, limit_mm: float, why: str) -> Presc
 def without_negative_gaps(
     surfaces: Sequence[DraftSurface], group: Group, configurations: DraftConfigurations, unit_mm: float
 ) -> tuple[list[DraftSurface], Group, list[str]]:
-    """The surfaces without planes of air that stand before their neighbours.
+    """The surfaces without planes of air that stand before their neighbours, or that glass bulges through.
 
     A plane that is not the stop is left out, so that light goes from neighbour to neighbour over the sum of both gaps. A stop
     that glass bulges through is moved to the glass. Other negative gaps stay, for `render.optics.prescription.validation` to
@@ -92,7 +92,9 @@ def without_negative_gaps(
     for place, surface in enumerate(surfaces):
         gap_before = kept[-1].thickness if kept else 0.0
         is_window = _is_plane(surface) and surface.glass == before == AIR
-        if not (is_window and kept and place < len(surfaces) - 1 and (gap_before < 0 or surface.thickness < 0)):
+        is_between = is_window and len(kept) > 0 and place < len(surfaces) - 1
+        is_before = gap_before < 0 or surface.thickness < 0
+        if not (is_between and (is_before or _is_cut(kept[-1], surface, surfaces[place + 1]))):
             before = surface.glass
             kept.append(surface)
             continue
@@ -103,13 +105,34 @@ def without_negative_gaps(
             join_gaps(configurations, kept[-1], surface)
             kept[-1].thickness = whole
             group = _without(group, surface, kept[-1], surfaces[place + 1])
-            where = f"stands {-min(gap_before, surface.thickness) * unit_mm:.4g} mm before its neighbour"
+            where = (
+                "is cut by the glass beside it"
+                if not is_before
+                else f"stands {-min(gap_before, surface.thickness) * unit_mm:.4g} mm before its neighbour"
+            )
             notes.append(f"Surface {surface.label}, a plane of air, {where}; it is left out.")
         else:
             if not (configurations.varies(kept[-1]) or configurations.varies(surface)):
                 notes += _move_to_glass(kept[-1], surface, whole, unit_mm)
             kept.append(surface)
     return kept, group, notes
+
+
+def _is_cut(front: DraftSurface, plane: DraftSurface, behind: DraftSurface) -> bool:
+    """Whether glass beside a plane that is not the stop reaches through it, by more than rounding."""
+    if plane.is_stop:
+        return False
+    one, other, third = (_shape(each) for each in (front, plane, behind))
+    with np.errstate(all="ignore"):
+        return clearance_mm(one, other, front.thickness) < 0 or clearance_mm(other, third, plane.thickness) < 0
+
+
+def _shape(surface: DraftSurface) -> Surface:
+    """The surface in the file's unit, a little narrower than it is."""
+    powers = range(4, max(surface.terms, default=2) + 1, 2)
+    terms = tuple(surface.terms.get(power, 0.0) for power in powers)
+    width = (1 - _ROUNDED) * surface.semi_diameter
+    return Surface(surface.radius, 0.0, semi_diameter_mm=width, conic=surface.conic, aspheric=terms)
 
 
 def _without(group: Group, dropped: DraftSurface, front: DraftSurface, behind: DraftSurface) -> Group:

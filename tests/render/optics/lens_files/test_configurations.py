@@ -146,6 +146,7 @@ def test_code_v_beam_of_the_first_position() -> None:
         ("THI S2 Z3 1", "the file has 2 zoom positions, got Z3"),
         ("ZOO THI S40 1 2", "ZOO THI is about surface 40, which is not there"),
         ("ZOO THI S2 1 x", "value of THI at position 2 must be a number"),
+        ("ZOO THI S2 1 2\nZOO 3", "ZOO 3 stands behind values of 2 positions"),
         ("ZOO 900", "ZOO must be from 1 to 64, got 900"),
     ],
 )

@@ -66,6 +66,20 @@ def test_a_field_stop_before_its_neighbour_is_left_out() -> None:
     assert any(note.startswith("Surface 71, a plane of air, stands 0.4 mm before its neighbour") for note in lens.notes)
 
 
+def test_a_plane_that_glass_bulges_through_is_left_out() -> None:
+    plane = "SURF 2.5\n  TYPE STANDARD\n  CURV 0\n  DISZ {}\n  DIAM 9 1\n"
+    text = TRIPLET_ZMX.replace("SURF 3\n", plane.format(5.2) + "SURF 3\n")
+    plain = _read("a.zmx", TRIPLET_ZMX)
+    # The vertex of surface 2 is 0.04 mm before its rim, 9 mm from the axis.
+    cut = _read("a.zmx", text.replace("CURV -1.0E-003", "CURV 1.0E-003").replace("  DISZ 5.2\n", "  DISZ 0.02\n", 1))
+    assert len(cut.surfaces) == len(plain.surfaces)
+    assert cut.surfaces[1].thickness_mm == pytest.approx(5.22)
+    assert "Surface 2.5, a plane of air, is cut by the glass beside it; it is left out." in cut.notes
+    kept = _read("a.zmx", text.replace("  DISZ 5.2\n", "  DISZ 0.02\n", 1))
+    assert len(kept.surfaces) == len(plain.surfaces) + 1
+    assert kept.notes == plain.notes
+
+
 def test_a_field_stop_left_out_keeps_the_zoom() -> None:
     stopped = ZOOM_TXT.replace("7\t-45\td7\t\t19\n", "7\t-45\t-0.4\t\t19\n71\tFS\td7\t\t17\n")
     shorter = ZOOM_TXT.replace("d7\t0.60\t2.6\t1.65\t3.7", "d7\t0.20\t2.2\t1.25\t3.3")

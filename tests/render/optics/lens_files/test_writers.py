@@ -73,6 +73,23 @@ def test_a_lens_of_the_library_comes_back(name: str, lens: Prescription, suffix:
         _check_same(replace(lens, name=plain_name(lens.name)), again, 1e-3 if own else 1e-7)
 
 
+@pytest.mark.parametrize(
+    ("name", "focal_length_mm", "f_number"),
+    [
+        ("planar_50", 50.000446168509704, 1.4),
+        ("distagon_35", 35.00001223114783, 1.4),
+        ("double_gauss_50", 50.35816695831366, 2.01790180),
+    ],
+)
+def test_other_programs_read_the_same_lens(name: str, focal_length_mm: float, f_number: float) -> None:
+    """The numbers are those of rayoptics 0.9.8 for the written .zmx and .seq, and of optiland 0.6.3 for the .zmx."""
+    lens = dict(LIBRARY)[name]
+    for suffix in (".zmx", ".seq"):
+        again = _again(lens, suffix)
+        assert first_order(again).focal_length_mm == pytest.approx(focal_length_mm, rel=1e-12)
+        assert again.f_stop == pytest.approx(f_number, rel=1e-7)
+
+
 def _made(*glasses: Glass, **changes: object) -> Prescription:
     first, second = glasses
     surfaces = (

@@ -37,6 +37,7 @@ def lens_json(lens: LensAlone, report: LensReport, picture_error_mm: float | Non
                 "name": lens.name,
                 "title": lens.title,
                 "description": lens.description,
+                "source": lens.source,
                 "model": camera.lens.model,
                 "focalLengthMm": camera.focal_length_mm,
                 "fStopWideOpen": report.wide_open,
@@ -195,6 +196,8 @@ def lens_table(lens: LensAlone, report: LensReport, picture_error_mm: float | No
     if picture_error_mm is not None:
         table.add_row("picture's rays", f"within {1000 * picture_error_mm:.1f} µm of exact rays on the film")
         table.add_section()
+    if lens.source:
+        table.add_row("source", one_line(lens.source))
     for note in (*report.notes, *_picture_notes(picture_error_mm)):
         table.add_row("note", one_line(note))
     return table

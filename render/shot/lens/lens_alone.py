@@ -18,6 +18,7 @@ from render.optics.prescription.paraxial import first_order
 from render.optics.prescription.zooming import marked_close_focus_m, set_focal_length, zoom_of
 from render.shot.lens.lens_choice import is_lens_file, library_entry
 from render.stage.camera.lenses import make_iris, make_lens
+from usd_schemas import LibraryLens
 
 FULL_FRAME_MM = (36.0, 24.0)
 DEFAULT_F_STOP = 2.8
@@ -36,6 +37,7 @@ class LensAlone:
         description: one line; empty for a lens of a file.
         f_stop: wide open; 0 for a pinhole.
         camera: full frame, with the lens wide open and focused at infinity.
+        source: whence its numbers are, with the year and what is stated there; empty for a lens of a file.
     """
 
     name: str
@@ -43,6 +45,7 @@ class LensAlone:
     description: str
     f_stop: float
     camera: Camera
+    source: str = ""
 
     def set_to(
         self,
@@ -150,7 +153,16 @@ def library_lens_alone(name: str) -> LensAlone:
         iris,
         focal_length_mm=entry.focal_length_mm,
         f_stop=entry.f_stop,
+        source=_source(entry),
     )
+
+
+def _source(entry: LibraryLens) -> str:
+    parts = [entry.source, str(entry.year or "")]
+    if (stated := entry.stated) is not None:
+        field = f" over {stated.field_deg:g}°" if stated.field_deg else ""
+        parts.append(f"stated there {stated.focal_length_mm:g} mm f/{stated.f_stop:g}{field}")
+    return "; ".join(part for part in parts if part)
 
 
 def _mount_alone(
@@ -162,6 +174,7 @@ def _mount_alone(
     *,
     focal_length_mm: float = 0.0,
     f_stop: float = 0.0,
+    source: str = "",
 ) -> LensAlone:
     """Mount a lens on a camera; focal length and f-number of a prescription are computed from its surfaces."""
     if lens.model in PRESCRIBED and lens.prescription is not None:
@@ -178,4 +191,4 @@ def _mount_alone(
         lens=lens,
         path=title,
     )
-    return LensAlone(name, title, description, f_stop, camera)
+    return LensAlone(name, title, description, f_stop, camera, source)

@@ -56,6 +56,12 @@ def test_the_library_is_a_table_with_a_line_for_each_lens(pullfocus: Command) ->
     } == set(listed[0])
 
 
+def test_a_lens_says_whence_its_numbers_are(pullfocus: Command) -> None:
+    said = "US 2,601,805 (Lowenthal), in Smith, Modern Lens Design (1992), p. 305; 1952; stated there 100 mm f/1.35 over 25.9°"
+    assert said in " ".join(pullfocus("lenses", "show", "gauss_lowenthal_100").out.split())
+    assert shown(pullfocus, "thin_50")["source"] == "ours"
+
+
 def found(pullfocus: Command, *search: str) -> list[str]:
     """Return the names of the lenses that a search finds."""
     ended = pullfocus("lenses", *search, "--json")

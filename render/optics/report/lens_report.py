@@ -167,7 +167,15 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         spots=spots(rays, np.array(SPOT_FIELDS) * corner, camera.iris),
         curves=_curves(rays, camera),
         bokeh=lens_bokeh(camera),
-        notes=_notes(camera, lens),
+        notes=(*_notes(camera, lens), *_dark_corners(circle, corner)),
+    )
+
+
+def _dark_corners(circle_mm: float, corner_mm: float) -> tuple[str, ...]:
+    if circle_mm >= 2 * corner_mm:
+        return ()
+    return (
+        f"Its image circle of {circle_mm:.3g} mm leaves the corners of the gate, {2 * corner_mm:.3g} mm across, dark.",
     )
 
 

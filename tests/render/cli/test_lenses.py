@@ -207,6 +207,12 @@ def test_the_gate_decides_the_field(pullfocus: Command) -> None:
     assert cropped["cornerIllumination"] > whole["cornerIllumination"]
 
 
+def test_dark_corners_are_said_in_a_note(pullfocus: Command) -> None:
+    said = "leaves the corners of the gate, 43.3 mm across, dark."
+    assert [note for note in shown(pullfocus, "petzval_50")["notes"] if said in note]
+    assert not [note for note in shown(pullfocus, "petzval_50", "--gate", "10.26x7.49")["notes"] if "dark" in note]
+
+
 def test_json_may_be_requested_before_or_after_the_action(pullfocus: Command) -> None:
     assert json.loads(pullfocus("lenses", "--json", "show", "thin_50").out) == shown(pullfocus, "thin_50")
 

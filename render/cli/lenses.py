@@ -234,6 +234,8 @@ def run_export(arguments: argparse.Namespace) -> None:
         raise SettingsError(f"{alone.name} has no surfaces to write: its model is {lens.model}")
     written = write_lens(complete_prescription(lens.prescription), suffix)
     notes = list(written.notes)
+    if lens.prescription.configurations:
+        notes.append("Of its positions of zoom and focus the first is written.")
     if lens.height_field is not None:
         notes.append("The heights that are added to its surfaces are not written.")
     if lens.squeeze != 1:

@@ -54,8 +54,6 @@ def write_lens(lens: Prescription, suffix: str) -> WrittenLens:
     lens = replace(lens, name=plain_name(lens.name))
     notes: list[str] = []
     text = text_of(lens, notes)
-    if lens.configurations:
-        notes.append("Of its positions of zoom and focus the one that it stands at is written.")
     if any(surface.coating_nm for surface in lens.surfaces):
         notes.append("Coatings are not written.")
     # OpticStudio writes UTF-16; what is ASCII every program reads.

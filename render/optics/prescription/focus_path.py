@@ -15,6 +15,7 @@ from render.optics.prescription.monotone_curve import MonotoneCurve
 from render.optics.prescription.surface_shape import clearance_mm
 
 _STILL_MM = 1e-6
+_FARTHEST = 10.0  # ways from infinity to the closest configuration that an end may be beyond it
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class FocusPath:
     def travel(self) -> tuple[float, float]:
         """Ends of the way: before infinity (at most 0) and past the closest configuration, mm.
 
-        It ends where surfaces touch, or as far beyond the configurations as these are apart.
+        It ends where surfaces touch, or ten times as far beyond the configurations as these are apart.
         """
         last = float(self.curve.x[-1])
         return -self._spare(0.0, -1.0)[0], last + self._spare(last, 1.0)[0]
@@ -87,7 +88,7 @@ class FocusPath:
         surfaces, places = self.prescription.surfaces, self.places(end_mm)
         gaps, moves = np.diff([*places, 0.0]), self.places(end_mm + direction) - places
         closing = -np.diff([*moves, 0.0])
-        spare, touching = float(self.curve.x[-1]), None
+        spare, touching = _FARTHEST * float(self.curve.x[-1]), None
         for i in np.flatnonzero(closing > _STILL_MM):
             is_last = i == len(surfaces) - 1
             free = gaps[i] if is_last else clearance_mm(surfaces[i], surfaces[i + 1], float(gaps[i]))

@@ -347,7 +347,7 @@ def test_a_lens_that_does_not_reach_infinity_is_no_wrong_argument(pullfocus: Com
     file.write_text(FILES["zoom.txt"])
     ended = pullfocus("lenses", "show", file)
     assert (ended.status, ended.err.count("\n")) == (1, 1)
-    assert "An example cannot focus at infinity: the farthest that it reaches is 0.1256 m; --focus sets" in ended.err
+    assert "An example cannot focus at infinity: the farthest that it reaches is 0.2484 m; --focus sets" in ended.err
     assert pullfocus("lenses", "show", file, "--focus", "1").status == 2
     assert 0 < shown(pullfocus, file, "--focus", "0.2")["nearestFocusM"] < 0.2
 

@@ -19,6 +19,7 @@ _FEET = (30.0, 15.0, 10.0, 8.0, 6.0, 5.0, 4.0, 3.5, 3.0, 2.5, 2.0, 1.75, 1.5, 1.
 _FOOT_M = 0.3048
 _NEAREST = 9.0  # focal lengths, of a lens that has no mark of its own
 _ROUNDS = 6
+_LIT = 0.7  # of the last height: where breathing is measured if the gate's edge is dark
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def focus_scale(camera: Camera) -> tuple[FocusMark, ...]:
         metres = [mark for mark in wanted if mark[1] == "m"]
         if abs(metres[-1][0] - nearest) > 0.01 * nearest:
             wanted.insert(len(metres), (nearest, "m"))
-    edge_mm = camera.horizontal_aperture_mm / 2 / camera.lens.squeeze
+    edge_mm = min(camera.horizontal_aperture_mm / 2 / camera.lens.squeeze, _LIT * principal_rays(far).last_height_mm)
     seen = _seen(far, edge_mm)
     found = []
     for distance_m, unit in wanted:

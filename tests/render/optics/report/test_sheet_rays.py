@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from render.lab.reference.lens_tracer import TracedRays
-from render.lab.reference.lens_tracer import trace as trace_slowly
-from render.model.arrays import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.mounting import mount_lens
@@ -17,10 +12,10 @@ from render.optics.report.field import relative_light
 from render.optics.report.film_rays import FilmRays
 from render.optics.report.lens_report import film_rays
 from render.shot.lens.lens_alone import lens_alone
+from tests.render.kits.exact_rays import exact_light, grid, trace
 from usd_schemas import library_lenses
 
 GATE = (36.0, 24.0)
-SIDE = 240
 CORNER_MM = float(np.hypot(*GATE)) / 2
 _WITHOUT_SURFACES = ("pinhole", "thin", "seidel", "dataSheet")
 LENSES = [entry.name for entry in library_lenses() if entry.lens.model not in _WITHOUT_SURFACES]
@@ -29,36 +24,6 @@ LENSES = [entry.name for entry in library_lenses() if entry.lens.model not in _W
 def glass(name: str, focus_m: float | None = None) -> tuple[FocusedLens, FilmRays]:
     camera = lens_alone(name).set_to(None, focus_m, GATE)
     return mount_lens(camera), film_rays(camera)
-
-
-def trace(lens: FocusedLens, start: DoubleArray, heading: DoubleArray, toward: str) -> TracedRays:
-    surfaces = list(lens.prescription.surfaces)
-    surfaces[lens.stop] = replace(surfaces[lens.stop], semi_diameter_mm=lens.stop_radius_mm)
-    heading = heading / np.linalg.norm(heading, axis=1, keepdims=True)
-    return trace_slowly(surfaces, lens.vertices_mm, D_LINE_NM, start, heading, toward=toward)  # type: ignore[arg-type]
-
-
-def grid(box: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    """Centres of a box's cells, and the size of one."""
-    step = (box[1] - box[0]) / SIDE
-    lines = [box[0, axis] + step[axis] * (np.arange(SIDE) + 0.5) for axis in (0, 1)]
-    return np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2), step
-
-
-def exact_light(lens: FocusedLens, height_mm: float) -> float:
-    """``∫ cos⁴ dA / d²`` over the plane of the rear vertex, of rays that reach the scene: what a pixel gathers."""
-    away = lens.film_mm - float(lens.vertices_mm[-1])
-    box = np.array([[-1.8, -1.8], [1.8, 1.8]]) * lens.prescription.surfaces[-1].semi_diameter_mm
-    for _ in range(2):  # the second time only around what is open
-        points, step = grid(box)
-        heading = np.column_stack([points - [0.0, -height_mm], np.full(len(points), -away)])
-        start = np.tile([0.0, -height_mm, lens.film_mm], (len(points), 1))
-        passes = trace(lens, start, heading, "scene").passes
-        if not passes.any():
-            return 0.0
-        light = float(((away / np.linalg.norm(heading[passes], axis=1)) ** 4).sum() * step.prod()) / away**2
-        box = np.array([points[passes].min(axis=0) - 2 * step, points[passes].max(axis=0) + 2 * step])
-    return light
 
 
 @pytest.mark.parametrize("name", LENSES)

@@ -140,7 +140,8 @@ def _no_camera(stage: str, cameras: Sequence[str]) -> CameraError:
 def _solve_curve(shot: Shot, camera: str, frames: Sequence[float], format: str, arguments: argparse.Namespace) -> str:
     if format == LAYER:
         return shot.focus.layer(camera, frames, baked=arguments.baked, tolerance=arguments.tolerance)
-    return curve_to_text(shot.focus.curve(camera, frames), format)  # type: ignore[arg-type]
+    curve = shot.focus.curve(camera, frames, distortion=format == "opentrackio")
+    return curve_to_text(curve, format)  # type: ignore[arg-type]
 
 
 def _import_curve(shot: Shot, camera: str, format: str, arguments: argparse.Namespace) -> str:

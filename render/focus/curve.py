@@ -73,6 +73,8 @@ class FocusCurve:
             angle held it back. All False when left out.
         lens_name: name engraved on the lens, or empty.
         gate_mm: width and height of the film gate, where it is known.
+        distortion: for each frame k1 to k5 of the lens (`render.optics.measured.opentrackio_lens`), all 0 for a lens without
+            distortion; empty where it is not known.
     """
 
     camera: str
@@ -94,6 +96,7 @@ class FocusCurve:
     limited: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, np.bool_))
     lens_name: str = ""
     gate_mm: tuple[float, float] | None = None
+    distortion: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
         """Fill the columns that were left out, and check that all have one length and that time rises.
@@ -107,7 +110,7 @@ class FocusCurve:
                 object.__setattr__(self, name, np.zeros(count, getattr(self, name).dtype))
         columns = [getattr(self, name) for name in (*LENS_COLUMNS, *ANGLE_COLUMNS, "limited")]
         columns += [column for p in self.points for column in (p.depth_m, p.weight, p.share, p.coc_mm, p.states)]
-        columns += [self.sources, self.reasons]
+        columns += [self.sources, self.reasons, *([self.distortion] if self.distortion else [])]
         if any(len(column) != count for column in columns):
             raise SettingsError(f"every column of a focus curve must have its {count} frames", code="bad_curve")
         if not np.all(np.isfinite(self.time_codes)) or np.any(np.diff(self.time_codes) <= 0):

@@ -28,7 +28,7 @@ def compute_curve(
         times = curve_frames(shot, frames, max_frames)
         if format == "usda":
             return shot.focus.layer(camera, times, baked)
-        return curve_to_text(shot.focus.curve(camera, times), format)
+        return curve_to_text(shot.focus.curve(camera, times, distortion=format == "opentrackio"), format)
 
 
 @stage_function

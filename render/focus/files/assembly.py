@@ -265,6 +265,7 @@ class _CurveFill:
             limited=np.array([row.limited for row in self._rows()], np.bool_),
             lens_name=rows.lens_name,
             gate_mm=rows.gate_mm,
+            distortion=(),
         )
 
     def _column(self, name: str, *, follows: bool) -> DoubleArray:

@@ -2,8 +2,8 @@
 
 Written: a JSON array with one sample of version 1.0.1 for each frame; the protocol itself defines single samples only. Each has
 ``lens.focusDistance`` in metres, ``lens.fStop`` and ``lens.pinholeFocalLength`` in millimetres (a lens that does not breathe
-has the pinhole its focal length says), ``timing.sampleRate``, ``timing.sequenceNumber`` and, for a whole frame that is not
-negative, ``timing.timecode``. The first one has the ``static`` part. What the protocol has no place for stands under
+has the pinhole its focal length says), ``lens.distortion`` where the lens distorts (OpenLensIO 1.0.1, section 4.1),
+``timing.sampleRate``, ``timing.sequenceNumber`` and, for a whole frame that is not negative, ``timing.timecode``. The first one has the ``static`` part. What the protocol has no place for stands under
 ``custom.pullfocus``, which is open to all: all of the JSON sample of `render.focus.files.json_file`.
 
 The protocol does not say yet how an infinite focus is written, and JSON cannot: it is 100 km here, and ``null`` under
@@ -56,13 +56,16 @@ def _sample(curve: FocusCurve, index: int) -> dict[str, Any]:
     }
 
 
-def _lens(curve: FocusCurve, index: int) -> dict[str, float]:
-    lens = {
+def _lens(curve: FocusCurve, index: int) -> dict[str, Any]:
+    numbers = {
         "fStop": float(curve.f_stop[index]),
         "pinholeFocalLength": float(curve.focal_length_mm[index]),
         "focusDistance": min(float(curve.focus_distance_m[index]), FAR_AWAY_M),
     }
-    return {name: value for name, value in lens.items() if value > 0}
+    lens: dict[str, Any] = {name: value for name, value in numbers.items() if value > 0}
+    if curve.distortion and any(curve.distortion[index]):
+        lens["distortion"] = [{"model": "Brown-Conrady D-U", "radial": list(curve.distortion[index])}]
+    return lens
 
 
 def _timing(curve: FocusCurve, index: int) -> dict[str, Any]:

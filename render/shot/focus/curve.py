@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from pxr import Usd
@@ -11,17 +13,25 @@ from render.errors import SettingsError
 from render.focus import FocusCurve, PointTrack
 from render.focus.tilt import tilt_and_swing
 from render.model.arrays import DoubleArray
-from render.optics.thin_lens import focal_surface
+from render.model.camera import Camera
+from render.optics.measured.opentrackio_lens import tracked_distortion
+from render.optics.thin_lens import focal_surface, focus_w
 from render.shot.focus.curve_layer import curve_layer
 from render.shot.focus.focused_camera import FocusedCamera
 from usd_schemas.curves import EXACT
 
+_FOCUS_STEPS = 64
 MAX_CURVE_FRAMES = 100_000
 """About an hour at 24 frames a second; more in one curve is taken as a mistake."""
 
 
 def solve_curve(
-    stage: Usd.Stage, camera_path: str, frames: Sequence[float], solve: Callable[[list[float]], list[FocusedCamera]]
+    stage: Usd.Stage,
+    camera_path: str,
+    frames: Sequence[float],
+    solve: Callable[[list[float]], list[FocusedCamera]],
+    *,
+    distortion: bool = False,
 ) -> FocusCurve:
     """Solve the focus of a camera at some frames.
 
@@ -30,6 +40,7 @@ def solve_curve(
         camera_path: of a camera.
         frames: rising USD time codes.
         solve: focuses the camera at such times.
+        distortion: whether the lens's distortion is wanted at each frame, which takes a while for a lens with surfaces.
 
     Raises:
         SettingsError: there are no frames, too many, or they do not rise.
@@ -67,7 +78,28 @@ def solve_curve(
         limited=np.array([bool(c.solution.limit or c.note) for c in cameras]),
         lens_name=cameras[0].camera.lens.name,
         gate_mm=(cameras[0].camera.horizontal_aperture_mm, cameras[0].camera.vertical_aperture_mm),
+        distortion=_distortions([c.camera for c in cameras]) if distortion else (),
     )
+
+
+def _distortions(cameras: Sequence[Camera]) -> tuple[tuple[float, ...], ...]:
+    """OpenTrackIO's coefficients of each camera's lens; its focus counts in `_FOCUS_STEPS` steps of the curve's nearest.
+
+    An anamorphic lens has none: the model is round.
+    """
+    step_w = max(focus_w(camera) for camera in cameras) / _FOCUS_STEPS
+    known: dict[tuple[object, ...], tuple[float, ...]] = {}
+    found = []
+    for camera in cameras:
+        steps = round(focus_w(camera) / step_w) if step_w else 0
+        lens = camera.lens
+        kind = lens.model, lens.prescription, lens.seidel, lens.data_sheet, lens.scales, lens.squeeze, camera.f_stop > 0
+        key = (*kind, camera.focal_length_mm, camera.horizontal_aperture_mm, camera.vertical_aperture_mm, steps)
+        if key not in known:
+            near = replace(camera, focus_distance_m=1 / (steps * step_w) if steps else math.inf)
+            known[key] = tracked_distortion(near).radial if lens.squeeze == 1 else (0.0,)
+        found.append(known[key])
+    return tuple(found)
 
 
 def lens_angles(focused: FocusedCamera) -> tuple[float, float]:

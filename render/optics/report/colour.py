@@ -46,7 +46,7 @@ def measure_colour(rays: FilmRays, corner_mm: float) -> ColourCurves:
         with np.errstate(divide="ignore", invalid="ignore"):
             crossing = -on_axis.landing_mm[0, :, 1] / on_axis.slopes[0, :, 1]
         longitudinal.append(np.where(on_axis.open[0], crossing, np.nan))
-        chief.append(rays.beams(radial(heights), np.zeros((1, 2)), wavelength).landing_mm[:, 0, 1])
+        chief.append(rays.beams(radial(rays, heights), np.zeros((1, 2)), wavelength).landing_mm[:, 0, 1])
     green = chief[len(chief) // 2]
     lateral = 1000 * (np.array(chief) - green)
     lateral[:, heights > rays.last_height_mm] = np.nan

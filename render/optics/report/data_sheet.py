@@ -7,6 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from render.optics.prescription.meridians import turned
+from render.optics.prescription.paraxial import first_order
 from render.optics.prescription.zooming import Zoom
 from render.optics.report.lens_report import LensReport
 from render.optics.report.mtf import FREQUENCIES
@@ -32,7 +34,16 @@ def metres(distance_m: float) -> str:
 def _setting(report: LensReport) -> Iterator[Row]:
     camera = report.camera
     yield "model", camera.lens.model
-    yield "focal length", f"{camera.focal_length_mm:.2f} mm"
+    lens = report.focused
+    if lens is not None and camera.lens.has_cylinders:
+        sideways_mm = first_order(turned(lens.prescription)).focal_length_mm
+        yield (
+            "focal length",
+            f"{lens.first.focal_length_mm:.2f} mm from top to bottom, {sideways_mm:.2f} mm from side to side",
+        )
+        yield "squeeze", f"{lens.squeeze:.3f} as focused; the picture is stretched back by {camera.lens.squeeze:g}"
+    else:
+        yield "focal length", f"{camera.focal_length_mm:.2f} mm"
     if report.zoom is not None:
         yield "zoom", _zoom(report.zoom)
     if report.f_stop:
@@ -111,12 +122,15 @@ def _barrel(report: LensReport) -> Iterator[Row]:
         return
     yield "surfaces", f"{b.surfaces} over {b.length:.2f} mm; stop ⌀ {b.stop_diameter:.2f} mm"
     if b.floating_groups:
-        moves = (f"surfaces {g.first + 1} to {g.last + 1} by {g.travel_mm:+.2f} mm" for g in b.floating_groups)
-        yield "focuses by", f"floating groups, from infinity to the closest configuration: {', '.join(moves)}"
+        travels = (f"surfaces {g.first + 1} to {g.last + 1} by {g.travel_mm:+.2f} mm" for g in b.floating_groups)
+        moves = f"floating groups, from infinity to the closest configuration: {', '.join(travels)}"
     elif b.focus_group is None:
-        yield "focuses by", "moving the whole lens"
+        moves = "moving the whole lens"
     else:
-        yield "focuses by", f"moving surfaces {b.focus_group[0] + 1} to {b.focus_group[1] + 1}"
+        moves = f"moving surfaces {b.focus_group[0] + 1} to {b.focus_group[1] + 1}"
+    if b.focus_group_across is not None:
+        moves += f", from side to side {b.focus_group_across[0] + 1} to {b.focus_group_across[1] + 1} too"
+    yield "focuses by", moves
     yield "back focus", f"{b.back_focus:.2f} mm; film {b.film:.2f} mm behind the rear vertex"
     yield "entrance pupil", f"{_from(b.entrance_pupil, 'the front vertex')}, ⌀ {b.entrance_pupil_diameter:.2f} mm"
     away = _from(-b.exit_pupil, "the film") if math.isfinite(b.exit_pupil) else "infinitely far off"

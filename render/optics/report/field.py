@@ -69,7 +69,7 @@ def spots(rays: FilmRays, heights_mm: DoubleArray, iris: IrisShape) -> tuple[Spo
         heights_mm: ``(k,)`` of the images.
         iris: its opening.
     """
-    places = radial(heights_mm)
+    places = radial(rays, heights_mm)
     pupil = fill_iris(sample_points(_SPOT_RAYS, 0)[0, :, :2], iris)
     beams = [rays.beams(places, pupil, wavelength) for wavelength in WAVELENGTHS_NM]
     found = []
@@ -97,7 +97,7 @@ def field_curves(rays: FilmRays, corner_mm: float, squeeze: float = 1.0, count: 
     heights = np.linspace(0.0, corner_mm, count)
     illumination, geometric = relative_light(rays, heights), _light_without_rims(rays, heights)
     lit = (heights <= rays.last_height_mm) & (illumination > _DARK)
-    narrow = rays.beams(radial(heights), np.array([[0, 0], [_NARROW, 0], [0, _NARROW]]), D_LINE_NM)
+    narrow = rays.beams(radial(rays, heights), np.array([[0, 0], [_NARROW, 0], [0, _NARROW]]), D_LINE_NM)
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = -(narrow.landing_mm[:, 1:] - narrow.landing_mm[:, :1]) / (narrow.slopes[:, 1:] - narrow.slopes[:, :1])
         distortion = heights / rays.paraxial_height_mm(heights) - 1
@@ -168,6 +168,6 @@ def image_circle_mm(rays: FilmRays, farthest_mm: float) -> float:
     return 2 * float(finer[relative_light(rays, finer) > _DARK][-1])
 
 
-def radial(heights_mm: DoubleArray) -> DoubleArray:
-    """``(k, 2)`` places of the picture straight above its middle."""
-    return np.stack([0.0 * heights_mm, heights_mm], axis=1)
+def radial(rays: FilmRays, heights_mm: DoubleArray) -> DoubleArray:
+    """``(k, 2)`` places of the picture at heights, where the lens measures them."""
+    return np.asarray(heights_mm)[:, None] * rays.toward

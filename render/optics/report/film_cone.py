@@ -72,13 +72,13 @@ class _Box:
 
 
 def film_cone(
-    lens: FocusedLens, height_mm: float, wavelength_nm: float = D_LINE_NM, *, rims: bool = True, side: int = _SIDE
+    lens: FocusedLens, place_mm: DoubleArray, wavelength_nm: float = D_LINE_NM, *, rims: bool = True, side: int = _SIDE
 ) -> FilmCone | None:
     """Trace the rays that reach a place of the film.
 
     Args:
         lens: as focused.
-        height_mm: of the place, straight above the picture's middle.
+        place_mm: ``(2,)`` the place, right and up in the upright picture on the film.
         wavelength_nm: of the light.
         rims: whether rims block light as well as the stop.
         side: of the grid.
@@ -87,22 +87,22 @@ def film_cone(
         The rays, or None where it is dark.
     """
     found = next(
-        filter(None, (_open_box(lens, height_mm, wavelength_nm, rims, box) for box in _boxes(lens, height_mm))), None
+        filter(None, (_open_box(lens, place_mm, wavelength_nm, rims, box) for box in _boxes(lens, place_mm))), None
     )
     if found is None:
         return None
     cosines = found.grid(side)
-    rays = _trace(lens, height_mm, cosines, wavelength_nm)
+    rays = _trace(lens, place_mm, cosines, wavelength_nm)
     cover = _cover(_clearance(lens, rays, rims).reshape(side, side)).ravel()
     return FilmCone(cosines, found.cell(side), side, cover, rays)
 
 
-def _open_box(lens: FocusedLens, height_mm: float, wavelength_nm: float, rims: bool, box: _Box) -> _Box | None:
+def _open_box(lens: FocusedLens, place_mm: DoubleArray, wavelength_nm: float, rims: bool, box: _Box) -> _Box | None:
     """Box around what is open within a box, which grows where that reaches its edge; None where nothing is open."""
     found = None
     for _ in range(_GROWINGS):
         cosines = box.grid(_COARSE)
-        is_open = _clearance(lens, _trace(lens, height_mm, cosines, wavelength_nm), rims) <= 0
+        is_open = _clearance(lens, _trace(lens, place_mm, cosines, wavelength_nm), rims) <= 0
         if not is_open.any():
             return found
         found = box.around(cosines[is_open], _COARSE)
@@ -112,28 +112,26 @@ def _open_box(lens: FocusedLens, height_mm: float, wavelength_nm: float, rims: b
     return found
 
 
-def _boxes(lens: FocusedLens, height_mm: float) -> list[_Box]:
+def _boxes(lens: FocusedLens, place_mm: DoubleArray) -> list[_Box]:
     """Directions to the exit pupil of rays close to the axis, and to the rear surface, with room around them."""
     rear = _box_toward(
-        height_mm, lens.film_mm - float(lens.vertices_mm[-1]), lens.prescription.surfaces[-1].semi_diameter_mm
+        place_mm, lens.film_mm - float(lens.vertices_mm[-1]), lens.prescription.surfaces[-1].semi_diameter_mm
     )
     away = lens.film_mm - lens.exit_pupil_mm
-    return [_box_toward(height_mm, away, lens.exit_pupil_radius_mm), rear] if 0 < away < np.inf else [rear]
+    return [_box_toward(place_mm, away, lens.exit_pupil_radius_mm), rear] if 0 < away < np.inf else [rear]
 
 
-def _box_toward(height_mm: float, away_mm: float, radius_mm: float) -> _Box:
+def _box_toward(place_mm: DoubleArray, away_mm: float, radius_mm: float) -> _Box:
     radius = _ROOM * radius_mm
-    up = np.array([-radius, radius]) + height_mm
-    low, high = up / np.hypot(up, away_mm)
-    across = radius / np.hypot(radius, away_mm)
-    return _Box(np.array([-across, low]), np.array([across, high]))
+    low, high = (place_mm + way * radius for way in (-1, 1))
+    return _Box(low / np.hypot(low, away_mm), high / np.hypot(high, away_mm))
 
 
-def _trace(lens: FocusedLens, height_mm: float, cosines: DoubleArray, wavelength_nm: float) -> TracedRays:
+def _trace(lens: FocusedLens, place_mm: DoubleArray, cosines: DoubleArray, wavelength_nm: float) -> TracedRays:
     """Rays that arrive with the given cosines; the picture is turned around on the film, and the light goes the other way."""
     along = np.sqrt(np.maximum(1 - (cosines**2).sum(axis=1), 1e-6))
     directions = np.column_stack([cosines, -along])
-    start = np.tile([0.0, -height_mm, lens.film_mm], (len(cosines), 1))
+    start = np.tile([*-place_mm, lens.film_mm], (len(cosines), 1))
     return trace_backward(lens.prescription, start, directions, wavelength_nm, vertices_mm=lens.vertices_mm, clip=False)
 
 

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
 
+UPWARD = np.array([0.0, 1.0])
+"""Straight up in the picture: heights are measured there where all directions are the same."""
+
 
 @dataclass(frozen=True, eq=False)
 class Beams:
@@ -46,6 +49,11 @@ class DistantBeams:
 
 class FilmRays(Protocol):
     """A lens at one focus and f-number."""
+
+    @property
+    def toward(self) -> DoubleArray:
+        """``(2,)`` unit vector, right and up, along which heights of the picture are measured."""
+        ...
 
     @property
     def last_height_mm(self) -> float:
@@ -99,6 +107,11 @@ class SqueezedRays:
 
     rays: FilmRays
     squeeze: float
+
+    @property
+    def toward(self) -> DoubleArray:
+        """As without the squeeze."""
+        return self.rays.toward
 
     @property
     def last_height_mm(self) -> float:

@@ -12,8 +12,9 @@ from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.principal_rays import PrincipalRays, principal_rays
 from render.optics.prescription.tracing import TracedRays, trace_forward
 from render.optics.report.aiming import AimedRays, Targets, aim, trace_aimed
+from render.optics.report.cylinder_chiefs import CylinderChiefs
 from render.optics.report.film_cone import film_cone
-from render.optics.report.film_rays import Beams, DistantBeams, even_grid
+from render.optics.report.film_rays import UPWARD, Beams, DistantBeams, even_grid
 from render.optics.report.wavefront import Wavefront, fit_wavefront
 
 _NODES = 181
@@ -25,9 +26,10 @@ _GOLDEN_TURN = np.pi * (3 - np.sqrt(5))
 class GlassRays:
     """A prescription at one focus and f-number."""
 
-    def __init__(self, lens: FocusedLens, focus_nearness_per_m: float) -> None:
-        """Take a focused lens and 1 over its focus distance."""
-        self._lens, self._focus = lens, focus_nearness_per_m / 1000
+    def __init__(self, lens: FocusedLens, focus_nearness_per_m: float, cylinders: CylinderChiefs | None = None) -> None:
+        """Take a focused lens and 1 over its focus distance; of one with cylinders, also its chief rays."""
+        self._lens, self._focus, self._cylinders = lens, focus_nearness_per_m / 1000, cylinders
+        self._stretching = np.ones(2) if cylinders is None else cylinders.stretching
 
     @cached_property
     def principal(self) -> PrincipalRays:
@@ -35,19 +37,34 @@ class GlassRays:
         return principal_rays(self._lens)
 
     @property
+    def has_cylinders(self) -> bool:
+        """Whether its two meridians differ."""
+        return self._cylinders is not None
+
+    @property
+    def toward(self) -> DoubleArray:
+        """As `render.optics.report.film_rays.FilmRays.toward`."""
+        return UPWARD if self._cylinders is None else self._cylinders.toward
+
+    @property
     def last_height_mm(self) -> float:
         """Beyond it no chief ray gets through the glass."""
-        return self.principal.last_height_mm
+        return self.principal.last_height_mm if self._cylinders is None else self._cylinders.last_height_mm
 
     def seen(self, heights_mm: DoubleArray) -> DoubleArray:
         """``(k,)`` slope in object space of the chief ray to heights of the picture."""
-        return self.principal.at(heights_mm, 0.0)[0]
+        return self._slopes(heights_mm, 0.0)
 
     def paraxial_height_mm(self, heights_mm: DoubleArray) -> DoubleArray:
         """Heights ``(k,)`` at which an ideal lens would show what this lens shows at the given heights, in the plane of
         focus.
         """
-        return self.principal.at(heights_mm, self._focus)[0] * self._lens.image_scale_mm
+        return self._slopes(heights_mm, self._focus) * self._lens.image_scale_mm
+
+    def _slopes(self, heights_mm: DoubleArray, nearness_per_mm: float) -> DoubleArray:
+        if self._cylinders is None:
+            return self.principal.at(heights_mm, nearness_per_mm)[0]
+        return np.asarray(np.hypot(*self._cylinders.at(heights_mm[:, None] * self.toward, nearness_per_mm)[0].T))
 
     def beams(
         self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
@@ -60,20 +77,20 @@ class GlassRays:
         with np.errstate(invalid="ignore", divide="ignore"):
             slopes = traced.directions[:, :2] / traced.directions[:, 2:]
         return Beams(
-            -traced.at(self._lens.film_mm).reshape(*shape, 2),
-            -slopes.reshape(*shape, 2),
+            -traced.at(self._lens.film_mm).reshape(*shape, 2) * self._stretching,
+            -slopes.reshape(*shape, 2) * self._stretching,
             (rays.shrinking * rays.directions[:, 2] ** 4).reshape(shape) * stretch[:, None],
             (rays.solved & traced.passes).reshape(shape),
         )
 
     def light(self, heights_mm: DoubleArray, *, rims: bool = True) -> DoubleArray:
         """As `render.optics.report.film_rays.FilmRays.light`: the projected solid angle that each place sees."""
-        cones = [film_cone(self._lens, float(height), rims=rims) for height in heights_mm]
+        cones = [film_cone(self._lens, height * self.toward / self._stretching, rims=rims) for height in heights_mm]
         return np.array([0.0 if cone is None else cone.light for cone in cones])
 
     def distant_beams(self, places_mm: DoubleArray, side: int, wavelength_nm: float) -> DistantBeams:
         """As `render.optics.report.film_rays.FilmRays.distant_beams`."""
-        slopes, _, stretch = self._seen(places_mm, 0.0)
+        slopes, _, stretch = self._chiefs(np.asarray(places_mm), 0.0)
         rays, _, _ = self.aim(places_mm, _nodes(), wavelength_nm, 0.0)
         found = []
         for i, (slope, points, solved) in enumerate(
@@ -95,8 +112,8 @@ class GlassRays:
         pupil = [upright / self._lens.stop_radius_mm * traced.points_mm[self._lens.stop, :, :2] for traced, _ in found]
         is_open = np.array([traced.passes for traced, _ in found])
         beams = Beams(
-            -np.array([traced.at(self._lens.film_mm) for traced, _ in found]),
-            -np.array(turned),
+            -np.array([traced.at(self._lens.film_mm) for traced, _ in found]) * self._stretching,
+            -np.array(turned) * self._stretching,
             np.array([np.full(side**2, light) for _, light in found]),
             is_open,
         )
@@ -112,10 +129,10 @@ class GlassRays:
         Returns:
             None where no light arrives.
         """
-        cone = film_cone(self._lens, height_mm, wavelength_nm, side=_WAVE_SIDE)
+        cone = film_cone(self._lens, height_mm * UPWARD, wavelength_nm, side=_WAVE_SIDE)
         if cone is None or cone.light <= 0:
             return None
-        slopes, _, _ = self._seen(np.array([[0.0, height_mm]]), self._focus)
+        slopes, _, _ = self._chiefs(height_mm * UPWARD[None], self._focus)
         return fit_wavefront(cone, self._path_mm(cone.rays, height_mm, slopes[0], wavelength_nm), wavelength_nm)
 
     def _path_mm(self, rays: TracedRays, height_mm: float, slope: DoubleArray, wavelength_nm: float) -> DoubleArray:
@@ -166,7 +183,7 @@ class GlassRays:
         Returns:
             The rays, by place and pupil point; their wavelengths; and ``(f,)`` area in slopes over area on the film, 1/mm².
         """
-        slopes, crossing, stretch = self._seen(places_mm, nearness_per_mm)
+        slopes, crossing, stretch = self._chiefs(np.asarray(places_mm), nearness_per_mm)
         places, count = len(places_mm), len(pupil)
         upright = np.sign(self._lens.first.entrance_pupil_magnification)
         wavelengths = np.full(places * count, wavelength_nm)
@@ -179,16 +196,17 @@ class GlassRays:
         )
         return aim(self._lens, targets), wavelengths, stretch
 
-    def _seen(self, places_mm: DoubleArray, nearness_per_mm: float) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
-        """Objects seen at places: their slopes ``(f, 2)``, the chief rays' pupil crossings ``(f, 2)``, and area in slopes over
-        area on the film.
-        """
-        heights = np.hypot(*np.asarray(places_mm).T)
+    def _chiefs(self, places_mm: DoubleArray, nearness_per_mm: float) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
+        """Slopes ``(f, 2)`` and pupil crossings ``(f, 2)`` of chief rays, and ``(f,)`` area in slopes over area on the film."""
+        if self._cylinders is not None:
+            return *self._cylinders.at(places_mm, nearness_per_mm), self._cylinders.stretch(places_mm, nearness_per_mm)
+        heights = np.hypot(*places_mm.T)
         toward = np.divide(
-            places_mm, heights[:, None], out=np.tile([0.0, 1.0], (len(heights), 1)), where=heights[:, None] > 0
+            places_mm, heights[:, None], out=np.tile(UPWARD, (len(heights), 1)), where=heights[:, None] > 0
         )
         slopes, crossing = self.principal.at(heights, nearness_per_mm)
-        return slopes[:, None] * toward, crossing[:, None] * toward, self.principal.stretch(heights, nearness_per_mm)
+        stretch = self.principal.stretch(heights, nearness_per_mm)
+        return slopes[:, None] * toward, crossing[:, None] * toward, stretch
 
 
 def _nodes() -> DoubleArray:

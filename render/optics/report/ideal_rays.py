@@ -9,7 +9,7 @@ import numpy as np
 from render.model.arrays import DoubleArray
 from render.model.lens import SeidelErrors
 from render.optics.glass import D_LINE_NM
-from render.optics.report.film_rays import Beams, DistantBeams, grid_beams
+from render.optics.report.film_rays import UPWARD, Beams, DistantBeams, grid_beams
 
 _MIDDLE_NM, _SPAN_NM = 562.5, 175.0  # colour errors are stated between 475 and 650 nm and taken as linear between
 
@@ -32,6 +32,11 @@ class ThinRays:
     f_stop: float
     focus_nearness_per_m: float
     errors: SeidelErrors | None = None
+
+    @property
+    def toward(self) -> DoubleArray:
+        """As `render.optics.report.film_rays.FilmRays.toward`."""
+        return UPWARD
 
     @property
     def last_height_mm(self) -> float:

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from render.errors import SettingsError
+from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.lens import Lens
 from render.optics.data_sheet import at_heights
@@ -19,6 +20,7 @@ from render.optics.prescription.mounting import distance_from_film_m, has_surfac
 from render.optics.prescription.zooming import Zoom, zoom_of
 from render.optics.report.bokeh import BokehSheet, bokeh_sheet
 from render.optics.report.colour import ColourCurves, measure_colour
+from render.optics.report.cylinder_chiefs import CylinderChiefs
 from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, seen_at, spots
 from render.optics.report.film_rays import FilmRays, SqueezedRays
 from render.optics.report.focus_scale import FocusMark, focus_scale
@@ -188,7 +190,9 @@ def _transmittance(lens: Lens) -> float:
 
 
 def _curves(rays: FilmRays, camera: Camera) -> FieldCurves:
-    curves, sheet = field_curves(rays, corner_mm(camera), camera.lens.squeeze), camera.lens.data_sheet
+    curves, sheet = field_curves(rays, corner_mm(camera), camera.lens.drawn_squeeze), camera.lens.data_sheet
+    if (chiefs := _cylinder_chiefs(camera)) is not None:
+        return _with_own_distortion(curves, chiefs, focus_w(camera) / 1000)
     if sheet is None:
         return curves
     # its foci were measured with the whole pupil, and a narrow beam of what stands for its blur has others
@@ -196,11 +200,27 @@ def _curves(rays: FilmRays, camera: Camera) -> FieldCurves:
     return replace(curves, tangential_mm=behind, sagittal_mm=behind)
 
 
+def _with_own_distortion(curves: FieldCurves, chiefs: CylinderChiefs, nearness_per_mm: float) -> FieldCurves:
+    """Distortion up and across, each along its own axis: across, the squeeze that differs from the nominal one counts too."""
+
+    def along(axis: int) -> DoubleArray:
+        places = np.zeros((len(curves.heights_mm), 2))
+        places[:, axis] = np.maximum(curves.heights_mm, 1e-3)
+        seen = chiefs.at(places, nearness_per_mm)[0][:, axis]
+        return np.where(
+            np.isfinite(curves.distortion), places[:, axis] / (seen * chiefs.lens.image_scale_mm) - 1, np.nan
+        )
+
+    return replace(curves, distortion=along(1), distortion_across=along(0))
+
+
 def _field_of_view_deg(rays: FilmRays, camera: Camera, circle_mm: float) -> tuple[float, float, float]:
     right, up = camera.horizontal_aperture_mm / 2, camera.vertical_aperture_mm / 2
     ends = np.array([[right, 0.0], [0.0, up], [right, up]])
     lit = ends * np.minimum(1, circle_mm / 2 / np.hypot(*ends.T))[:, None]
-    across, high, diagonal = 2 * np.degrees(np.arctan(np.hypot(*seen_at(rays, lit, camera.lens.squeeze).T)))
+    chiefs = _cylinder_chiefs(camera)
+    seen = seen_at(rays, lit, camera.lens.squeeze) if chiefs is None else chiefs.at(lit, 0.0)[0]
+    across, high, diagonal = 2 * np.degrees(np.arctan(np.hypot(*seen.T)))
     return float(across), float(high), float(diagonal)
 
 
@@ -209,13 +229,21 @@ def film_rays(camera: Camera) -> FilmRays:
     lens, nearness = camera.lens, focus_w(camera)
     rays: FilmRays
     if has_surfaces(camera):
-        rays = GlassRays(mount_lens(camera), nearness)
+        rays = GlassRays(mount_lens(camera), nearness, _cylinder_chiefs(camera))
     elif lens.model == "dataSheet" and lens.data_sheet is not None and camera.f_stop:
         rays = SheetRays(lens.data_sheet, camera.focal_length_mm, camera.f_stop, nearness)
     else:
         errors = lens.seidel if lens.model == "seidel" else None
         rays = ThinRays(camera.focal_length_mm, camera.f_stop, nearness, errors)
-    return rays if lens.squeeze == 1 else SqueezedRays(rays, lens.squeeze)
+    return rays if lens.drawn_squeeze == 1 else SqueezedRays(rays, lens.squeeze)
+
+
+def _cylinder_chiefs(camera: Camera) -> CylinderChiefs | None:
+    """Chief rays of a lens with cylinders, whose heights are measured toward the corner of the gate."""
+    if not camera.lens.has_cylinders:
+        return None
+    corner = np.array([camera.horizontal_aperture_mm, camera.vertical_aperture_mm])
+    return CylinderChiefs(mount_lens(camera), camera.lens.squeeze, corner / np.hypot(*corner))
 
 
 def corner_mm(camera: Camera) -> float:
@@ -270,7 +298,14 @@ def _notes(camera: Camera, lens: FocusedLens | None) -> tuple[str, ...]:
         notes += ("Focused nearer than its focal length: no real lens makes an image of that, but this one does.",)
     if camera.lens.model == "heightField":
         notes += ("Its height field is left out here: the numbers and drawings are of the surfaces without it.",)
-    if camera.lens.squeeze != 1:
+    if camera.lens.has_cylinders:
+        notes += (
+            "Heights in its picture are measured toward the gate's corner; tangential and up are from top to bottom, sagittal "
+            "and across from side to side; the third order and the pupils are those from top to bottom.",
+        )
+    if camera.lens.has_cylinders and camera.lens.ghosts > 0:
+        notes += ("It draws no ghosts: those of cylinders are not traced.",)
+    if camera.lens.drawn_squeeze != 1:
         on_film = camera.horizontal_aperture_mm / camera.lens.squeeze
         notes += (
             f"Its picture is shown stretched back, {on_film:.4g} mm wide on the film: the squeeze of {camera.lens.squeeze:g} "

@@ -51,7 +51,7 @@ def measure_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> Dat
     heights = heights_mm[: int(np.argmin(lit)) if not lit.all() else len(lit)]
     light = light[: len(heights)]
     fits = [_fit(rays, heights, wavelength) for wavelength in (MIDDLE_NM, _RED_NM, _BLUE_NM)]
-    chiefs = [rays.beams(radial(heights), np.zeros((1, 2)), nm).landing_mm[:, 0, 1] for nm in (_RED_NM, _BLUE_NM)]
+    chiefs = [rays.beams(radial(rays, heights), np.zeros((1, 2)), nm).landing_mm[:, 0, 1] for nm in (_RED_NM, _BLUE_NM)]
     main, red, blue = fits
     distortion = np.zeros(len(heights))
     distortion[1:] = heights[1:] / rays.paraxial_height_mm(heights)[1:] - 1
@@ -76,7 +76,7 @@ def measure_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> Dat
 
 def _fit(rays: FilmRays, heights: DoubleArray, wavelength_nm: float) -> list[_Fitted]:
     pupil = fill_iris(sample_points(_RAYS, 0)[0, :, :2], IrisShape())
-    beams = rays.beams(radial(heights), pupil, wavelength_nm)
+    beams = rays.beams(radial(rays, heights), pupil, wavelength_nm)
     # the places are straight above the middle: up is along the radius
     return [
         _separate(pupil[is_open, ::-1], landing[is_open, ::-1])

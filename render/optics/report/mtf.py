@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def measure_mtf(rays: FilmRays, corner_mm: float, f_stop: float) -> Mtf:
         found = _transfer(rays, float(height), shifts, f_stop)
         if found is not None:
             focus[:, :, p] = found[0]
-    return Mtf(heights, field, geometric, places, shifts, focus, isinstance(rays, GlassRays))
+    return Mtf(heights, field, geometric, places, shifts, focus, _has_wavefronts(rays))
 
 
 def perfect_transfer(frequency: float, wavelength_nm: float, f_stop: float) -> float:
@@ -80,12 +81,16 @@ def _transfer(
     """``(frequencies, 2, z)`` with diffraction and by rays, in white light."""
     if height_mm > rays.last_height_mm:
         return None
-    if isinstance(rays, GlassRays):
+    if _has_wavefronts(rays):
         waves = [rays.wavefront(height_mm, wavelength) for wavelength, _ in LIGHT]
         if any(wave is None for wave in waves):
             return None
         return _of_waves([wave for wave in waves if wave is not None], shifts_mm)
     return _of_rays(rays, height_mm, shifts_mm, f_stop)
+
+
+def _has_wavefronts(rays: FilmRays) -> TypeGuard[GlassRays]:
+    return isinstance(rays, GlassRays) and not rays.has_cylinders
 
 
 def _of_waves(waves: list[Wavefront], shifts_mm: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
@@ -110,7 +115,7 @@ def _of_rays(
     grid = grid[np.hypot(*grid.T) <= 1]
     total = np.zeros((2, len(FREQUENCIES), 2, len(shifts_mm)), complex)
     for wavelength, weight in LIGHT:
-        beams = rays.beams(radial(np.array([height_mm])), grid, wavelength)
+        beams = rays.beams(radial(rays, np.array([height_mm])), grid, wavelength)
         light = np.where(beams.open[0], np.nan_to_num(beams.light[0]), 0.0)
         if not light.sum() > 0:
             return None

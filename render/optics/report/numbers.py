@@ -36,6 +36,7 @@ class Barrel:
         surfaces: number of surfaces.
         focus_group: first and last index of the surfaces that move to focus; None where the whole lens does, or several groups.
         floating_groups: groups that move each in its own way to focus, with their travels; none where one moves.
+        focus_group_across: of those that move to focus from side to side too; None where none does.
     """
 
     length: float
@@ -51,6 +52,7 @@ class Barrel:
     petzval_radius: float
     surfaces: int
     focus_group: tuple[int, int] | None
+    focus_group_across: tuple[int, int] | None
     floating_groups: tuple[MovingGroup, ...] = ()
 
 
@@ -96,6 +98,7 @@ def barrel(lens: FocusedLens) -> Barrel:
         surfaces=sum(not surface.is_stop or surface.radius_mm != 0 for surface in lens.prescription.surfaces),
         focus_group=lens.prescription.focus_group if path is None else None,
         floating_groups=() if path is None else path.groups(),
+        focus_group_across=lens.prescription.focus_group_across,
     )
 
 

@@ -5,7 +5,7 @@ z grows from the scene to the film, 0 at the front vertex of the lens focused at
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from render.model.camera import Camera
 from render.model.lens import Surface
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.meridians import turned
 from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.prescription.surface_shape import sag_mm
 from render.optics.prescription.tracing import PASSES
@@ -78,19 +79,30 @@ class LensSection:
     rim_mm: float
 
 
-def lens_section(camera: Camera) -> LensSection:
+def lens_section(camera: Camera, *, sideways: bool = False) -> LensSection:
     """The section of a camera's lens, focused and stopped down as it is.
+
+    Args:
+        camera: with its lens.
+        sideways: cut a lens with cylinders from side to side in place of from top to bottom.
 
     Raises:
         InputError: the prescription is not a lens.
         SettingsError: it does not reach the focus distance.
     """
     corner = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)) / 2
-    return _of_glass(camera, corner) if has_surfaces(camera) else _of_ideal(camera, corner)
-
-
-def _of_glass(camera: Camera, corner: float) -> LensSection:
+    if not has_surfaces(camera):
+        return _of_ideal(camera, corner)
     lens = mount_lens(camera)
+    if not camera.lens.has_cylinders:
+        return _of_glass(camera, lens, corner)
+    if sideways:
+        lens = replace(lens, prescription=turned(lens.prescription))
+        return _of_glass(camera, lens, camera.horizontal_aperture_mm / (2 * camera.lens.squeeze))
+    return _of_glass(camera, lens, camera.vertical_aperture_mm / 2)
+
+
+def _of_glass(camera: Camera, lens: FocusedLens, corner: float) -> LensSection:
     rays = GlassRays(lens, focus_w(camera))
     lit = min(corner, _LAST_LIGHT * image_circle_mm(rays, 1.05 * corner) / 2)
     heights = np.array(BEAM_FIELDS) * lit
@@ -141,7 +153,7 @@ def _profile(surface: Surface, y_mm: DoubleArray, curved: bool) -> DoubleArray:
 
 def _fans(rays: GlassRays, lens: FocusedLens, heights: DoubleArray, camera: Camera) -> list[tuple[SectionRay, ...]]:
     pupil = np.stack([0 * _FAN, _FAN], axis=1)
-    aimed, wavelengths, _ = rays.aim(radial(heights), pupil, D_LINE_NM, focus_w(camera) / 1000)
+    aimed, wavelengths, _ = rays.aim(radial(rays, heights), pupil, D_LINE_NM, focus_w(camera) / 1000)
     traced = trace_aimed(lens, aimed, wavelengths, clip=True)
     before = float(lens.vertices_mm[0]) - _LEAD * (lens.film_mm - float(lens.vertices_mm[0]))
     start = aimed.points_mm + ((before - aimed.points_mm[:, 2]) / aimed.directions[:, 2])[:, None] * aimed.directions
@@ -165,7 +177,7 @@ def _of_ideal(camera: Camera, corner: float) -> LensSection:
     focal, radius = camera.focal_length_mm, camera.focal_length_mm / (2 * camera.f_stop) if camera.f_stop else 0.0
     rays, heights = film_rays(camera), np.array(BEAM_FIELDS) * corner
     fan = _FAN if radius else np.zeros(1)
-    landing = rays.beams(radial(heights), np.stack([0 * fan, fan], axis=1), D_LINE_NM).landing_mm[..., 1]
+    landing = rays.beams(radial(rays, heights), np.stack([0 * fan, fan], axis=1), D_LINE_NM).landing_mm[..., 1]
     beams = []
     for height, slope, ends in zip(heights, rays.seen(heights), landing, strict=True):
         y = radius * fan

@@ -10,7 +10,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import DataSheet
 from render.optics.data_sheet import SheetErrors, seen_slopes, sheet_errors
 from render.optics.glass import D_LINE_NM
-from render.optics.report.film_rays import Beams, DistantBeams, even_grid, grid_beams
+from render.optics.report.film_rays import UPWARD, Beams, DistantBeams, even_grid, grid_beams
 
 _LIGHT_SIDE = 64
 
@@ -30,6 +30,11 @@ class SheetRays:
     focal_length_mm: float
     f_stop: float
     focus_nearness_per_m: float
+
+    @property
+    def toward(self) -> DoubleArray:
+        """As `render.optics.report.film_rays.FilmRays.toward`."""
+        return UPWARD
 
     @property
     def last_height_mm(self) -> float:

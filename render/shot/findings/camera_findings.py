@@ -17,7 +17,10 @@ from render.shot.findings.topology_findings import topology_findings
 from render.shot.focus.focused_camera import FocusedCamera
 from render.stage import Finding, stereo_role
 from render.stage.camera.stereo import ROLES
-from usd_schemas import LensCamera
+from usd_schemas import LensCamera, LensData
+
+_SHAPES = "spherical", "coma", "astigmatism", "field_curvature", "distortion"
+"""Factors on errors that a lens with cylinders does not have by kinds."""
 
 
 def camera_findings(stage: Usd.Stage, camera_paths: Sequence[str]) -> list[Finding]:
@@ -113,6 +116,8 @@ def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
         yield Finding(
             "no_ghosts", path, f"{path} asks for ghosts, but its {lens.model} lens has no surfaces that could reflect"
         )
+    if lens.model == "prescription" and lens.prescription.radius_across:
+        yield from _findings_of_cylinders(lens, path)
     yield from topology_findings(camera)
     from usd_schemas.validation.key_rules import counting, two_drivers  # with all rules: not before the first picture
 
@@ -132,3 +137,13 @@ def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     if isinstance(planes, Sized) and len(planes) > MAX_CLIP_PLANES:
         message = f"{path} has {len(planes)} clippingPlanes: only the first {MAX_CLIP_PLANES} clip"
         yield Finding("unsupported_camera_property", f"{path}.clippingPlanes", message)
+
+
+def _findings_of_cylinders(lens: LensData, path: str) -> Iterator[Finding]:
+    """Find what a lens with cylinders does not draw."""
+    if lens.flare_ghosts > 0:
+        yield Finding("no_ghosts", path, f"{path} asks for ghosts, but those of a lens with cylinders are not traced")
+    factors = [name for name in _SHAPES if getattr(lens.aberration, name) != 1]
+    if factors:
+        named = ", ".join(name.replace("_", " ") for name in factors)
+        yield Finding("no_factors", path, f"{path} scales {named}, but a lens with cylinders keeps them as they are")

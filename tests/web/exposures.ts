@@ -7,6 +7,7 @@ export const EXPOSURE: ExposureSettings = {
   ...EXPOSURE_DEFAULTS,
   shutterEfficiency: [],
   meteringSpot: [0.5, 0.5],
+  channelIndex: [0, 0, 0],
   shutterAngleDeg: 180,
   keys: {},
 };

@@ -45,12 +45,6 @@ class Wavefront:
         """Projected solid angle of the pupil."""
         return float(self.cover.mean() * 4 * self.half.prod())
 
-    def strehl(self) -> float:
-        """Peak of the point's image over that without errors: ``|⟨exp(ikW)⟩|²`` (Born & Wolf, section 9.1.3)."""
-        lines = self._lines(np.zeros(2))
-        phase = np.exp(1j * self._wave_number * self._path(*lines))
-        return float(abs((self.cover * phase).sum() / self.cover.sum()) ** 2)
-
     def diffraction(self, shifts_mm: DoubleArray, frequency: float, axis: int) -> DoubleArray:
         """Complex optical transfer function ``(z,)`` with diffraction.
 

@@ -63,6 +63,8 @@ def write_lens(lens: Prescription, suffix: str) -> WrittenLens:
 
 def unwritable(lens: Prescription) -> str:
     """Why a prescription cannot be written: it has what no writer knows; "" where it can."""
+    if lens.is_anamorphic:
+        return "it has cylinders, which no writer knows"
     parts: list[tuple[str, Prescription | Surface]] = [
         ("the lens", lens),
         *((f"surface {i + 1}", surface) for i, surface in enumerate(lens.surfaces)),

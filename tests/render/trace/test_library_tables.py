@@ -25,7 +25,11 @@ GATES_MM = {"petzval_50": (10.26, 7.49), "speed_panchro_50": (24.89, 18.66), "an
 """Gates of motion pictures, for lenses that cover no more; full frame for the others."""
 LIT_MM = {"fisheye_10": 13.0, "canon_fisheye_15": 18.5}
 """Heights on the film up to which fisheyes are lit: an image circle of 28 mm, and the 77° that one picture can show."""
-NAMES = [lens.name for lens in library_lenses() if lens.lens.model == "prescription"]
+NAMES = [
+    lens.name
+    for lens in library_lenses()
+    if lens.lens.model == "prescription" and not any(lens.lens.prescription.radius_across)
+]
 
 
 @pytest.fixture(scope="module")

@@ -146,8 +146,10 @@ def run_stmap(arguments: argparse.Namespace, read_camera: CameraReader) -> None:
         raise SettingsError(f"lenses stmap writes an .exr file, got {out}")
     if not 1 <= arguments.overscan <= _MOST_OVERSCAN:
         raise SettingsError(f"--overscan takes a factor from 1 to {_MOST_OVERSCAN:g}, got {arguments.overscan:g}")
-    camera = read_camera(arguments)
     width = arguments.width
+    if not 8 <= width <= MAX_PIXELS:
+        raise SettingsError(f"--width takes 8 pixels or more, and a map at most {MAX_PIXELS} pixels")
+    camera = read_camera(arguments)
     height = round(width * camera.vertical_aperture_mm / camera.horizontal_aperture_mm)
     if not (min(width, height) >= 8 and width * height * arguments.overscan**2 <= MAX_PIXELS):
         raise SettingsError(
@@ -171,13 +173,19 @@ def run_opentrackio(arguments: argparse.Namespace, read_camera: CameraReader) ->
 
     Raises:
         SettingsError: a number is out of range, or there is no such lens.
-        InputError: the lens is anamorphic, for which the model has no terms.
+        InputError: the model cannot describe the lens: an anamorphic one, or a steep fisheye.
         OutputError: the file cannot be written.
     """
     camera = read_camera(arguments)
-    if camera.lens.squeeze != 1:
+    if camera.lens.squeeze != 1 or camera.lens.has_cylinders:
         raise InputError(f"{camera.path} is anamorphic, and OpenTrackIO's distortion is round", code="bad_lens")
     found = tracked_distortion(camera)
+    if not found.holds:
+        raise InputError(
+            f"OpenTrackIO's distortion cannot describe {camera.path}: it would be off by {found.worst_mm:.3g} mm; "
+            "pullfocus lenses stmap can",
+            code="bad_lens",
+        )
     lens: dict[str, Any] = {"distortion": [{"model": MODEL, "radial": list(found.radial)}]}
     lens |= {"fStop": camera.f_stop} if camera.f_stop else {}
     lens |= {"pinholeFocalLength": camera.focal_length_mm, "focusDistance": min(camera.focus_distance_m, FAR_AWAY_M)}

@@ -301,8 +301,9 @@ def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
 
 
 def _picture_error_mm(report: LensReport) -> float | None:
-    """Error of the rays of pictures through the lens; None for one without surfaces, or where there is no device."""
-    if report.camera.lens.model not in ("spherical", "prescription") or report.focused is None:
+    """Error of the rays of pictures through the lens; None without surfaces, with cylinders, or where there is no device."""
+    lens = report.camera.lens
+    if lens.model not in ("spherical", "prescription") or report.focused is None or lens.has_cylinders:
         return None
     from render.trace.table_error import table_error_mm  # loads OpenGL
 

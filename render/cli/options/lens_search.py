@@ -16,7 +16,11 @@ def add_lens_search(parser: argparse.ArgumentParser) -> None:
     """Declare the options of a search."""
     search = parser.add_argument_group("search", "a lens has to be all of them")
     search.add_argument(
-        "--focal-length", metavar="MM", type=_range, help="in mm: one, as engraved, a range such as 40-60, or 200-"
+        "--focal-length",
+        dest="focal_lengths",
+        metavar="MM",
+        type=_range,
+        help="in mm: one, as engraved, a range such as 40-60, or 200-",
     )
     search.add_argument(
         "--faster-than", metavar="N", type=float, default=math.inf, help="f-number wide open, at most this"
@@ -44,7 +48,7 @@ def found_lenses(arguments: argparse.Namespace) -> list[LibraryLens]:
     Raises:
         SettingsError: a range ends before it begins, or nothing is of that family.
     """
-    least, most = arguments.focal_length or (0.0, math.inf)
+    least, most = arguments.focal_lengths or (0.0, math.inf)
     if least == most:  # 58 finds 58.3: as engraved
         least, most = least - 0.5, most + 0.5
     try:

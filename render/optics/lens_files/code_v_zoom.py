@@ -58,7 +58,7 @@ class CodeVZoom:
             self._zoom(line, words)
             return True
         places = [place for place, word in enumerate(words) if _POSITION.fullmatch(word.upper())]
-        if not places:
+        if not places or self.count < 2:
             return False
         place = places[0]
         at = self._position(words[place], line)

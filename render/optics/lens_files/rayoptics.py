@@ -116,7 +116,7 @@ def _shape(surface: DraftSurface, profile: JsonPart, label: str) -> None:
     curvature = numbers.number("cv", 0.0)
     surface.radius = 1 / curvature if abs(curvature) > 1e-12 else 0.0
     if kind != "Spherical":
-        surface.conic = numbers.number("ec", 1.0) - 1 if numbers.part("ec") else numbers.number("cc", 0.0)
+        surface.conic = numbers.number("ec", 1 + numbers.number("cc", 0.0)) - 1
     if powers[kind](1):
         values = numbers.numbers("coefs", at_most=_MOST_COEFFICIENTS)
         surface.terms = {powers[kind](i): value for i, value in enumerate(values) if value}

@@ -144,7 +144,7 @@ def _without(group: Group, dropped: DraftSurface, front: DraftSurface, behind: D
 
 
 def _is_plane(surface: DraftSurface) -> bool:
-    return surface.radius == 0 and not any(surface.terms.values())
+    return surface.radius == 0 and surface.across is None and not any(surface.terms.values())
 
 
 def _move_to_glass(front: DraftSurface, stop: DraftSurface, whole: float, unit_mm: float) -> list[str]:

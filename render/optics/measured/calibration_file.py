@@ -145,7 +145,7 @@ def _load(data: bytes, name: str) -> Any:
         except ValueError:
             # OpenCV writes the version as %YAML:1.0, which no YAML has
             return yaml.load(re.sub(r"\A%YAML[: ]\S*\s*", "", text), _Loader)
-    except (ValueError, yaml.YAMLError, RecursionError, OverflowError, TypeError) as error:
+    except (ValueError, yaml.YAMLError, RecursionError, OverflowError, TypeError, AttributeError, LookupError) as error:
         raise _bad(name, "it is neither JSON nor YAML") from error
 
 
@@ -237,7 +237,8 @@ def _numbers(value: Any, what: str, name: str, depth: int = 0) -> list[float]:
 
 def _number(value: Any, what: str, name: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= MAX_COEFFICIENT:
-        raise _bad(name, f"its {what} must be a number, got {str(value)[:40]!r}")
+        got = "a number that is too large" if isinstance(value, int) else repr(str(value)[:40])
+        raise _bad(name, f"its {what} must be a number, got {got}")
     number = float(value)
     if not math.isfinite(number):
         raise _bad(name, f"its {what} must be a number, got {number}")

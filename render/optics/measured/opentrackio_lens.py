@@ -16,6 +16,7 @@ from render.optics.distortion import chief_rays
 MODEL = "Brown-Conrady D-U"
 FAR_AWAY_M = 100_000.0  # JSON has no infinity, and the protocol does not say yet how it is written
 _SAMPLES = 200
+_HOLDS = 0.01
 
 
 @dataclass(frozen=True)
@@ -25,10 +26,12 @@ class TrackedDistortion:
     Attributes:
         radial: k1 to k5 of OpenTrackIO: 1/mm², 0, 1/mm⁴, 0, 1/mm⁶.
         worst_mm: the most by which an undistorted point is off, on the film.
+        holds: whether that is within 1 % of the corner's height; of a steep fisheye it is not.
     """
 
     radial: tuple[float, ...]
     worst_mm: float
+    holds: bool = True
 
 
 def tracked_distortion(camera: Camera) -> TrackedDistortion:
@@ -53,4 +56,4 @@ def tracked_distortion(camera: Camera) -> TrackedDistortion:
     terms = np.linalg.lstsq(basis, undistorted - heights, rcond=None)[0]
     off = float(np.abs(basis @ terms - (undistorted - heights)).max())
     k1, k3, k5 = (float(term) / corner**power for term, power in zip(terms, (3, 5, 7), strict=True))
-    return TrackedDistortion((k1, 0.0, k3, 0.0, k5), off)
+    return TrackedDistortion((k1, 0.0, k3, 0.0, k5), off, off <= _HOLDS * corner)

@@ -85,7 +85,7 @@ def solve_curve(
 def _distortions(cameras: Sequence[Camera]) -> tuple[tuple[float, ...], ...]:
     """OpenTrackIO's coefficients of each camera's lens; its focus counts in `_FOCUS_STEPS` steps of the curve's nearest.
 
-    An anamorphic lens has none: the model is round.
+    An anamorphic lens has none, since the model is round, nor has a steep fisheye, which it cannot describe.
     """
     step_w = max(focus_w(camera) for camera in cameras) / _FOCUS_STEPS
     known: dict[tuple[object, ...], tuple[float, ...]] = {}
@@ -97,7 +97,9 @@ def _distortions(cameras: Sequence[Camera]) -> tuple[tuple[float, ...], ...]:
         key = (*kind, camera.focal_length_mm, camera.horizontal_aperture_mm, camera.vertical_aperture_mm, steps)
         if key not in known:
             near = replace(camera, focus_distance_m=1 / (steps * step_w) if steps else math.inf)
-            known[key] = tracked_distortion(near).radial if lens.squeeze == 1 else (0.0,)
+            is_round = lens.squeeze == 1 and not lens.has_cylinders
+            tracked = tracked_distortion(near) if is_round else None
+            known[key] = tracked.radial if tracked is not None and tracked.holds else (0.0,)
         found.append(known[key])
     return tuple(found)
 

@@ -90,6 +90,8 @@ def fit_lens(given: Measurements) -> FittedLens:
     sources = [] if known is None else list(known.sources)
     focal = given.focal_length_mm or (known.focal_length_mm if known is not None else 0.0)
     f_stop = given.f_stop or (known.sheet.f_stop if known is not None else 0.0)
+    if known is not None and known.sheet.f_stop not in (0.0, f_stop):
+        raise SettingsError(f"the tables of --base were measured at f/{known.sheet.f_stop:.3g}: leave --f-stop out")
     if given.distortion is not None:
         focal, found = _distortion(given.distortion, focal, given, notes)
         bent = tuple(np.round(found.distortion, 7).tolist())

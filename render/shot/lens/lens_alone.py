@@ -17,6 +17,7 @@ from render.optics.prescription.mounting import PRESCRIBED
 from render.optics.prescription.paraxial import first_order
 from render.optics.prescription.zooming import marked_close_focus_m, set_focal_length, zoom_of
 from render.shot.lens.lens_choice import is_lens_file, library_entry
+from render.stage.camera.lens_data import nominal_squeeze
 from render.stage.camera.lenses import make_iris, make_lens
 from usd_schemas import LibraryLens
 
@@ -118,7 +119,8 @@ def lens_alone(name_or_file: str, allow_unknown_glass: bool = False) -> LensAlon
         return _from_data_sheet(Path(name_or_file).stem, read_measured_lens(name_or_file))
     prescription = read_lens_file(name_or_file, allow_unknown_glass)
     marked_m = marked_close_focus_m(prescription)
-    lens = Lens("prescription", prescription.name, prescription, close_focus_m=marked_m)
+    squeeze = nominal_squeeze(prescription)
+    lens = Lens("prescription", prescription.name, prescription, squeeze=squeeze, close_focus_m=marked_m)
     return _mount_alone(Path(name_or_file).stem, prescription.name, "", lens, IrisShape())
 
 

@@ -66,7 +66,7 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         name=name or prescription.name,
         close_focus=1000 * marked_close_focus_m(prescription),
         f_stop_range=(prescription.f_stop, 0.0),
-        squeeze=_nominal_squeeze(prescription),
+        squeeze=nominal_squeeze(prescription),
         prescription=data,
         configurations=_configurations(prescription),
     )
@@ -88,7 +88,7 @@ def _configurations(prescription: Prescription) -> Configurations:
     )
 
 
-def _nominal_squeeze(prescription: Prescription) -> float:
+def nominal_squeeze(prescription: Prescription) -> float:
     """Squeeze of a lens with cylinders at infinity, to two decimals; 1 of any other, and where none makes a picture."""
     if not prescription.is_anamorphic:
         return 1.0

@@ -15,7 +15,7 @@ from render.stage.geometry.curve_samples import (
     sample_nurbs_curves,
 )
 from render.stage.geometry.points_data import authored_normals, authored_widths, read_points, whole_numbers
-from render.stage.geometry.polygons import BadGeometry, Blend, Polygons, Sampling, check_finite
+from render.stage.geometry.polygons import BadGeometry, Polygons, Sampling, check_finite
 from render.stage.geometry.primvars import as_rows
 from render.stage.geometry.sampling import resample, sample_widths
 from render.stage.geometry.tubes import make_ribbons, make_tubes
@@ -55,8 +55,9 @@ def curve_polygons(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> Polyg
     if normals is None:
         return make_tubes(samples, widths)
     facing = resample(normals, sampling)
-    index = {"constant": np.zeros(len(widths), np.int64), "uniform": samples.curve}.get(facing.interpolation)
-    chosen = facing.values if index is None else Blend(index[:, None], np.ones((len(index), 1))).of(facing.values)
+    chosen = facing.values if facing.indices is None else facing.values[facing.indices]
+    if facing.interpolation == "constant":
+        chosen = np.repeat(chosen[:1], len(widths), axis=0)
     return make_ribbons(samples, widths, np.asarray(chosen, np.float64))
 
 

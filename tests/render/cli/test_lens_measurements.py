@@ -129,6 +129,20 @@ def test_opentrackio_read_again_is_the_lens(pullfocus: Command, tmp_path: Path) 
     assert pullfocus("lenses", "opentrackio", "anamorphic_50_2x").status == 1
 
 
+def test_opentrackio_refuses_a_fisheye_that_it_cannot_describe(pullfocus: Command) -> None:
+    ended = pullfocus("lenses", "opentrackio", "fisheye_10")
+    assert (ended.status, ended.out, ended.err.count("\n")) == (1, "", 1)
+    assert "cannot describe" in ended.err
+
+
+def test_tables_of_one_f_number_are_not_stated_at_another(pullfocus: Command, tmp_path: Path) -> None:
+    base = str(tmp_path / "base.lens")
+    pullfocus("lenses", "show", "double_gauss_50", "--tables", base)
+    ended = pullfocus("lenses", "fit", str(tmp_path / "other.lens"), "--base", base, "--f-stop", "5.6")
+    assert (ended.status, ended.err.count("\n")) == (2, 1)
+    assert "measured at f/2.02: leave --f-stop out" in ended.err
+
+
 def test_what_is_fitted_completes_a_sheet(pullfocus: Command, tmp_path: Path) -> None:
     base, chart, out = tmp_path / "base.lens", tmp_path / "chart.csv", tmp_path / "out.lens"
     assert pullfocus("lenses", "show", "planar_50", "--tables", base).status == 0

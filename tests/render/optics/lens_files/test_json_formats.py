@@ -135,6 +135,7 @@ def test_rayoptics_aspheres_media_and_rims() -> None:
     model = _rayoptics()
     profiles = model["optical_model"]["attributes"]["profile_dict"]
     profiles["1"] = _object("m", "EvenPolynomial", cv=1 / 22.01359, cc=-0.5, coefs=[0.0, 1e-6, 2e-9])
+    profiles["2"] = _object("m", "RadialPolynomial", cv=-1 / 435.7604, ec=0.0, coefs=[0.0])
     profiles["3"] = _object("m", "RadialPolynomial", cv=-1 / 22.21328, ec=0.75, coefs=[0.0, 0.0, 0.0, 3e-6])
     sequence = _sequence(model)
     sequence["ifcs"][1]["attributes"]["clear_apertures"] = [_object("m", "Circular", radius=8.5, x_offset=0.0)]
@@ -143,6 +144,7 @@ def test_rayoptics_aspheres_media_and_rims() -> None:
     sequence["gaps"][5]["attributes"]["medium"] = _object("m", "InterpolatedMedium", label="x", wvls=wvls, rndx=rndx)
     lens = _read(model, "a.roa")
     assert (lens.surfaces[0].conic, lens.surfaces[0].aspheric) == (-0.5, (1e-6, 2e-9))
+    assert lens.surfaces[1].conic == -1  # a paraboloid
     assert (lens.surfaces[2].conic, lens.surfaces[2].aspheric) == (-0.25, (3e-6,))
     assert lens.surfaces[0].semi_diameter_mm == 8.5
     assert lens.surfaces[1].semi_diameter_mm == 0  # 1 is what nobody computed

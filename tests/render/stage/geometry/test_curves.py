@@ -318,3 +318,18 @@ def test_short_curves_are_left_out_and_named():
     points = world_points(only_batch(reader.read(0.0)))
     assert points[:, 0].min() == pytest.approx(1, abs=1e-6)
     assert codes(reader) == {"short_curves"}
+
+
+@pytest.mark.parametrize("interpolation", ["uniform", "constant"])
+def test_normals_of_ribbons_may_have_indices(interpolation: str):
+    stage = new_stage()
+    curve = curves(stage, [(0, 0, 0), (1, 0, 0), (0, 0, 5), (1, 0, 5)], type="linear")
+    curve.CreateCurveVertexCountsAttr([2, 2])
+    normals = [Gf.Vec3f(0, 0, 1), Gf.Vec3f(0, 1, 0)]
+    indices = [1, 0] if interpolation == "uniform" else [1]
+    set_primvar(curve.GetPrim(), "normals", T.Normal3fArray, interpolation, normals).SetIndices(indices)
+    geometry = only_batch(read(stage)).geometry
+    first = geometry.positions[:, 2] < 2
+    np.testing.assert_allclose(geometry.normals[first], [(0, 1, 0)] * first.sum(), atol=1e-6)
+    second = (0, 0, 1) if interpolation == "uniform" else (0, 1, 0)
+    np.testing.assert_allclose(geometry.normals[~first], [second] * (~first).sum(), atol=1e-6)

@@ -47,6 +47,7 @@ _REFUSED_TYPES = {
     "BIREFRIN": "birefringent media",
     "PARAXIAL": "ideal lenses without glass",
 }  # what it is, by the beginning of the type's name
+_OTHER_APERTURES = ("OBSC", "SQAP", "SQOB", "ELAP", "ELOB", "SPID")
 _BREAK = "COORDBRK"
 _TILTS = {"1": "decentre in x", "2": "decentre in y", "3": "tilt about x", "4": "tilt about y", "5": "tilt about z"}
 _MODEL_GLASS = "___BLANK"
@@ -83,6 +84,7 @@ class _Reader:
         self._floats_by_stop = False
         self._breaks: list[DraftSurface] = []
         self._two_curves = zemax_cylinders.TwoCurves(text)
+        self._is_clear: list[DraftSurface] = []
         self._is_asphere = False  # the surface that is being read
         self._of_system: dict[str, Callable[[list[str], str, int], None]] = {
             "MODE": self._mode,
@@ -101,6 +103,8 @@ class _Reader:
             "DISZ": self._thickness,
             "GLAS": self._glass,
             "DIAM": self._semi_diameter,
+            "CLAP": self._clear_aperture,
+            **dict.fromkeys(_OTHER_APERTURES, self._other_aperture),
             "CONI": self._conic,
             "PARM": self._parameter,
         }
@@ -217,9 +221,26 @@ class _Reader:
         surface.thickness = self._text.distance(word, what, line, surface.label)
 
     def _semi_diameter(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
-        if surface is not self._surfaces[0]:
+        if surface is not self._surfaces[0] and not any(surface is each for each in self._is_clear):
             what = "semi-diameter (DIAM)"
             surface.semi_diameter = self._text.number(_first(words), what, line, surface.label, at_least=0)
+
+    def _clear_aperture(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
+        """Take a circular aperture (CLAP, least and greatest radius), which wins over DIAM: that of a drawing is often wider."""
+        least, most = (
+            self._text.number(word, "radius (CLAP)", line, surface.label, at_least=0) for word in (*words, "0", "0")[:2]
+        )
+        if most > 0 and surface is not self._surfaces[0]:
+            surface.semi_diameter = most
+            self._is_clear.append(surface)
+        if least > 0:
+            self._other_aperture(surface, words, line)
+
+    def _other_aperture(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
+        """Note an aperture that is not round, or has a hole or an obscuration."""
+        note = f"The aperture of surface {surface.label} is a ring, an obscuration or not round; light passes all of its circle."
+        if any(word.strip("0.+-eE") for word in words[:2]) and note not in self._draft.notes:
+            self._draft.notes.append(note)
 
     def _conic(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         surface.conic = self._number(surface, _first(words), "conic constant (CONI)", line)

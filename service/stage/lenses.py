@@ -37,7 +37,12 @@ def list_lenses(
     years: tuple[float, float],
     words: str,
 ) -> LensList:
-    """List lenses of the library; parameters as in `usd_schemas.LensSearch`. Raises `SettingsError`."""
+    """List lenses of the library; parameters as in `usd_schemas.LensSearch`. A range that ends before it begins finds none.
+
+    Raises `SettingsError`.
+    """
+    if focal_length_mm[0] > focal_length_mm[1] or years[0] > years[1]:
+        return []
     try:
         search = LensSearch(focal_length_mm, faster_than, family, years, words)
     except SchemaError as error:

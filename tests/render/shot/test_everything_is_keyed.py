@@ -86,6 +86,7 @@ _CONTEXTS: dict[str, dict[str, Any]] = {
 
 _VALUES: dict[str, tuple[Any, Any]] = {
     "lens:prescription:radius": ((0.0, 40.0, -40.0), (0.0, 44.0, -48.0)),
+    "lens:prescription:radiusAcross": ((0.0, 60.0, -60.0), (0.0, 70.0, -50.0)),
     "lens:prescription:thickness": ((1.0, 2.0, 30.0), (1.4, 3.0, 30.0)),
     "lens:prescription:index": ((1.0, 1.5, 1.0), (1.0, 1.7, 1.0)),
     "lens:prescription:abbe": ((0.0, 60.0, 0.0), (0.0, 30.0, 0.0)),

@@ -88,6 +88,8 @@ def test_everything_that_can_be_read_can_be_set(client, shot):
         "neutralDensity": 0.3,
         "naturalVignetting": True,
         "breathing": True,
+        "channelIndex": [1.48, 1.52, 1.57],
+        "circleDistance": "imageDistance",
         "flareGhosts": 2,
         "flareStar": 0.5,
         "shutterOpen": -0.25,

@@ -42,7 +42,7 @@ def list_lenses(
     Raises `SettingsError`.
     """
     if focal_length_mm[0] > focal_length_mm[1] or years[0] > years[1]:
-        return []
+        return LensList(lenses=[])
     try:
         search = LensSearch(focal_length_mm, faster_than, family, years, words)
     except SchemaError as error:

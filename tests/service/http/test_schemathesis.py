@@ -33,7 +33,8 @@ ONLY_DECLARED = "[phases.stateful.inference]\nalgorithms = []\n"
 HOOKS = "tests.service.http.stateful_hooks"
 ROOT = Path(__file__).parents[3]
 JUDGED = [*ACCEPTED, 413, 415, 422]
-"""Answers to valid data of operations that take a camera, frames, a file or a body: no schema says what fits a shot, nor lists the library's families."""
+"""Answers to valid data of operations that take a camera, frames, a file, a body or a family of lenses: no schema says what
+fits a shot, nor lists the library's families."""
 OF_SHOTS = ("camera", "frames", "family")
 """Parameters that the schema does not judge: what a shot has, or the library."""
 

@@ -16,7 +16,7 @@ sold with.
 """
 
 CHECKS = """
-## How they are checked
+## Checks
 
 `tests/render/optics/corpus` holds each lens with surfaces against its source and against rayoptics 0.9.8, an independent
 package that has traced the same surfaces (`scripts/lens_corpus` writes its numbers anew):

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from render.drawing.page import BEAMS, FAINT, HAIRLINE, INK, LIGHTS, SMALL, TINY, draw_message
+from render.model.arrays import DoubleArray
 from render.optics.report import LensReport
 from render.optics.report.focus_scale import THROW_DEG, FocusMark
 from render.optics.report.mtf import FREQUENCIES
@@ -52,6 +53,12 @@ def draw_through_focus(axes: Axes, report: LensReport) -> None:
     _legend(axes, 3)
 
 
+def _span_both_ways(axes: Axes, values: DoubleArray, least: float) -> None:
+    """Let the axis across reach as far to the left as to the right, past all finite values."""
+    most = np.abs(values[np.isfinite(values)]).max(initial=least)
+    axes.set_xlim(-1.08 * most, 1.08 * most)
+
+
 def draw_longitudinal(axes: Axes, report: LensReport) -> None:
     """Draw where rays of each colour cross the axis, over their height in the stop."""
     axes.set_title("Longitudinal aberration")
@@ -61,8 +68,7 @@ def draw_longitudinal(axes: Axes, report: LensReport) -> None:
         return
     for values, light, name in zip(colour.longitudinal_mm, LIGHTS, ("red", "green", "blue"), strict=True):
         axes.plot(values, colour.pupil, color=light, label=name)
-    most = np.abs(colour.longitudinal_mm[np.isfinite(colour.longitudinal_mm)]).max(initial=_LEAST_MM)
-    axes.set_xlim(-1.08 * most, 1.08 * most)
+    _span_both_ways(axes, colour.longitudinal_mm, _LEAST_MM)
     axes.set_ylim(0, 1)
     _cross(axes, "mm behind the film", "height in the stop")
     _legend(axes, 3)
@@ -78,8 +84,7 @@ def draw_lateral(axes: Axes, report: LensReport) -> None:
     for values, light, name in zip(colour.lateral_um, LIGHTS, ("red", "green", "blue"), strict=True):
         if name != "green":
             axes.plot(values, colour.heights_mm, color=light, label=name)
-    most = np.abs(colour.lateral_um[np.isfinite(colour.lateral_um)]).max(initial=_LEAST_UM)
-    axes.set_xlim(-1.08 * most, 1.08 * most)
+    _span_both_ways(axes, colour.lateral_um, _LEAST_UM)
     axes.set_ylim(0, report.corner_mm)
     _cross(axes, "µm farther from the axis", "image height, mm")
     _legend(axes, 2)

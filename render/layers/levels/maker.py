@@ -13,10 +13,16 @@ from render.model.scene import Geometry
 class _Work:
     """Levels of one geometry that are made or being made."""
 
-    def __init__(self, geometry: Geometry, threads: ThreadPoolExecutor) -> None:
+    def __init__(self, geometry: Geometry, threads: ThreadPoolExecutor, may_run: Event) -> None:
         self.geometry = geometry  # its id stays its own as long as this lives
         self._is_stale = Event()
-        self.result: Future[Levels | None] = threads.submit(make_levels, geometry, self._is_stale.is_set)
+        self._may_run = may_run
+        self.result: Future[Levels | None] = threads.submit(make_levels, geometry, self._wait_for_turn)
+
+    def _wait_for_turn(self) -> bool:
+        """Wait while the maker is paused; true once the work is stale."""
+        self._may_run.wait()
+        return self._is_stale.is_set()
 
     def stop(self) -> None:
         self._is_stale.set()
@@ -29,6 +35,12 @@ class LevelMaker:
     def __init__(self) -> None:
         self._threads: ThreadPoolExecutor | None = None
         self._work: dict[int, _Work] = {}
+        self._may_run = Event()
+        self._may_run.set()
+
+    def pause(self, *, is_paused: bool) -> None:
+        """Pause between two sections of a geometry, or go on: levels take processor time that others may wait for."""
+        (self._may_run.clear if is_paused else self._may_run.set)()
 
     def want(self, geometries: Iterable[Geometry]) -> None:
         """Make the levels of these geometries, and drop those of all others."""
@@ -38,7 +50,7 @@ class LevelMaker:
         for key in wanted.keys() - self._work.keys():
             if self._threads is None:
                 self._threads = ThreadPoolExecutor(1, "pullfocus-levels")
-            self._work[key] = _Work(wanted[key], self._threads)
+            self._work[key] = _Work(wanted[key], self._threads, self._may_run)
 
     def made(self) -> dict[int, Levels]:
         """Levels that are ready, by the id of their geometry. A mesh whose levels could not be made has none."""
@@ -55,12 +67,14 @@ class LevelMaker:
         return found
 
     def wait(self) -> None:
-        """Wait until all levels that are wanted are made."""
+        """Wait until all levels that are wanted are made; a pause ends."""
+        self._may_run.set()
         wait([work.result for work in self._work.values()])
 
     def release(self) -> None:
         """Stop, and drop all levels."""
         self.want(())
+        self._may_run.set()
         if self._threads is not None:
             self._threads.shutdown(wait=False, cancel_futures=True)
             self._threads = None

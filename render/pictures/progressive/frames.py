@@ -79,6 +79,7 @@ class LiveFrames:
                 sketch = "always"
             unlit = settings.shading == "unlit"
             previewer, peeler = renderer.device.previewer, renderer.device.peeler
+            peeler.sketches.maker.pause(is_paused=is_hurried)  # pictures of others come first
             is_brief = is_hurried or (is_moving and renderer.graphics.is_software)
             kept = previewer.find_sketch(scene, camera, largest, unlit=unlit) if is_brief else None
             is_again = kept is not None and not is_hurried and renderer.has_scene(scene, camera)

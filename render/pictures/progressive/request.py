@@ -30,7 +30,8 @@ class PreviewRequest:
         budget_ms: time for the first picture, which is as good as fits.
         is_moving: True while a control is dragged, so that the next request follows at once: the preview is the only picture.
             Drawn by the processor, that of a new view shows nothing behind what the centre of the lens sees.
-        is_hurried: True where others wait: likewise on any machine, and for a view that is shown again.
+        is_hurried: True where others wait: likewise on any machine, and for a view that is shown again. Until a picture that is
+            not hurried, no levels of meshes are made.
         maps_focus: whether the first picture, unless it is hurried, and the final one come with a focus map.
     """
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from threading import Event
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
 from render.layers.bounds import CLUSTER_TRIANGLES
+from render.layers.levels.maker import LevelMaker
 from render.layers.levels.simplify import LEAST_TRIANGLES, MOST_TRIANGLES, Levels, cut_sections, make_levels
 from render.layers.levels.sketch_index import MOST_ERROR_PX
 from render.layers.peel import SKETCH, Layers
@@ -282,3 +285,25 @@ def test_pictures_of_the_sketch_slot_alone_are_sketches(renderer: FrameRenderer)
         assert small.nearest_w is not None
         assert wide.nearest_w is None
         assert device.peeler.has_layers(small.view, unlit=True, cache_slot=SKETCH)
+
+
+def test_a_paused_maker_waits_until_it_may_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, polled = Event(), []
+
+    def make(geometry: Geometry, is_stale: Callable[[], bool]) -> None:
+        begun.set()
+        polled.append(is_stale())
+
+    monkeypatch.setattr("render.layers.levels.maker.make_levels", make)
+    maker = LevelMaker()
+    maker.pause(is_paused=True)
+    maker.want([ball(4)])
+    assert begun.wait(10)
+    assert polled == []
+    maker.wait()
+    assert polled == [False]
+    maker.pause(is_paused=True)
+    begun.clear()
+    maker.want([ball(5)])
+    assert begun.wait(10)
+    maker.release()  # ends the thread, which would keep the process otherwise

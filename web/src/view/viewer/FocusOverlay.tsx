@@ -7,6 +7,7 @@ import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { gateWidthMm } from "../../model/focus_map";
 import { stopsToHold } from "../../model/sharpness";
+import type { LivePicture } from "../../net/live_link";
 import { limitOf } from "../sharp_limit";
 import { FocusPainter } from "./focus_painter";
 
@@ -33,11 +34,14 @@ export function FocusOverlay({ editor, session }: { editor: Editor; session: Ses
   // A browser may take the context away when it wants memory; it gives a new one later.
   const [contexts, setContexts] = useState(1);
   useEffect(() => {
-    const painter = canvas.current && FocusPainter.on(canvas.current);
+    const drawn = canvas.current;
+    const painter = drawn && FocusPainter.on(drawn);
     setPossible(painter !== null);
     if (!painter) return undefined;
     const stop = effect(() => {
-      paint(painter, editor, session);
+      const painted = paint(painter, editor, session);
+      if (painted) drawn.dataset.painted = painted;
+      else delete drawn.dataset.painted;
     });
     const stopListening = painter.onLost(() => {
       setContexts((count) => count + 1);
@@ -48,8 +52,6 @@ export function FocusOverlay({ editor, session }: { editor: Editor; session: Ses
       painter.release();
     };
   }, [editor, session, contexts]);
-  const shown = session.pictures.displayed.value;
-  const hasMap = shown !== null && shown.focusMap !== null;
   return (
     <>
       <canvas
@@ -58,24 +60,25 @@ export function FocusOverlay({ editor, session }: { editor: Editor; session: Ses
         class="sharpness"
         aria-hidden="true"
         data-look={editor.remembered.look.value}
-        data-painted={hasMap ? shown.stage : undefined}
       />
       {isPossible ? <Legend editor={editor} session={session} /> : <p class="wanted">This browser has no WebGL 2.</p>}
     </>
   );
 }
 
-function paint(painter: FocusPainter, editor: Editor, session: Session): void {
+/** Paints over the picture that is displayed, and returns its stage; null where it has no focus map. */
+function paint(painter: FocusPainter, editor: Editor, session: Session): LivePicture["stage"] | null {
   const shown = session.pictures.displayed.value;
   const limitMm = limitOf(editor, session);
   const { look, focusLines } = editor.remembered;
   if (!shown?.focusMap || limitMm === null) {
     painter.clear();
-    return;
+    return null;
   }
   const { focusMap: map, bitmap, quality } = shown;
   const [width, height] = [quality.width, quality.height];
   painter.paint({ map, bitmap, look: look.value, lines: focusLines.value === "on", limitMm, width, height });
+  return shown.stage;
 }
 
 /** What the colours say. */

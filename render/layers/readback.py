@@ -74,14 +74,14 @@ def _describe(
     geometry = batch.geometry
     own_path = scene.prim_paths[geometry.prim_ids[triangle]]
     number = -1 if batch.instance_numbers is None else int(batch.instance_numbers[pose])
-    if geometry.swapped is not None and geometry.swapped[triangle]:
-        weights = weights[[0, 2, 1]]
+    fans, of_fans = geometry.fan_points(np.array([triangle]), weights[None])
+    first, second, third = of_fans[0].tolist()
     instance_path = None if batch.instance_prim_ids is None else scene.prim_paths[batch.instance_prim_ids[pose]]
     return Pick(
         prim_path=instance_path or own_path,
         face=int(geometry.face_ids[triangle]),
-        fan_triangle=int(geometry.fan_ids[triangle]),
-        barycentric=(float(weights[0]), float(weights[1]), float(weights[2])),
+        fan_triangle=int(fans[0]),
+        barycentric=(first, second, third),
         instance=number,
         prototype_path=own_path if number >= 0 else None,
         depth_m=depth_m,

@@ -85,16 +85,12 @@ class SurfaceDescription:
         weights = self._weights_and_normals[0].copy()
         for draw, here in self._by_draw():
             batch, triangles = draw.batch, self._hits.triangles[here]
-            geometry, fan_ids[here] = batch.geometry, batch.geometry.fan_ids[triangles]
+            geometry = batch.geometry
+            fan_ids[here], weights[here] = geometry.fan_points(triangles, weights[here])
             own_ids = (
                 batch.instance_prim_ids if batch.instance_numbers is None else None
             )  # native instances are prims themselves
             mesh_ids[here] = geometry.prim_ids[triangles] if own_ids is None else own_ids[self._poses(draw, here)]
-            if geometry.swapped is not None:
-                own = weights[here]
-                swapped = geometry.swapped[triangles]
-                own[swapped] = own[swapped][:, [0, 2, 1]]
-                weights[here] = own
         return SurfacePoints(mesh_ids, self.face_ids, fan_ids, weights)
 
     @property

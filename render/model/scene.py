@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray, FloatArray, IntArray
+from render.model.face_places import FacePlaces
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
 CameraRole = Literal["seen", "holdout", "unseen"]
@@ -116,6 +117,7 @@ class Geometry:
         prim_ids: ``(m,)`` int32 index into ``Scene.prim_paths`` for each triangle.
         face_ids: ``(m,)`` int32 index of the authored face for each triangle.
         fan_ids: ``(m,)`` int32: triangle i of the face's fan is its corners ``(0, i + 1, i + 2)``, in authored order.
+        places: places of triangles that are finer than the fans of their faces, where there are any; else None.
         swapped: ``(m,)`` bool: triangles whose last two corners stand in the other order here, since the face or its
             transform is left-handed; or None for none. Barycentric coordinates of a hit swap likewise.
         material_ids: ``(m,)`` int32 index into ``Scene.material_paths`` of the material that each triangle's prim is bound to,
@@ -132,6 +134,19 @@ class Geometry:
     colors: FloatArray | None = None
     swapped: NDArray[np.bool_] | None = None
     material_ids: IntArray | None = None
+    places: FacePlaces | None = None
+
+    def fan_points(self, triangles: NDArray[np.integer], weights: DoubleArray) -> tuple[IntArray, DoubleArray]:
+        """Triangles ``(n,)`` of the fans of authored faces, and weights ``(n, 3)`` there, of points of triangles.
+
+        Args:
+            triangles: ``(n,)``.
+            weights: ``(n, 3)`` barycentric coordinates in these.
+        """
+        if self.swapped is not None:
+            weights = np.where(self.swapped[triangles][:, None], weights[:, [0, 2, 1]], weights)
+        fans = self.fan_ids[triangles]
+        return (fans, weights) if self.places is None else self.places.to_fans(triangles, fans, weights)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Literal
 
 Resolver = Literal["root", "inherit"]
 
-COMPLEXITIES = ("low", "medium", "high", "veryhigh")
+COMPLEXITIES = ("auto", "low", "medium", "high", "veryhigh")
 PURPOSES = ("default", "render", "proxy", "guide")
 DRAWN_PURPOSES = ("default", "render")
 """Purposes that are drawn where nobody says which."""
@@ -26,7 +26,8 @@ class StageOptions:
         camera: prim path of the camera that a mask keeps in any case; None keeps those that may be the default one.
         all_cameras: a mask keeps all cameras that are not in payloads, as pairs of eyes need.
         unloaded: payloads are not loaded, and a finding counts them.
-        complexity: one of `COMPLEXITIES`. Subdivision surfaces are drawn as their cage at all; above low that is a finding.
+        complexity: one of `COMPLEXITIES`: ``auto`` refines subdivision surfaces until their edges are within a quarter of a
+            pixel; ``low`` draws their control meshes, and the others refine them in 1, 2 or 3 steps.
         cull_backfaces: leave out back faces of what is not ``doubleSided``; as in usdrecord, both sides are drawn otherwise.
         camera_light: a stage without lights is lit by one at the camera.
         dome_visible: the camera sees the dome behind everything; it lights either way.
@@ -42,7 +43,7 @@ class StageOptions:
     camera: str | None = None
     all_cameras: bool = False
     unloaded: bool = False
-    complexity: str = "low"
+    complexity: str = "auto"
     cull_backfaces: bool = False
     camera_light: bool = True
     dome_visible: bool = True

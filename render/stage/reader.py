@@ -14,6 +14,7 @@ from render.stage.assembly.level_choice import LevelChoice, LevelChooser, may_ch
 from render.stage.assembly.pieces import ShapeReader
 from render.stage.assembly.plan import PieceCutter, plan_groups
 from render.stage.assembly.poses import InstanceReader
+from render.stage.assembly.subdivision_levels import Levels, SubdivisionChooser
 from render.stage.camera.back_plates import PlateReader
 from render.stage.camera.plate_places import plate_names
 from render.stage.camera_list import list_cameras
@@ -43,7 +44,13 @@ class _Plan:
     lights: LightReader
     plates: PlateReader
     levels: LevelChooser
+    subdivision: SubdivisionChooser
     binding_purposes: tuple[str, ...]
+
+    @property
+    def follows_camera(self) -> bool:
+        """Whether what is drawn depends on the camera."""
+        return bool(self.inventory.level_roots) or self.subdivision.follows_camera
 
 
 class StageReader:
@@ -78,6 +85,7 @@ class StageReader:
         self._scene: Scene | None = None
         self._key: tuple[Usd.TimeCode, str] | None = None
         self._levels = LevelChoice()
+        self._subdivision: Levels = {}
         self._changes = 0
         self._identity = object()
         self._listener = Tf.Notice.Register(Usd.Notice.ObjectsChanged, self._on_change, stage)
@@ -86,6 +94,11 @@ class StageReader:
     def findings(self) -> list[Finding]:
         """Findings so far, each once: requests that are not honoured and parts that could not be used."""
         return self._log.as_list()
+
+    @property
+    def complexity(self) -> str:
+        """How finely subdivision surfaces are refined, one of `render.stage.options.COMPLEXITIES`."""
+        return self._options.complexity
 
     @property
     def changes(self) -> int:
@@ -97,7 +110,7 @@ class StageReader:
 
         Args:
             time: USD time code.
-            camera_path: prim path of the camera that levels of detail are chosen for; empty for their default ones.
+            camera_path: prim path of the camera that levels of detail and of subdivision are chosen for; empty for none.
 
         Raises:
             StageError: a transform is not finite, or a file turns out to be damaged.
@@ -111,7 +124,7 @@ class StageReader:
                 self._plan = self._make_plan(skeletons, purposes, shapes)
             else:
                 shapes = ShapeReader(self._plan.skeletons, self._plan.binding_purposes, at, self._log)
-            key = (at, camera_path if self._plan.inventory.level_roots else "")
+            key = (at, camera_path if self._plan.follows_camera else "")
             if self._scene is None or self._key != key:
                 self._scene, self._key = self._scene_at(self._plan, shapes, camera_path), key
         return self._scene
@@ -119,13 +132,16 @@ class StageReader:
     def _scene_at(self, plan: _Plan, shapes: ShapeReader, camera_path: str) -> Scene:
         time = shapes.time
         transforms, instances = UsdGeom.XformCache(time), InstanceReader(time, self._log)
+        world = world_from_stage(self._stage)
         levels = plan.levels.choose(camera_path, transforms, instances)
-        if self._scene is not None and Usd.TimeCode(self._scene.time) == time and levels.equals(self._levels):
+        shapes.levels = plan.subdivision.choose(self._camera(camera_path), transforms, instances, world)
+        is_same = levels.equals(self._levels) and shapes.levels == self._subdivision
+        if self._scene is not None and Usd.TimeCode(self._scene.time) == time and is_same:
             return self._scene
-        self._levels = levels
+        self._levels, self._subdivision = levels, shapes.levels
         context = DrawContext(
             transforms=transforms,
-            world=world_from_stage(self._stage),
+            world=world,
             scale=metres_per_unit(self._stage),
             look=lambda path: plan.looks.look(path, time),
             shapes=shapes,
@@ -135,7 +151,7 @@ class StageReader:
             material_id=lambda path: self._material_ids.setdefault(path, len(self._material_ids)) if path else -1,
             log=self._log,
         )
-        unread = (piece for group in plan.groups for piece in group.unread(time))
+        unread = (piece for group in plan.groups for piece in group.unread(shapes))
         shapes.prepare(piece for piece in unread if levels.may_show(piece.occurrence))
         batches = [batch for group in plan.groups for batch in group.batches(context)]
         batches = self._drop_excess(batches)
@@ -153,7 +169,7 @@ class StageReader:
             stage_from_world=np.asarray(np.linalg.inv(context.world), np.float64),
             camera_light=self._options.camera_light,
             material_paths=tuple(self._material_ids),
-            version=(self._identity, self._changes, time, camera_path if plan.inventory.level_roots else ""),
+            version=(self._identity, self._changes, time, camera_path if plan.follows_camera else ""),
         )
 
     def _drop_excess(self, batches: list[Batch]) -> list[Batch]:
@@ -184,11 +200,11 @@ class StageReader:
         looks = LookReader(self._stage, self._textures, self._log)
         cutter = PieceCutter(looks, skeletons, purposes, shapes, self._options.cull_backfaces, self._log)
         groups = plan_groups(inventory.surfaces, cutter, self._log)
-        self._note_complexity(inventory)
         self._note_up_axis()
         lights = LightReader(self._stage, self._textures, self._log)
         levels = LevelChooser(self._stage, inventory.level_roots, self._log)
-        return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), levels, purposes)
+        subdivision = SubdivisionChooser(inventory.surfaces, self._options.complexity, self._log)
+        return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), levels, subdivision, purposes)
 
     def _plate_reader(self) -> PlateReader:
         """Reader of the plates of all cameras that the mask and the render pass leave."""
@@ -209,16 +225,9 @@ class StageReader:
     def _prim_id(self, path: str) -> int:
         return self._prim_ids.setdefault(path, len(self._prim_ids))
 
-    def _note_complexity(self, inventory: Inventory) -> None:
-        complexity = self._options.complexity
-        if complexity == "low":
-            return
-        for surface in inventory.surfaces:
-            scheme = surface.prim.GetAttribute("subdivisionScheme")
-            if scheme and scheme.Get() != UsdGeom.Tokens.none:
-                message = f"complexity {complexity} is not honoured: subdivision surfaces are drawn as their cage"
-                self._log.add("complexity", "/", message)
-                return
+    def _camera(self, path: str) -> UsdGeom.Camera | None:
+        camera = UsdGeom.Camera(self._stage.GetPrimAtPath(path)) if path else None
+        return camera if camera else None
 
     def _note_up_axis(self) -> None:
         axis = UsdGeom.GetStageUpAxis(self._stage)
@@ -237,7 +246,7 @@ class StageReader:
         elif any(self._plan.plates.is_camera(path.GetPrimPath()) for path in paths):
             self._scene = None
             self._changes += 1
-        elif self._plan.inventory.level_roots and any(map(may_change_levels, paths)):
+        elif self._plan.follows_camera and any(map(may_change_levels, paths)):
             self._key = None
             self._changes += 1
 

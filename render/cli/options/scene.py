@@ -27,7 +27,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--mask", metavar="PATHS", help="only these prims, with commas or spaces between, and what is in them"
     )
     group.add_argument(
-        "--complexity", "-c", default="low", choices=COMPLEXITIES, help="how finely round prims are divided"
+        "--complexity",
+        "-c",
+        default=COMPLEXITIES[0],
+        choices=COMPLEXITIES,
+        help="how finely subdivision surfaces are refined; auto follows their size on screen",
     )
     group.add_argument(
         "--cull",

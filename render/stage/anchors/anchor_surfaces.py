@@ -7,10 +7,22 @@ from pxr import Usd, UsdGeom, Vt
 
 from render.errors import NotFoundError
 from render.model.arrays import DoubleArray, IntArray, LongArray
+from render.model.face_places import place_in_fan
 from render.stage.findings import FindingLog
 from render.stage.geometry.generated import generated_varies, is_generated
+from render.stage.geometry.polygons import BadGeometry
 from render.stage.geometry.skinning import Skeletons
-from render.stage.geometry.surface import faces_vary, is_drawable, mesh_faces, mesh_points, read_surface, resting_points
+from render.stage.geometry.subdivision.limit_places import LimitPlaces
+from render.stage.geometry.subdivision.reading import is_refined
+from render.stage.geometry.surface import (
+    faces_vary,
+    is_drawable,
+    limit_places,
+    mesh_faces,
+    mesh_points,
+    read_surface,
+    resting_points,
+)
 from usd_schemas import FocusPoint
 
 
@@ -21,19 +33,22 @@ class AnchorSurface:
         prim: any prim with a place.
         skeletons: bend meshes.
         log: for findings.
+        complexity: of the surfaces (`render.stage.options.StageOptions`): points on refined meshes are on the limit surface.
     """
 
-    def __init__(self, prim: Usd.Prim, skeletons: Skeletons, log: FindingLog) -> None:
+    def __init__(self, prim: Usd.Prim, skeletons: Skeletons, log: FindingLog, complexity: str) -> None:
         self._prim, self._skeletons, self._log = prim, skeletons, log
         self._is_generated = is_generated(prim)
         self._reshapes = generated_varies(prim) if self._is_generated else faces_vary(prim)
+        self._is_refined = is_refined(prim, complexity)
         self._faces: tuple[IntArray, IntArray, LongArray] | None = None
+        self._limit: LimitPlaces | None = None
         self._points: DoubleArray | None = None  # of a prim that is no mesh
         self._resting: tuple[Usd.TimeCode, Vt.Vec3fArray] | None = None
         self._moves = prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(prim).GetPointsAttr().ValueMightBeTimeVarying()
 
-    def triangle(self, point: FocusPoint, time: Usd.TimeCode) -> LongArray | None:
-        """Point indices ``(3,)`` of a focus point's triangle; None where it is on no face.
+    def place(self, point: FocusPoint, time: Usd.TimeCode) -> tuple[LongArray, DoubleArray] | None:
+        """Point indices and their weights, ``(n,)`` each, that give the place of a focus point; None where it is on no face.
 
         Raises:
             NotFoundError: there is no such triangle.
@@ -43,6 +58,7 @@ class AnchorSurface:
             return None
         if self._faces is None or self._reshapes:
             self._faces = self._faces_at(time)
+            self._limit = self._limit_at(time)
         counts, corners, starts = self._faces
         face, fan = point.face, point.fan_triangle
         if not 0 <= face < len(counts) or not 0 <= fan < counts[face] - 2:
@@ -51,13 +67,16 @@ class AnchorSurface:
                 code="anchor_not_found",
                 path=point.target[-1],
             )
-        return np.asarray(corners[starts[face] + np.array([0, fan + 1, fan + 2])], np.int64)
+        weights = np.array(point.barycentric, np.float64)
+        if self._limit is not None:
+            return self._limit.weights(face, place_in_fan(fan, weights, int(counts[face])))
+        return np.asarray(corners[starts[face] + np.array([0, fan + 1, fan + 2])], np.int64), weights
 
     def points(self, rows: LongArray, time: Usd.TimeCode) -> DoubleArray:
         """``(n, 3)`` where some of the surface's points are at a time, in the prim's own space and units.
 
         Args:
-            rows: ``(n,)`` which, of those that `triangle` gave for this time.
+            rows: ``(n,)`` which, of those that `place` gave for this time.
             time: when.
 
         Raises:
@@ -79,3 +98,12 @@ class AnchorSurface:
             counts, corners = mesh_faces(self._prim, time)
         sizes = counts.astype(np.int64)
         return counts, corners, np.cumsum(sizes) - sizes
+
+    def _limit_at(self, time: Usd.TimeCode) -> LimitPlaces | None:
+        """Limit surface of a mesh that is refined; None where the mesh is drawn by its own faces."""
+        if not self._is_refined:
+            return None
+        try:
+            return limit_places(self._prim, time)
+        except BadGeometry:
+            return None  # it is drawn as its control mesh, with a finding

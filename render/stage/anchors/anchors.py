@@ -19,6 +19,7 @@ from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry
 from render.stage.geometry.skinning import Skeletons
 from render.stage.opening import read_quietly
+from render.stage.options import DEFAULT_OPTIONS
 from render.stage.world import world_from_stage
 from usd_schemas import FocusPoint
 
@@ -63,17 +64,19 @@ class AnchorReader:
 
     Args:
         stage: the stage.
+        complexity: of the surfaces (`render.stage.options.StageOptions`): above low, meshes with a subdivision scheme are refined.
     """
 
-    def __init__(self, stage: Usd.Stage) -> None:
+    def __init__(self, stage: Usd.Stage, complexity: str = DEFAULT_OPTIONS.complexity) -> None:
         self._stage = stage
+        self._complexity = complexity
         self._skeletons = Skeletons(stage)
         self._log = FindingLog()
 
     def position(self, focus_point: FocusPoint, time: float) -> DoubleArray:
         """As :func:`anchor_position`."""
         with read_quietly(self._stage):
-            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log), time)
+            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log, self._complexity), time)
             return moment.world(focus_point, moment.local(focus_point))
 
     def place_in_bounds(self, focus_point: FocusPoint, position_m: DoubleArray, time: float) -> DoubleArray:
@@ -92,7 +95,7 @@ class AnchorReader:
             StageError: a transform is not finite, or flattens space.
         """
         with read_quietly(self._stage):
-            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log), time)
+            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log, self._complexity), time)
             least, most = moment.bounds(focus_point)
             local = moment.local_of_world(focus_point, position_m)
         size = most - least
@@ -123,7 +126,7 @@ class AnchorReader:
             focus_points: for each time the same number of points, as they are at that time.
             times: USD time codes.
         """
-        sources = _Sources(self._stage, self._skeletons, self._log)
+        sources = _Sources(self._stage, self._skeletons, self._log, self._complexity)
         rows = [
             self._at(_AnchorContext(sources, time), points) for points, time in zip(focus_points, times, strict=True)
         ]
@@ -155,8 +158,9 @@ _FLAT = 1e-9
 class _Sources:
     """Sources shared by all times of one request."""
 
-    def __init__(self, stage: Usd.Stage, skeletons: Skeletons, log: FindingLog) -> None:
+    def __init__(self, stage: Usd.Stage, skeletons: Skeletons, log: FindingLog, complexity: str) -> None:
         self.stage, self.skeletons, self.log = stage, skeletons, log
+        self._complexity = complexity
         self.world = world_from_stage(stage)
         self.still_poses: dict[Hashable, DoubleArray] = {}
         self._surfaces: dict[str, AnchorSurface] = {}
@@ -206,7 +210,7 @@ class _Sources:
         """The prim's surface."""
         path = str(prim.GetPath())
         if path not in self._surfaces:
-            self._surfaces[path] = AnchorSurface(prim, self.skeletons, self.log)
+            self._surfaces[path] = AnchorSurface(prim, self.skeletons, self.log, self._complexity)
         return self._surfaces[path]
 
     def chains(self, instancer: str, prim: Usd.Prim) -> list[tuple[InstancerLink, ...]]:
@@ -244,11 +248,11 @@ class _AnchorContext:
         prim = self._sources.prim(focus_point)
         surface = self._sources.surface(prim)
         try:
-            rows = surface.triangle(focus_point, self._time)
-            corners = np.zeros((3, 3)) if rows is None else surface.points(rows, self._time)
+            place = surface.place(focus_point, self._time)
+            on_surface = np.zeros(3) if place is None else place[1] @ surface.points(place[0], self._time)
         except BadGeometry as problem:
             raise StageError(f"focus point {focus_point.name} is on {prim.GetPath()}, but {problem}") from problem
-        return np.array(focus_point.barycentric, np.float64) @ corners + np.array(focus_point.offset, np.float64)
+        return np.asarray(on_surface + np.array(focus_point.offset, np.float64))
 
     def bounds(self, focus_point: FocusPoint) -> Box:
         """Least and greatest corner of the bounds of a focus point's part, in the part's own space and units.

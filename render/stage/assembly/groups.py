@@ -93,8 +93,8 @@ class Group(ABC):
         self._made_of: tuple[object, ...] = ()
 
     @abstractmethod
-    def unread(self, time: Usd.TimeCode) -> Sequence[Piece]:
-        """Pieces whose triangles `batches` reads at a time."""
+    def unread(self, shapes: ShapeReader) -> Sequence[Piece]:
+        """Pieces whose triangles `batches` reads at the time and with the levels of a reader."""
 
     @abstractmethod
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
@@ -131,16 +131,18 @@ class RigidGroup(Group):
     def __init__(self, pieces: Sequence[Piece]) -> None:
         super().__init__(pieces)
         self._drawn: list[_Drawn] | None = None
+        self._levels: tuple[int, ...] = ()
 
-    def unread(self, time: Usd.TimeCode) -> Sequence[Piece]:
-        is_done = self._drawn is not None or is_hidden(self._pieces[0].occurrence.hiders, time)
-        return () if is_done else self._pieces
+    def unread(self, shapes: ShapeReader) -> Sequence[Piece]:
+        is_read = self._drawn is not None and self._levels == shapes.levels_of(self._pieces)
+        return () if is_read or is_hidden(self._pieces[0].occurrence.hiders, shapes.time) else self._pieces
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         first = self._pieces[0].occurrence
         if is_hidden(first.hiders, context.time) or not context.levels.shows(first.levels).all():
             return ()
-        if self._drawn is None:
+        if self.unread(context.shapes):
+            self._levels = context.shapes.levels_of(self._pieces)
             self._drawn = _draw([part for piece in self._pieces if (part := self._place(piece, context)) is not None])
         if not self._drawn:
             return ()
@@ -182,14 +184,17 @@ class InstancedGroup(Group):
         self._shape: Shape | None = None
         self._drawn: _Drawn | None = None
         self._is_read = False
+        self._levels: tuple[int, ...] = ()
         self._places: _Places | None = None
         self._moves = any(
             piece.occurrence.moves or piece.occurrence.hiders or piece.occurrence.levels or piece.inherited.varies
             for piece in pieces
         )
 
-    def unread(self, time: Usd.TimeCode) -> Sequence[Piece]:
-        return () if self._is_read and not self._pieces[0].deforms else self._pieces[:1]
+    def unread(self, shapes: ShapeReader) -> Sequence[Piece]:
+        first = self._pieces[:1]
+        is_same = self._is_read and self._levels == shapes.levels_of(first)
+        return () if is_same and not first[0].deforms else first
 
     def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         if self._places is None or self._moves:
@@ -201,8 +206,9 @@ class InstancedGroup(Group):
         return self._make_batches([drawn], material, self._places)
 
     def _drawn_at(self, context: DrawContext) -> _Drawn | None:
-        if not self.unread(context.time):
+        if not self.unread(context.shapes):
             return self._drawn
+        self._levels = context.shapes.levels_of(self._pieces[:1])
         shape = context.shapes.shape(self._pieces[0])
         if not self._is_read or not _same_shape(shape, self._shape):
             first_id = context.prim_id(self._pieces[0].occurrence.path)

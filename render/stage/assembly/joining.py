@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.model.arrays import DoubleArray, FloatArray
+from render.model.face_places import FacePlaces
 from render.model.scene import Geometry
 from render.stage.geometry.polygons import unit
 from render.stage.geometry.shape import Shape
@@ -63,7 +64,19 @@ def place_shapes(parts: Sequence[PlacedShape]) -> Geometry:
         colors=_join_or_none([shape.colors for shape in shapes], sizes, 1.0, 4),
         swapped=swapped if swapped.any() else None,
         material_ids=np.repeat(material_ids, counts) if (material_ids >= 0).any() else None,
+        places=_join_places(shapes),
     )
+
+
+def _join_places(shapes: Sequence[Shape]) -> FacePlaces | None:
+    if all(shape.places is None for shape in shapes):
+        return None
+    own = [
+        shape.places or FacePlaces(np.zeros((count, 3, 2), np.float32), np.zeros(count, np.int32))
+        for shape in shapes
+        for count in [len(shape.triangles)]
+    ]
+    return FacePlaces(np.concatenate([each.places for each in own]), np.concatenate([each.sizes for each in own]))
 
 
 def _join_or_none(

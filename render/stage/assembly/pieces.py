@@ -9,6 +9,7 @@ from pxr import Usd
 
 from render.stage.assembly.instance_primvars import InstancePrimvars
 from render.stage.assembly.inventory import Occurrence
+from render.stage.assembly.subdivision_levels import Levels
 from render.stage.findings import FindingLog
 from render.stage.geometry.reading import ShapeSource, read_shapes
 from render.stage.geometry.shape import PrimvarNames, Shape, pick_faces
@@ -72,6 +73,7 @@ class ShapeReader:
 
     Attributes:
         time: when.
+        levels: steps of refinement of subdivision surfaces; they may be set anew before any read.
     """
 
     def __init__(
@@ -79,7 +81,13 @@ class ShapeReader:
     ) -> None:
         self._skeletons, self._binding_purposes, self._log = skeletons, binding_purposes, log
         self.time = time
+        self.levels: Levels = {}
         self._shapes: dict[Hashable, Shape | None] = {}
+
+    def levels_of(self, pieces: Sequence[Piece]) -> tuple[int, ...]:
+        """Steps of refinement of pieces; empty where nothing is refined."""
+        levels = self.levels
+        return tuple(levels.get(piece.occurrence.source, 0) for piece in pieces) if levels else ()
 
     def shape(self, piece: Piece) -> Shape | None:
         """Triangles of a piece, in the prim's space and units; None where there are none or they cannot be used."""
@@ -93,21 +101,27 @@ class ShapeReader:
 
     def whole(self, piece: Piece) -> Shape | None:
         """The triangles of the whole surface that a piece is part of."""
-        if piece.shape_key not in self._shapes:
+        key = self._key(piece)
+        if key not in self._shapes:
             self.prepare([piece])
-        return self._shapes[piece.shape_key]
+        return self._shapes[key]
 
     def prepare(self, pieces: Iterable[Piece]) -> None:
         """Read the surfaces of many pieces, which is faster together than one by one."""
-        new = {piece.shape_key: piece for piece in pieces if piece.shape_key not in self._shapes}
-        shapes = read_shapes([_source(piece) for piece in new.values()], self.time, self._skeletons, self._log)
+        new = {key: piece for piece in pieces if (key := self._key(piece)) not in self._shapes}
+        sources = [_source(piece, self.levels.get(piece.occurrence.source, 0)) for piece in new.values()]
+        shapes = read_shapes(sources, self.time, self._skeletons, self._log)
         self._shapes.update(zip(new, shapes, strict=True))
 
+    def _key(self, piece: Piece) -> Hashable:
+        level = self.levels.get(piece.occurrence.source, 0)
+        return (piece.shape_key, level) if level else piece.shape_key
 
-def _source(piece: Piece) -> ShapeSource:
+
+def _source(piece: Piece, level: int) -> ShapeSource:
     """A piece's surface. It is judged where back faces that it hides may be left out, so that they are seen from within alone.
 
     Surfaces that bend may come apart at their seams: those must be closed without them.
     """
     judged = not piece.sides.culled and piece.sides.opaque
-    return ShapeSource(piece.occurrence.prim, piece.primvars, judged, seams=not piece.deforms)
+    return ShapeSource(piece.occurrence.prim, piece.primvars, judged, seams=not piece.deforms, level=level)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.model.arrays import BoolArray, DoubleArray, IntArray, LongArray
-from render.stage.geometry.polygons import BadGeometry, Blend
+from render.stage.geometry.polygons import BadGeometry
+from render.stage.geometry.sampling import Blend
 
 _FINE, _COARSE = 24, 2
 _FINE_SAMPLES = 1 << 17

@@ -15,9 +15,9 @@ from render.stage.geometry.curve_samples import (
     sample_nurbs_curves,
 )
 from render.stage.geometry.points_data import authored_normals, authored_widths, read_points, whole_numbers
-from render.stage.geometry.polygons import BadGeometry, Polygons, Sampling, check_finite
+from render.stage.geometry.polygons import BadGeometry, Polygons, check_finite
 from render.stage.geometry.primvars import as_rows
-from render.stage.geometry.sampling import resample, sample_widths
+from render.stage.geometry.sampling import Sampling, sample_widths
 from render.stage.geometry.tubes import make_ribbons, make_tubes
 
 KINDS = ("BasisCurves", "NurbsCurves", "HermiteCurves")
@@ -54,7 +54,7 @@ def curve_polygons(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> Polyg
     normals = authored_normals(prim, time)
     if normals is None:
         return make_tubes(samples, widths)
-    facing = resample(normals, sampling)
+    facing = sampling.resample(normals)
     chosen = facing.values if facing.indices is None else facing.values[facing.indices]
     if facing.interpolation == "constant":
         chosen = np.repeat(chosen[:1], len(widths), axis=0)

@@ -10,8 +10,8 @@ from pxr import Usd
 from render.model.arrays import DoubleArray, IntArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.points_data import authored_widths, read_points
-from render.stage.geometry.polygons import BadGeometry, Polygons, Sampling, Values, check_finite
-from render.stage.geometry.sampling import own_places, sample_widths
+from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check_finite
+from render.stage.geometry.sampling import Sampling, own_places, sample_widths
 
 ATTRIBUTES = ("points", "widths", "primvars:widths")
 """Attributes that the shape of points follows, and may follow over time."""

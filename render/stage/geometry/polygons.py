@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,47 +31,26 @@ class Values:
     indices: IntArray | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Blend:
-    """Places between elements of a prim.
+class Resampler(Protocol):
+    """Brings primvars of a prim to the polygons that are made from it."""
 
-    Attributes:
-        index: ``(n, k)`` int64 elements that each place lies between.
-        weight: ``(n, k)`` float64 their weights.
-    """
-
-    index: LongArray
-    weight: DoubleArray
-
-    def of(self, values: NDArray[np.floating]) -> DoubleArray:
-        """Blend values ``(m, c)`` of the elements. Returns ``(n, c)``.
-
-        Raises:
-            BadGeometry: there are fewer values than elements.
-        """
-        if self.index.size and self.index.max() >= len(values):
-            raise BadGeometry(f"it needs {int(self.index.max()) + 1} values and has {len(values)}")
-        blended = np.zeros((len(self.index), values.shape[1]))
-        for index, weight in zip(self.index.T, self.weight.T, strict=True):  # one at a time, to save memory
-            blended += weight[:, None] * values[index]
-        return blended
+    def resample(self, values: Values) -> Values:
+        """Return a primvar's values at the polygons. Raises `BadGeometry` where there are fewer than elements."""
 
 
 @dataclass(frozen=True, eq=False)
-class Sampling:
-    """Places of polygons on the prim that they are made from.
+class AuthoredFaces:
+    """Authored faces that polygons are parts of (`render.model.face_places`).
 
     Attributes:
-        vertex: places between the prim's points.
-        varying: the same places between the elements of primvars that vary, such as the ends of a curve's segments.
-        place_of_point: ``(n,)`` place of each of the polygons' points.
-        element_of_face: ``(f,)`` curve or other uniform element of each face.
+        faces: ``(f,)`` int32 authored face of each face.
+        sizes: ``(f,)`` int32 number of that face's corners.
+        places: ``(c, 2)`` float32 place of each corner on that face.
     """
 
-    vertex: Blend
-    varying: Blend
-    place_of_point: LongArray
-    element_of_face: LongArray
+    faces: IntArray
+    sizes: IntArray
+    places: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +65,8 @@ class Polygons:
         left_handed: whether faces are clockwise seen from outside.
         smooth: whether missing normals are smooth (a subdivision cage) or one for each face.
         holes: face indices that are not drawn.
-        sampling: places on the prim, where its primvars do not belong to these points and faces; else None.
+        sampling: resamples the prim's primvars, where they do not belong to these points and faces; else None.
+        authored: the prim's own faces, where these are parts of them; else None.
     """
 
     points: FloatArray
@@ -95,7 +76,8 @@ class Polygons:
     left_handed: bool = False
     smooth: bool = False
     holes: IntArray | None = None
-    sampling: Sampling | None = None
+    sampling: Resampler | None = None
+    authored: AuthoredFaces | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,6 @@ from render.stage.findings import FindingLog
 from render.stage.geometry.generated import generated_polygons, is_generated
 from render.stage.geometry.polygons import Polygons, Values, value_index_of_corner
 from render.stage.geometry.primvars import FoundPrimvar, find_primvar
-from render.stage.geometry.sampling import resample
 from render.stage.geometry.surface import mesh_faces
 from render.stage.values import UNREADABLE
 
@@ -100,7 +99,7 @@ def _interpolate(
     """Values ``(n, k)`` at the marked points of a prim; 0 where they do not fit its faces."""
     try:
         polygons = _faces(prim, time)
-        values = resample(values, polygons.sampling)
+        values = values if polygons.sampling is None else polygons.sampling.resample(values)
         index, counts = value_index_of_corner(values, polygons), polygons.counts
         faces, fans = points.faces[here].astype(np.int64), points.fans[here]
         first = (np.cumsum(counts, dtype=np.int64) - counts)[faces]

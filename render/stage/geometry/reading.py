@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd
 
+from render.model.face_places import FacePlaces
 from render.stage.findings import FindingLog
 from render.stage.geometry.packs import Field, Pack, field_of, folded_shares, join_fields, pack_surfaces
 from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check, compute_normals, merge_duplicates
 from render.stage.geometry.primvars import find_primvar
-from render.stage.geometry.sampling import resample
 from render.stage.geometry.shape import PackFields, PrimvarNames, Shape, build_shapes
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.surface import read_surface
@@ -35,12 +35,14 @@ class ShapeSource:
         primvars: the primvars that its material reads.
         judged: whether it has a ``closed_box`` if it is closed.
         seams: whether edges with points of their own may close it where they meet.
+        level: steps of refinement of a subdivision surface.
     """
 
     prim: Usd.Prim
     primvars: PrimvarNames
     judged: bool
     seams: bool
+    level: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,11 +109,24 @@ def _make_shapes(surfaces: Sequence[_Surface], log: FindingLog) -> list[Shape | 
     judged, seams = (np.array([getattr(surface.source, name) for surface in surfaces]) for name in ("judged", "seams"))
     fields = PackFields(normals or _computed_normals(pack), uv, color, opacity)
     shapes: list[Shape | None] = []
-    for surface, shape in zip(surfaces, build_shapes(pack, fields, judged, seams), strict=True):
+    for surface, built in zip(surfaces, build_shapes(pack, fields, judged, seams), strict=True):
+        shape = _on_authored_faces(built, surface.polygons)
         shapes.append(shape if len(shape.triangles) else None)
         if not len(shape.triangles):
             _note_no_faces(surface.source.prim, log)
     return shapes
+
+
+def _on_authored_faces(shape: Shape, polygons: Polygons) -> Shape:
+    """A shape whose triangles name the authored faces that they are parts of."""
+    authored = polygons.authored
+    if authored is None:
+        return shape
+    faces = shape.face_ids
+    first = (np.cumsum(polygons.counts, dtype=np.int64) - polygons.counts)[faces]
+    corners = np.stack([first, first + shape.fan_ids + 1, first + shape.fan_ids + 2], axis=1)
+    places = FacePlaces(authored.places[corners], authored.sizes[faces])
+    return replace(shape, face_ids=authored.faces[faces], places=places)
 
 
 def _join(fields: list[Field | None]) -> Field | None:
@@ -139,7 +154,7 @@ class _SurfaceReader:
     def read(self) -> _Surface | None:
         """The surface; None, and a finding, where its polygons cannot be used."""
         try:
-            polygons = read_surface(self._prim, self._time, self._skeletons, self._log)
+            polygons = read_surface(self._prim, self._time, self._skeletons, self._log, self._source.level)
             check(polygons)
         except BadGeometry as problem:
             path = self._prim.GetPath()
@@ -209,7 +224,8 @@ class _SurfaceReader:
             values = replace(values, values=np.nan_to_num(values.values, posinf=0.0, neginf=0.0))
         values = _deduplicate(values)
         try:
-            return field_of(resample(values, polygons.sampling), polygons)
+            sampling = polygons.sampling
+            return field_of(values if sampling is None else sampling.resample(values), polygons)
         except BadGeometry as problem:
             self._log.add(f"bad_primvar_{name}", path, f"primvar {name} of {path} is not used: {problem}")
             return None

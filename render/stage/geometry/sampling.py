@@ -2,13 +2,72 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray, FloatArray, IntArray, LongArray
-from render.stage.geometry.polygons import BadGeometry, Blend, Sampling, Values
+from render.stage.geometry.polygons import BadGeometry, Values
+
+
+@dataclass(frozen=True, eq=False)
+class Blend:
+    """Places between elements of a prim.
+
+    Attributes:
+        index: ``(n, k)`` int64 elements that each place lies between.
+        weight: ``(n, k)`` float64 their weights.
+    """
+
+    index: LongArray
+    weight: DoubleArray
+
+    def of(self, values: NDArray[np.floating]) -> DoubleArray:
+        """Blend values ``(m, c)`` of the elements. Returns ``(n, c)``.
+
+        Raises:
+            BadGeometry: there are fewer values than elements.
+        """
+        if self.index.size and self.index.max() >= len(values):
+            raise BadGeometry(f"it needs {int(self.index.max()) + 1} values and has {len(values)}")
+        blended = np.zeros((len(self.index), values.shape[1]))
+        for index, weight in zip(self.index.T, self.weight.T, strict=True):  # one at a time, to save memory
+            blended += weight[:, None] * values[index]
+        return blended
+
+
+@dataclass(frozen=True, eq=False)
+class Sampling:
+    """Places of polygons on the prim that they are made from.
+
+    Attributes:
+        vertex: places between the prim's points.
+        varying: the same places between the elements of primvars that vary, such as the ends of a curve's segments.
+        place_of_point: ``(n,)`` place of each of the polygons' points.
+        element_of_face: ``(f,)`` curve or other uniform element of each face.
+    """
+
+    vertex: Blend
+    varying: Blend
+    place_of_point: LongArray
+    element_of_face: LongArray
+
+    def resample(self, values: Values) -> Values:
+        """Values of a prim's primvar at the polygons that are made from it.
+
+        Raises:
+            BadGeometry: there are fewer values than elements.
+        """
+        match values.interpolation:
+            case "uniform":
+                return replace(values, indices=_chosen(values, self.element_of_face))
+            case "vertex" | "varying" | "faceVarying" as interpolation:
+                blend = self.vertex if interpolation == "vertex" else self.varying
+                blended = blend.of(_rows(values)).astype(np.float32)
+                return Values(blended, "vertex", self.place_of_point.astype(np.int32))
+            case _:
+                return values
 
 
 def own_places(count: int) -> Blend:
@@ -18,29 +77,6 @@ def own_places(count: int) -> Blend:
         count: number of elements.
     """
     return Blend(np.arange(count)[:, None], np.ones((count, 1)))
-
-
-def resample(values: Values, sampling: Sampling | None) -> Values:
-    """Values of a prim's primvar at the polygons that are made from it.
-
-    Args:
-        values: of the prim's elements.
-        sampling: of the polygons; None where their elements are the prim's.
-
-    Raises:
-        BadGeometry: there are fewer values than elements.
-    """
-    match values.interpolation:
-        case _ if sampling is None:
-            return values
-        case "uniform":
-            return replace(values, indices=_chosen(values, sampling.element_of_face))
-        case "vertex" | "varying" | "faceVarying" as interpolation:
-            blend = sampling.vertex if interpolation == "vertex" else sampling.varying
-            blended = blend.of(_rows(values)).astype(np.float32)
-            return Values(blended, "vertex", sampling.place_of_point.astype(np.int32))
-        case _:
-            return values
 
 
 def sample_widths(values: Values, sampling: Sampling, element_of_place: LongArray) -> FloatArray:

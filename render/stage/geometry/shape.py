@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from render import colour
 from render.model.arrays import BoolArray, FloatArray, IntArray, LongArray
+from render.model.face_places import FacePlaces
 from render.stage.geometry.closed import find_closed
 from render.stage.geometry.packs import Field, Pack
 from render.stage.geometry.polygons import unit, weld
@@ -55,6 +56,7 @@ class Shape:
         colors: ``(n, 4)`` float32 in the working space, or None.
         closed_box: ``(2, 3)`` float32 least and greatest corners of the whole surface, where it is closed
             (`render.stage.geometry.closed`); None where it is open.
+        places: places of triangles that are finer than the fans of their faces, or None.
     """
 
     positions: FloatArray
@@ -66,6 +68,7 @@ class Shape:
     uvs: FloatArray | None = None
     colors: FloatArray | None = None
     closed_box: FloatArray | None = None
+    places: FacePlaces | None = None
 
 
 def pick_faces(shape: Shape, keep: NDArray[np.bool_]) -> Shape:
@@ -83,6 +86,7 @@ def pick_faces(shape: Shape, keep: NDArray[np.bool_]) -> Shape:
         None if shape.uvs is None else shape.uvs[used],
         None if shape.colors is None else shape.colors[used],
         shape.closed_box,
+        None if shape.places is None else shape.places.pick(keep),
     )
 
 

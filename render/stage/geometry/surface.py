@@ -12,12 +12,16 @@ from render.model.arrays import FloatArray, IntArray, LongArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.generated import generated_polygons, generated_varies, is_generated
 from render.stage.geometry.points_data import as_points, authored_normals, whole_numbers
-from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, check_counts
+from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, check, check_counts
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.subdivision.limit_places import LimitPlaces
+from render.stage.geometry.subdivision.reading import ATTRIBUTES as SUBDIVISION
+from render.stage.geometry.subdivision.reading import read_cage
+from render.stage.geometry.subdivision.refinement import Refinement
 from render.stage.values import UNREADABLE, why_unreadable
 
 _FACES = ("faceVertexCounts", "faceVertexIndices")
-_MESH_ATTRIBUTES = ("points", *_FACES, "holeIndices", "normals", "primvars:normals")
+_MESH_ATTRIBUTES = ("points", *_FACES, "holeIndices", "normals", "primvars:normals", *SUBDIVISION)
 
 
 def is_drawable(prim: Usd.Prim) -> bool:
@@ -32,15 +36,24 @@ def surface_varies(prim: Usd.Prim, skeletons: Skeletons) -> bool:
     return _varies(prim, _MESH_ATTRIBUTES) or skeletons.bends(prim)
 
 
-def read_surface(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
+def read_surface(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog, level: int = 0) -> Polygons:
     """The polygons of a drawable prim.
+
+    Args:
+        prim: for which `is_drawable` holds.
+        time: when.
+        skeletons: bend meshes.
+        log: for findings.
+        level: steps of refinement of a mesh with a subdivision scheme, whose points are on the limit surface then; 0 for its
+            control mesh.
 
     Raises:
         BadGeometry: the values are of other types than the schema's, or are inconsistent; the message explains the fault.
     """
     with _translate_errors():
         if not is_generated(prim):
-            return _mesh_polygons(prim, time, skeletons, log)
+            polygons = _mesh_polygons(prim, time, skeletons, log)
+            return _refine(prim, polygons, level, time, log) if level > 0 else polygons
         if skeletons.bends(prim):
             path = prim.GetPath()
             log.add("not_bent", path, f"{path} is drawn as at rest: a skeleton bends meshes alone")
@@ -61,9 +74,22 @@ def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
     return counts, corners
 
 
+def limit_places(prim: Usd.Prim, time: Usd.TimeCode) -> LimitPlaces:
+    """Places on the limit surface of a mesh with a subdivision scheme.
+
+    Raises:
+        BadGeometry: its faces or its rules cannot be used.
+    """
+    counts, corners = mesh_faces(prim, time)
+    polygons = Polygons(np.zeros((len(resting_points(prim, time)), 3), np.float32), counts, corners)
+    check(polygons)
+    with _translate_errors():
+        return LimitPlaces(read_cage(prim, time), polygons)
+
+
 def faces_vary(prim: Usd.Prim) -> bool:
-    """Whether a mesh's faces may change over time."""
-    return _varies(prim, _FACES)
+    """Whether a mesh's faces, or its rules of subdivision, may change over time."""
+    return _varies(prim, (*_FACES, *SUBDIVISION))
 
 
 def _varies(prim: Usd.Prim, names: Sequence[str]) -> bool:
@@ -134,6 +160,17 @@ def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log
     )
     _note_holes(prim, polygons, log)
     return skeletons.bend(prim, polygons, time, log)
+
+
+def _refine(prim: Usd.Prim, polygons: Polygons, level: int, time: Usd.TimeCode, log: FindingLog) -> Polygons:
+    """Polygons on the limit surface; the control mesh, and a finding, where its rules cannot be used."""
+    check(polygons)
+    try:
+        return Refinement(read_cage(prim, time), polygons, level).refine()
+    except UNREADABLE as problem:
+        path = prim.GetPath()
+        log.add("subdivision", path, f"{path} is drawn as its control mesh: {why_unreadable(problem)}")
+        return polygons
 
 
 def _note_holes(prim: Usd.Prim, polygons: Polygons, log: FindingLog) -> None:

@@ -6,7 +6,8 @@ import numpy as np
 
 from render.model.arrays import BoolArray, DoubleArray, FloatArray, IntArray, LongArray
 from render.stage.geometry.curve_samples import CurveSamples
-from render.stage.geometry.polygons import Polygons, Sampling, Values
+from render.stage.geometry.polygons import Polygons, Values
+from render.stage.geometry.sampling import Sampling
 
 _MOST_STRETCH = 4.0
 """Length of a mitre relative to the tube's radius, beyond which sharp corners are cut."""

@@ -98,7 +98,6 @@ IGNORED_SCHEMAS = {
 }
 """Schemas without rules, each with what is drawn instead."""
 
-_CAGE = "subdivision surfaces are drawn as their cage"
 _EVEN = "its light is the same in all directions of its cone"
 _WHICH = "collection:excludes collection:expansionRule collection:includeRoot collection:membershipExpression collection:mode"
 _COLLECTION = {
@@ -118,11 +117,8 @@ RULES = {
         ignored={"velocities accelerations": "points move as they are authored at each time"},
     ),
     "Mesh": Rules(
-        "faceVertexCounts faceVertexIndices holeIndices orientation subdivisionScheme",
-        ignored={
-            "cornerIndices cornerSharpnesses creaseIndices creaseLengths creaseSharpnesses": _CAGE,
-            "faceVaryingLinearInterpolation interpolateBoundary triangleSubdivisionRule": _CAGE,
-        },
+        "faceVertexCounts faceVertexIndices holeIndices orientation subdivisionScheme cornerIndices cornerSharpnesses "
+        "creaseIndices creaseLengths creaseSharpnesses faceVaryingLinearInterpolation interpolateBoundary triangleSubdivisionRule",
     ),
     "BasisCurves": Rules("basis type wrap"),
     "Curves": Rules("curveVertexCounts widths"),

@@ -15,6 +15,7 @@ from render.cli.parser import Parser
 from render.cli.record import add_arguments
 from render.gl.compat import software_device
 from render.gl.no_gpu import NO_GPU, check_software
+from render.stage.options import COMPLEXITIES
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, Ended, write_shot
 
 WIDTH = 24
@@ -248,10 +249,14 @@ def test_image_width(flag: str, pullfocus: Command, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("flag", ["--complexity", "-c"])
 def test_complexity(flag: str, pullfocus: Command, tmp_path: Path) -> None:
-    shot = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)
-    for name in ("low", "medium", "high", "veryhigh"):
-        said = record(pullfocus, shot, flag, name)[0].err
-        assert (f"complexity {name} is not honoured" in said) == (name != "low")
+    """A square of the default scheme, Catmull-Clark, with round corners shrinks as it is refined; ``auto`` is the default."""
+    square = SQUARE.replace(
+        "int[] faceVertexCounts", 'token interpolateBoundary = "edgeOnly"\n        int[] faceVertexCounts'
+    )
+    shot = write_shot(tmp_path / "a.usda", square, CAMERA)
+    areas = {name: float(record(pullfocus, shot, flag, name)[1][..., 0].mean()) for name in COMPLEXITIES}
+    assert areas["low"] > areas["medium"] > areas["high"] >= areas["veryhigh"]
+    assert areas["auto"] == float(record(pullfocus, shot)[1][..., 0].mean())
     assert pullfocus("record", shot, tmp_path / "f.png", flag, "1.2").status == 2
 
 

@@ -1,0 +1,217 @@
+"""Choice of how finely subdivision surfaces are refined: as the user says, or by their size on screen."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom
+
+from render.model.arrays import DoubleArray
+from render.stage.assembly.inventory import Occurrence
+from render.stage.assembly.poses import InstanceReader, instance_poses, world_pose
+from render.stage.findings import FindingLog
+from render.stage.geometry.polygons import BadGeometry, Polygons, check, unit
+from render.stage.geometry.subdivision.reading import is_refined, read_cage
+from render.stage.geometry.subdivision.refinement import control_topology
+from render.stage.geometry.subdivision.rules import point_rules, sum_rows
+from render.stage.geometry.subdivision.topology import Topology
+from render.stage.geometry.surface import mesh_faces, resting_points
+from render.stage.limits import PlaceError
+from render.stage.values import UNREADABLE, why_unreadable
+
+LEVELS = {"low": 0, "medium": 1, "high": 2, "veryhigh": 3}
+"""Steps of refinement by complexity, as in usdrecord."""
+SCREEN_PX = 1920
+"""Width of the picture for whose pixels automatic levels are chosen: pictures of all sizes show the same surface."""
+_MOST_AUTO_LEVEL = 5
+_MOST_AUTO_TRIANGLES = 400_000
+MOST_TRIANGLES = 4_000_000
+"""Triangles of one refined surface."""
+_BENT_SHARE = 0.99
+"""Share of a control mesh's edges that bend no more than what its level is chosen for."""
+_LEAST_DISTANCE = 0.1
+"""Least distance from a surface, in radii of its sphere, that levels are chosen for."""
+
+Levels = Mapping[Sdf.Path, int]
+"""Steps of refinement by the path that surfaces are read from (`Occurrence.source`); 0 where a path is missing."""
+
+
+@dataclass(frozen=True, eq=False)
+class _ControlMesh:
+    """Facts of a control mesh, in its own space and units.
+
+    Attributes:
+        places: places in which it stands.
+        triangles: number after one step of refinement.
+        bend: distance of neighbours from the planes of points; `_BENT_SHARE` of all are no farther.
+        centre: ``(3,)`` of its sphere.
+        radius: of its sphere.
+    """
+
+    places: tuple[Occurrence, ...]
+    triangles: int
+    bend: float
+    centre: DoubleArray
+    radius: float
+
+
+class SubdivisionChooser:
+    """Chooses the levels of a stage's subdivision surfaces.
+
+    The edges of a surface that is refined in n steps are about ``bend / 4ⁿ⁺¹`` away from it: automatic levels keep that below a
+    quarter of a pixel, at the least distance of the surface from the camera.
+
+    Args:
+        surfaces: all surfaces of the stage.
+        complexity: one of `render.stage.options.COMPLEXITIES`.
+        log: notes surfaces that are refined less than was wanted.
+    """
+
+    def __init__(self, surfaces: Sequence[Occurrence], complexity: str, log: FindingLog) -> None:
+        self._level = LEVELS.get(complexity)
+        self._log = log
+        by_source: dict[Sdf.Path, list[Occurrence]] = defaultdict(list)
+        for surface in surfaces:
+            if is_refined(surface.prim, complexity):
+                by_source[surface.source].append(surface)
+        most = _MOST_AUTO_TRIANGLES if self._level is None else MOST_TRIANGLES
+        found = ((source, _describe(tuple(places), most, log)) for source, places in by_source.items())
+        self._meshes = {source: mesh for source, mesh in found if mesh is not None}
+
+    @property
+    def follows_camera(self) -> bool:
+        """Whether levels depend on the camera."""
+        return self._level is None and bool(self._meshes)
+
+    def choose(
+        self,
+        camera: UsdGeom.Camera | None,
+        transforms: UsdGeom.XformCache,
+        instances: InstanceReader,
+        world: DoubleArray,
+    ) -> Levels:
+        """Choose levels at a time.
+
+        Args:
+            camera: the camera; None for none, which takes each surface for as wide as the picture.
+            transforms: transforms at the time.
+            instances: reads instancers, at the same time.
+            world: world from stage.
+        """
+        if self._level is not None:
+            return {source: self._limited(source, mesh, self._level) for source, mesh in self._meshes.items()}
+        if not self._meshes:
+            return {}
+        eye = _Eye(camera, transforms, world) if camera is not None else None
+        return {
+            source: _auto_level(mesh, _bend_px(mesh, eye, transforms, instances, world))
+            for source, mesh in self._meshes.items()
+        }
+
+    def _limited(self, source: Sdf.Path, mesh: _ControlMesh, wanted: int) -> int:
+        level = wanted
+        while level > 0 and mesh.triangles * 4 ** (level - 1) > MOST_TRIANGLES:
+            level -= 1
+        if level < wanted:
+            message = (
+                f"{source} is refined in {level} steps, not {wanted}: it would have "
+                f"{mesh.triangles * 4 ** (wanted - 1):,} triangles, and up to {MOST_TRIANGLES:,} are drawn"
+            )
+            self._log.add("subdivision", source, message)
+        return level
+
+
+class _Eye:
+    """Where a camera looks from, and the pixels of a metre there."""
+
+    def __init__(self, camera: UsdGeom.Camera, transforms: UsdGeom.XformCache, world: DoubleArray) -> None:
+        time = transforms.GetTime()
+        pose = world_pose(camera.GetPrim(), transforms, world)
+        self.position = pose[:3, 3]
+        aperture = float(camera.GetHorizontalApertureAttr().Get(time) or 0.0)
+        focal = float(camera.GetFocalLengthAttr().Get(time) or 0.0)
+        self.is_orthographic = camera.GetProjectionAttr().Get(time) == UsdGeom.Tokens.orthographic
+        if self.is_orthographic:
+            width_m = aperture / 10 * float(np.linalg.norm(pose[:3, 0]))  # in tenths of a unit
+            self.scale = SCREEN_PX / width_m if width_m > 0 else 0.0
+        else:
+            self.scale = SCREEN_PX * focal / aperture if aperture > 0 else 0.0
+
+    def pixels(self, length_m: DoubleArray, distance_m: DoubleArray) -> DoubleArray:
+        """Pixels of lengths at distances."""
+        return np.asarray(self.scale * length_m / (1.0 if self.is_orthographic else distance_m))
+
+
+def _describe(places: tuple[Occurrence, ...], most_triangles: int, log: FindingLog) -> _ControlMesh | None:
+    """Facts of a control mesh at its earliest time; None where it cannot be drawn, or is too large to be refined."""
+    prim, time = places[0].prim, Usd.TimeCode.EarliestTime()
+    try:
+        counts, corners = mesh_faces(prim, time)
+        if not 0 < 2 * len(corners) <= most_triangles:
+            return None
+        polygons = Polygons(np.array(resting_points(prim, time), np.float32), counts, corners)
+        check(polygons)
+    except BadGeometry:
+        return None  # it is named where it is read
+    try:
+        _, topology = control_topology(read_cage(prim, time), polygons)
+    except UNREADABLE as problem:
+        path = prim.GetPath()
+        log.add("subdivision", path, f"{path} is drawn as its control mesh: {why_unreadable(problem)}")
+        return None
+    points = polygons.points.astype(np.float64)
+    low, high = points[corners].min(axis=0), points[corners].max(axis=0)
+    radius = float(np.linalg.norm(high - low)) / 2
+    return _ControlMesh(places, 2 * len(corners), _bend(topology, points), (low + high) / 2, radius)
+
+
+def _bend(topology: Topology, points: DoubleArray) -> float:
+    """Distance of neighbours from the planes of points, of all but the most bent ones; along creases, from the line through them."""
+    if not len(topology.edges):
+        return 0.0
+    here, after, before = (points[topology.corners[topology.beside(step)]] for step in (0, 1, -1))
+    normals = unit(
+        sum_rows(topology.corners, np.cross(after - here, before - here), topology.points).astype(np.float32)
+    )
+    along = points[topology.edges[:, 1]] - points[topology.edges[:, 0]]
+    apart = [np.abs(np.einsum("ex,ex->e", along, normals[topology.edges[:, side]])) for side in range(2)]
+    rules = point_rules(topology)
+    on_crease = points[rules.along].mean(axis=1) - points[rules.creased]
+    return float(np.quantile(np.concatenate([*apart, np.linalg.norm(on_crease, axis=1)]), _BENT_SHARE))
+
+
+def _bend_px(
+    mesh: _ControlMesh, eye: _Eye | None, transforms: UsdGeom.XformCache, instances: InstanceReader, world: DoubleArray
+) -> float:
+    """Pixels that neighbours are off the planes of a control mesh's points, where it is nearest."""
+    if eye is None:
+        return SCREEN_PX * mesh.bend / max(2 * mesh.radius, 1e-30)
+    most = 0.0
+    for place in mesh.places:
+        try:
+            if place.chain:
+                poses, _ = instance_poses(place.chain, place.prim, transforms, world, instances)
+            else:
+                poses = world_pose(place.prim, transforms, world)[None]
+        except PlaceError:
+            continue  # it is named, and not drawn
+        if not len(poses):
+            continue
+        scale = np.linalg.norm(poses[:, :3, :3], axis=1).max(axis=1)
+        centres = poses[:, :3, :3] @ mesh.centre + poses[:, :3, 3]
+        radius_m = scale * mesh.radius
+        distance_m = np.linalg.norm(centres - eye.position, axis=1) - radius_m
+        distance_m = np.maximum(np.maximum(distance_m, _LEAST_DISTANCE * radius_m), 1e-30)
+        most = max(most, float(eye.pixels(scale * mesh.bend, distance_m).max()))
+    return most
+
+
+def _auto_level(mesh: _ControlMesh, bend_px: float) -> int:
+    """Steps that keep edges within a quarter of a pixel of the surface, as far as the limits allow."""
+    level = int(np.clip(np.ceil(np.log(max(bend_px, 1e-30)) / np.log(4)), 0, _MOST_AUTO_LEVEL))
+    while level > 0 and mesh.triangles * 4 ** (level - 1) > _MOST_AUTO_TRIANGLES:
+        level -= 1
+    return level

@@ -1,0 +1,70 @@
+"""Places on the limit surface of a control mesh, as weights of its points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from render.model.arrays import DoubleArray, IndexArray, LongArray
+from render.model.face_places import barycentric
+from render.stage.geometry.polygons import Polygons
+from render.stage.geometry.subdivision.refinement import Cage, Steps, control_topology
+from render.stage.geometry.subdivision.topology import INFINITE, Topology, make_topology
+
+LEVELS = 3
+"""Steps of refinement by which places are found; between the points of the limit surface they are on flat triangles."""
+
+
+class LimitPlaces:
+    """Places on a limit surface, found one by one without the refinement of the whole.
+
+    The limit surface of a face depends on the faces around it alone, so that no others are refined.
+
+    Args:
+        cage: rules.
+        polygons: control mesh, as `render.stage.geometry.polygons.check` accepts it; positions of its points do not matter.
+
+    Raises:
+        BadGeometry: as `render.stage.geometry.subdivision.refinement.Refinement`.
+    """
+
+    def __init__(self, cage: Cage, polygons: Polygons) -> None:
+        self._cage = cage
+        self._kept, self._topology = control_topology(cage, polygons)
+
+    def weights(self, face: int, place: DoubleArray) -> tuple[LongArray, DoubleArray]:
+        """Points of the control mesh and their weights, ``(n,)`` each, that give a place on the limit surface of a face.
+
+        Args:
+            face: of the control mesh, with at least three corners.
+            place: ``(2,)`` on it (`render.model.face_places`).
+        """
+        topology, own = self._topology, int(np.searchsorted(self._kept, face))
+        start, count = int(topology.starts[own]), int(topology.counts[own])
+        is_near = np.zeros(topology.points, bool)
+        is_near[topology.corners[start : start + count]] = True
+        faces = np.unique(topology.face_of_corner[is_near[topology.corners]])
+        part, points = _part(topology, faces)
+        steps = Steps(self._cage, part, LEVELS)
+        here = np.flatnonzero(steps.faces() == np.searchsorted(faces, own))
+        corners = 3 if self._cage.scheme == "loop" else 4
+        fans = np.stack([np.zeros(corners - 2, np.intp), np.arange(1, corners - 1), np.arange(2, corners)], axis=1)
+        triangles = (here[:, None, None] * corners + fans).reshape(-1, 3)  # as corners
+        inside = barycentric(steps.places()[triangles], place)
+        found = int(inside.min(axis=1).argmax())
+        shares = np.maximum(inside[found], 0.0)
+        at_points = steps.refine(np.eye(len(points)))[steps.last.corners[triangles[found]]]
+        return points.astype(np.int64), np.asarray(shares / shares.sum() @ at_points)
+
+
+def _part(topology: Topology, faces: IndexArray) -> tuple[Topology, IndexArray]:
+    """Topology of some faces, and the points ``(n,)`` that are its own. Edges that lose a face are sharp."""
+    is_chosen = np.zeros(len(topology.counts), bool)
+    is_chosen[faces] = True
+    chosen = is_chosen[topology.face_of_corner]
+    points, corners = np.unique(topology.corners[chosen], return_inverse=True)
+    bare = make_topology(len(points), topology.counts[faces], corners)
+    edges = bare.edge_sharpness.copy()
+    edges[bare.edge_of_corner] = topology.edge_sharpness[topology.edge_of_corner[chosen]]
+    edges[bare.edge_faces() != 2] = INFINITE
+    sharpness = topology.point_sharpness[points]
+    return Topology(bare.points, bare.counts, bare.corners, bare.edges, bare.edge_of_corner, edges, sharpness), points

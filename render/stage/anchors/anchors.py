@@ -64,7 +64,7 @@ class AnchorReader:
 
     Args:
         stage: the stage.
-        complexity: of the surfaces (`render.stage.options.StageOptions`): above low, meshes with a subdivision scheme are refined.
+        complexity: of the surfaces (`render.stage.options.StageOptions`), by which subdivision surfaces are refined.
     """
 
     def __init__(self, stage: Usd.Stage, complexity: str = DEFAULT_OPTIONS.complexity) -> None:

@@ -28,7 +28,9 @@ SCREEN_PX = 1920
 """Width of the picture for whose pixels automatic levels are chosen: pictures of all sizes show the same surface."""
 _MOST_AUTO_LEVEL = 5
 _MOST_AUTO_TRIANGLES = 400_000
-MOST_TRIANGLES = 4_000_000
+MOST_IN_ALL = 4_000_000
+"""Triangles of all surfaces together that are refined automatically."""
+MOST_TRIANGLES = 2_000_000
 """Triangles of one refined surface."""
 _BENT_SHARE = 0.99
 """Share of a control mesh's edges that bend no more than what its level is chosen for."""
@@ -106,10 +108,25 @@ class SubdivisionChooser:
         if not self._meshes:
             return {}
         eye = _Eye(camera, transforms, world) if camera is not None else None
-        return {
+        levels = {
             source: _auto_level(mesh, _bend_px(mesh, eye, transforms, instances, world))
             for source, mesh in self._meshes.items()
         }
+        wanted = count = self._count(levels)
+        while count > MOST_IN_ALL and any(levels.values()):
+            levels = {source: max(0, level - 1) for source, level in levels.items()}
+            count = self._count(levels)
+        if count < wanted:
+            message = (
+                f"subdivision surfaces are refined less than their size on screen asks for, to {count:,} triangles"
+            )
+            self._log.add("subdivision", "/", f"{message} in place of {wanted:,}")
+        return levels
+
+    def _count(self, levels: Levels) -> int:
+        """Triangles of all refined surfaces."""
+        refined = ((self._meshes[source], level) for source, level in levels.items() if level > 0)
+        return sum(len(mesh.places) * mesh.triangles * 4 ** (level - 1) for mesh, level in refined)
 
     def _limited(self, source: Sdf.Path, mesh: _ControlMesh, wanted: int) -> int:
         level = wanted
@@ -169,7 +186,7 @@ def _describe(places: tuple[Occurrence, ...], most_triangles: int, log: FindingL
 
 
 def _bend(topology: Topology, points: DoubleArray) -> float:
-    """Distance of neighbours from the planes of points, of all but the most bent ones; along creases, from the line through them."""
+    """Distance of neighbours from the planes of points, of all but the most bent; along creases, of points from the line."""
     if not len(topology.edges):
         return 0.0
     here, after, before = (points[topology.corners[topology.beside(step)]] for step in (0, 1, -1))

@@ -159,3 +159,14 @@ def test_too_many_triangles_are_refined_less(monkeypatch: pytest.MonkeyPatch) ->
     assert count_triangles(reader.read(0)) == 192
     (finding,) = reader.findings
     assert finding.message == "/cube is refined in 2 steps, not 3: it would have 768 triangles, and up to 200 are drawn"
+
+
+def test_all_surfaces_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(subdivision_levels, "MOST_IN_ALL", 500)
+    stage = new_stage()
+    for number in range(4):
+        add_cube(stage, f"/cube{number}")
+    add_camera(stage, {1: 10.0})
+    reader = StageReader(stage)
+    assert count_triangles(reader.read(1.0, "/camera")) == 4 * 48
+    assert [finding.code for finding in reader.findings] == ["subdivision"]

@@ -16,9 +16,9 @@ def is_linear(rule: str) -> bool:
 def face_varying_topology(geometry: Topology, index: LongArray, rule: str) -> tuple[Topology, IndexArray]:
     """Topology of a face-varying primvar: corners at one point with one value share a point of it.
 
-    Seams are its borders. They stay sharp; ``faceVaryingLinearInterpolation`` says which of their points do, too: those that one
-    face alone has (``cornersOnly``), also those in which more than two parts meet (``cornersPlus1``; ``cornersPlus2`` adds ends of
-    seams), or all of them (``boundaries``).
+    Seams are its borders. They stay sharp. ``faceVaryingLinearInterpolation`` says which of their points do, too: those that one
+    face alone has (``cornersOnly``), also those in which more than two parts meet (``cornersPlus1``) and the ends of seams
+    (``cornersPlus2``), or all of them (``boundaries``).
 
     Args:
         geometry: control mesh, with all that is sharp.

@@ -108,7 +108,8 @@ class Refinement:
 
     Args:
         cage: rules.
-        polygons: control mesh, as `render.stage.geometry.polygons.check` accepts it. Faces of fewer than three corners are left out.
+        polygons: control mesh, as `render.stage.geometry.polygons.check` accepts it. Faces of fewer than three corners are left
+            out.
         levels: number of steps, at least 1.
 
     Raises:

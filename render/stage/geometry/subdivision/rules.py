@@ -1,9 +1,10 @@
-"""Values at the points of a refined mesh: rules of Catmull-Clark, Loop and bilinear refinement, with creases, and limit positions.
+"""Values at the points of refined meshes by the rules of Catmull-Clark, Loop and bilinear refinement, and limit positions.
 
 Sources: Catmull & Clark 1978, "Recursively generated B-spline surfaces on arbitrary topological meshes"; Loop 1987, "Smooth
-subdivision surfaces based on triangles"; Halstead, Kass & DeRose 1993, "Efficient, fair interpolation using Catmull-Clark surfaces"
-(limit positions); DeRose, Kass & Truong 1998, "Subdivision surfaces in character animation" (creases). Where they leave choices,
-those of OpenSubdiv 3 hold, which USD names: blends of rules at a point, borders, and the weights of smooth triangles.
+subdivision surfaces based on triangles"; Halstead, Kass & DeRose 1993, "Efficient, fair interpolation using Catmull-Clark
+surfaces" (limit positions); DeRose, Kass & Truong 1998, "Subdivision surfaces in character animation" (creases). Where they leave
+choices, those of OpenSubdiv 3 hold, which USD names: blends of rules at a point, borders, and the weights of smooth triangles.
+The limit position of a point at which one sharp edge ends is OpenSubdiv's: that of the smooth rule.
 """
 
 from __future__ import annotations
@@ -113,7 +114,7 @@ class Step:
     smooth_triangles: bool = False
 
     def refine(self, values: DoubleArray, *, linear: bool = False) -> DoubleArray:
-        """Refine values ``(n, k)``, linearly or by the scheme's rules. Returns those of old points, of edges and, of quads, of faces."""
+        """Refine values ``(n, k)``, linearly or by the scheme's rules: of old points, edges and, but for Loop, faces."""
         faces = self._face_means(values)
         middles = values[self.topology.edges].mean(axis=1)
         if linear or self.scheme == "bilinear":

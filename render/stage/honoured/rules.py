@@ -118,7 +118,8 @@ RULES = {
     ),
     "Mesh": Rules(
         "faceVertexCounts faceVertexIndices holeIndices orientation subdivisionScheme cornerIndices cornerSharpnesses "
-        "creaseIndices creaseLengths creaseSharpnesses interpolateBoundary faceVaryingLinearInterpolation triangleSubdivisionRule",
+        "creaseIndices creaseLengths creaseSharpnesses interpolateBoundary faceVaryingLinearInterpolation "
+        "triangleSubdivisionRule",
     ),
     "BasisCurves": Rules("basis type wrap"),
     "Curves": Rules("curveVertexCounts widths"),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.arrays import DoubleArray, IndexArray, LongArray
+from render.model.arrays import DoubleArray, LongArray
 from render.model.face_places import barycentric
 from render.stage.geometry.polygons import Polygons
 from render.stage.geometry.subdivision.refinement import Cage, Steps, control_topology
-from render.stage.geometry.subdivision.topology import INFINITE, Topology, make_topology
+from render.stage.geometry.subdivision.topology import part_of
 
 LEVELS = 3
 """Steps of refinement by which places are found; between the points of the limit surface they are on flat triangles."""
@@ -43,7 +43,7 @@ class LimitPlaces:
         is_near = np.zeros(topology.points, bool)
         is_near[topology.corners[start : start + count]] = True
         faces = np.unique(topology.face_of_corner[is_near[topology.corners]])
-        part, points = _part(topology, faces)
+        part, points = part_of(topology, faces)
         steps = Steps(self._cage, part, LEVELS)
         here = np.flatnonzero(steps.faces() == np.searchsorted(faces, own))
         corners = 3 if self._cage.scheme == "loop" else 4
@@ -54,17 +54,3 @@ class LimitPlaces:
         shares = np.maximum(inside[found], 0.0)
         at_points = steps.refine(np.eye(len(points)))[steps.last.corners[triangles[found]]]
         return points.astype(np.int64), np.asarray(shares / shares.sum() @ at_points)
-
-
-def _part(topology: Topology, faces: IndexArray) -> tuple[Topology, IndexArray]:
-    """Topology of some faces, and the points ``(n,)`` that are its own. Edges that lose a face are sharp."""
-    is_chosen = np.zeros(len(topology.counts), bool)
-    is_chosen[faces] = True
-    chosen = is_chosen[topology.face_of_corner]
-    points, corners = np.unique(topology.corners[chosen], return_inverse=True)
-    bare = make_topology(len(points), topology.counts[faces], corners)
-    edges = bare.edge_sharpness.copy()
-    edges[bare.edge_of_corner] = topology.edge_sharpness[topology.edge_of_corner[chosen]]
-    edges[bare.edge_faces() != 2] = INFINITE
-    sharpness = topology.point_sharpness[points]
-    return Topology(bare.points, bare.counts, bare.corners, bare.edges, bare.edge_of_corner, edges, sharpness), points

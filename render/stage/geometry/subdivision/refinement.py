@@ -16,8 +16,7 @@ from render.stage.geometry.subdivision.topology import (
     Topology,
     make_topology,
     sharpen,
-    split_in_quads,
-    split_in_triangles,
+    split,
 )
 
 
@@ -100,7 +99,7 @@ class Steps:
         return self.refine(corners, apart, linear=True)[self.corners(apart)]
 
     def _split(self, topology: Topology) -> Topology:
-        return split_in_triangles(topology) if self._scheme == "loop" else split_in_quads(topology)
+        return split(topology, in_triangles=self._scheme == "loop")
 
 
 class Refinement:

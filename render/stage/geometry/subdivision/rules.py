@@ -4,7 +4,6 @@ Sources: Catmull & Clark 1978, "Recursively generated B-spline surfaces on arbit
 subdivision surfaces based on triangles"; Halstead, Kass & DeRose 1993, "Efficient, fair interpolation using Catmull-Clark
 surfaces" (limit positions); DeRose, Kass & Truong 1998, "Subdivision surfaces in character animation" (creases). Where they leave
 choices, those of OpenSubdiv 3 hold, which USD names: blends of rules at a point, borders, and the weights of smooth triangles.
-The limit position of a point at which one sharp edge ends is OpenSubdiv's: that of the smooth rule.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from render.model.arrays import BoolArray, DoubleArray, IndexArray
-from render.stage.geometry.subdivision.topology import Topology, soften
+from render.stage.geometry.subdivision.topology import INFINITE, Topology, part_of, soften, split
 
 Scheme = Literal["catmullClark", "loop", "bilinear"]
 
@@ -169,8 +168,15 @@ class Step:
         return np.asarray((1 - valence * weight) * values + weight * neighbour_sums(self.topology, values))
 
 
+_STEPS_AT_ENDS = 20
+"""Steps by which the limit position of a crease's end is found: each halves what is left."""
+
+
 def limit(scheme: Scheme, topology: Topology, values: DoubleArray) -> DoubleArray:
     """Values ``(n, k)`` at the points of a refined mesh brought to the limit surface.
+
+    Points whose rules change in later steps, or at which one sharp edge ends, have no closed form: the faces around them are
+    refined on.
 
     Args:
         scheme: rules.
@@ -179,6 +185,15 @@ def limit(scheme: Scheme, topology: Topology, values: DoubleArray) -> DoubleArra
     """
     if scheme == "bilinear":
         return values
+    found = _limit_by_rules(scheme, topology, values)
+    unsettled = _unsettled(topology)
+    if unsettled.any():
+        points = np.flatnonzero(unsettled)
+        found[points] = _limit_by_steps(scheme, topology, values, points)
+    return found
+
+
+def _limit_by_rules(scheme: Scheme, topology: Topology, values: DoubleArray) -> DoubleArray:
     valence = np.maximum(topology.edges_at_points(), 1)[:, None].astype(np.float64)
     near = neighbour_sums(topology, values)
     if scheme == "loop":
@@ -188,6 +203,41 @@ def limit(scheme: Scheme, topology: Topology, values: DoubleArray) -> DoubleArra
         across = sum_rows(topology.corners, values[topology.corners[topology.beside(2)]], topology.points)
         smooth = (valence**2 * values + 4 * near + across) / (valence * (valence + 5))
     return _mix(point_rules(topology, at_limit=True), values, smooth, 2 / 3)
+
+
+def _limit_by_steps(scheme: Scheme, topology: Topology, values: DoubleArray, points: IndexArray) -> DoubleArray:
+    """Values ``(k, n)`` at some points, by refining the faces around them until their rules stay."""
+    left = _STEPS_AT_ENDS
+    while left > 0:
+        is_wanted = np.zeros(topology.points, bool)
+        is_wanted[points] = True
+        faces = np.unique(topology.face_of_corner[is_wanted[topology.corners]])
+        part, own = part_of(topology, faces)
+        points = np.searchsorted(own, points)
+        values = Step(scheme, part).refine(values[own])
+        topology = split(part, in_triangles=scheme == "loop")
+        if not _changes(topology)[points].any():
+            left = left - 1 if _ends(topology)[points].any() else 0
+    return _limit_by_rules(scheme, topology, values)[points]
+
+
+def _unsettled(topology: Topology) -> BoolArray:
+    """``(n,)`` points of faces that have no closed form."""
+    return np.asarray((_changes(topology) | _ends(topology)) & (topology.faces_at_points() > 0))
+
+
+def _changes(topology: Topology) -> BoolArray:
+    """``(n,)`` points whose rule changes in later steps."""
+    changing = (topology.edge_sharpness > 0) & (topology.edge_sharpness < INFINITE)
+    points = (topology.point_sharpness > 0) & (topology.point_sharpness < INFINITE)
+    points[topology.edges[changing].ravel()] = True
+    return np.asarray(points)
+
+
+def _ends(topology: Topology) -> BoolArray:
+    """``(n,)`` smooth points at which one sharp edge ends."""
+    count = np.bincount(topology.edges[topology.edge_sharpness > 0].ravel(), minlength=topology.points)
+    return np.asarray((count == 1) & (topology.point_sharpness <= 0))
 
 
 def _loop_weight(valence: DoubleArray | IndexArray) -> DoubleArray:

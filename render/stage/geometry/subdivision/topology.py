@@ -205,3 +205,22 @@ def split_in_triangles(topology: Topology) -> Topology:
         np.concatenate([np.repeat(soften(topology.edge_sharpness), 2), np.zeros(3 * faces)]),
         np.concatenate([soften(topology.point_sharpness), np.zeros(edges)]),
     )
+
+
+def split(topology: Topology, *, in_triangles: bool) -> Topology:
+    """Topology after a step of the schemes of triangles (Loop), or of all others."""
+    return split_in_triangles(topology) if in_triangles else split_in_quads(topology)
+
+
+def part_of(topology: Topology, faces: IndexArray) -> tuple[Topology, IndexArray]:
+    """Topology of some faces, and the points ``(n,)`` that are its own, ascending. Edges that lose a face are sharp."""
+    is_chosen = np.zeros(len(topology.counts), bool)
+    is_chosen[faces] = True
+    chosen = is_chosen[topology.face_of_corner]
+    points, corners = np.unique(topology.corners[chosen], return_inverse=True)
+    bare = make_topology(len(points), topology.counts[is_chosen], corners)
+    edges = bare.edge_sharpness.copy()
+    edges[bare.edge_of_corner] = topology.edge_sharpness[topology.edge_of_corner[chosen]]
+    edges[bare.edge_faces() != 2] = INFINITE
+    sharpness = topology.point_sharpness[points]
+    return Topology(bare.points, bare.counts, bare.corners, bare.edges, bare.edge_of_corner, edges, sharpness), points

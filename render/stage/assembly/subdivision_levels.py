@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,7 +99,7 @@ class SubdivisionChooser:
         """Choose levels at a time.
 
         Args:
-            camera: the camera; None for none, which takes each surface for as wide as the picture.
+            camera: the camera; None for none, which takes the picture for as wide as all surfaces together.
             transforms: transforms at the time.
             instances: reads instancers, at the same time.
             world: world from stage.
@@ -107,11 +108,15 @@ class SubdivisionChooser:
             return {source: self._limited(source, mesh, self._level) for source, mesh in self._meshes.items()}
         if not self._meshes:
             return {}
-        eye = _Eye(camera, transforms, world) if camera is not None else None
-        levels = {
-            source: _auto_level(mesh, _bend_px(mesh, eye, transforms, instances, world))
-            for source, mesh in self._meshes.items()
-        }
+        spheres = {source: _spheres(mesh, transforms, instances, world) for source, mesh in self._meshes.items()}
+        standing = {source: found for source, found in spheres.items() if found is not None}
+        if not standing:
+            return {}
+        eye = _eye_of(camera, transforms, world) if camera is not None else _eye_of_all(list(standing.values()))
+        levels: dict[Sdf.Path, int] = {}
+        for source, found in standing.items():
+            mesh = self._meshes[source]
+            levels[source] = _auto_level(mesh, eye.pixels(found.scale * mesh.bend, found.centres, found.radius_m))
         wanted = count = self._count(levels)
         while count > MOST_IN_ALL and any(levels.values()):
             levels = {source: max(0, level - 1) for source, level in levels.items()}
@@ -142,24 +147,57 @@ class SubdivisionChooser:
 
 
 class _Eye:
-    """Where a camera looks from, and the pixels of a metre there."""
+    """Pixels that lengths have in a picture.
 
-    def __init__(self, camera: UsdGeom.Camera, transforms: UsdGeom.XformCache, world: DoubleArray) -> None:
-        time = transforms.GetTime()
-        pose = world_pose(camera.GetPrim(), transforms, world)
-        self.position = pose[:3, 3]
-        aperture = float(camera.GetHorizontalApertureAttr().Get(time) or 0.0)
-        focal = float(camera.GetFocalLengthAttr().Get(time) or 0.0)
-        self.is_orthographic = camera.GetProjectionAttr().Get(time) == UsdGeom.Tokens.orthographic
-        if self.is_orthographic:
-            width_m = aperture / 10 * float(np.linalg.norm(pose[:3, 0]))  # in tenths of a unit
-            self.scale = SCREEN_PX / width_m if width_m > 0 else 0.0
-        else:
-            self.scale = SCREEN_PX * focal / aperture if aperture > 0 else 0.0
+    Args:
+        position: ``(3,)`` of the camera, metres in the world; None where distance does not matter.
+        scale: pixels of a metre, at one metre from the camera where distance matters.
+    """
 
-    def pixels(self, length_m: DoubleArray, distance_m: DoubleArray) -> DoubleArray:
-        """Pixels of lengths at distances."""
-        return np.asarray(self.scale * length_m / (1.0 if self.is_orthographic else distance_m))
+    def __init__(self, position: DoubleArray | None, scale: float) -> None:
+        self._position, self._scale = position, scale
+
+    def pixels(self, length_m: DoubleArray, centres: DoubleArray, radius_m: DoubleArray) -> float:
+        """Most pixels of lengths ``(n,)`` in spheres, where these are nearest."""
+        if self._position is None:
+            return float((self._scale * length_m).max())
+        distance_m = np.linalg.norm(centres - self._position, axis=1) - radius_m
+        distance_m = np.maximum(np.maximum(distance_m, _LEAST_DISTANCE * radius_m), 1e-30)
+        return float((self._scale * length_m / distance_m).max())
+
+
+def _eye_of(camera: UsdGeom.Camera, transforms: UsdGeom.XformCache, world: DoubleArray) -> _Eye:
+    time = transforms.GetTime()
+    pose = world_pose(camera.GetPrim(), transforms, world)
+    aperture = float(camera.GetHorizontalApertureAttr().Get(time) or 0.0)
+    if not aperture > 0:
+        return _Eye(None, 0.0)
+    if camera.GetProjectionAttr().Get(time) == UsdGeom.Tokens.orthographic:
+        width_m = aperture / 10 * float(np.linalg.norm(pose[:3, 0]))  # in tenths of a unit
+        return _Eye(None, SCREEN_PX / width_m if width_m > 0 else 0.0)
+    return _Eye(pose[:3, 3], SCREEN_PX * float(camera.GetFocalLengthAttr().Get(time) or 0.0) / aperture)
+
+
+def _eye_of_all(spheres: Sequence[_Spheres]) -> _Eye:
+    """Eye whose picture is as wide as all surfaces."""
+    low = np.min([(each.centres - each.radius_m[:, None]).min(axis=0) for each in spheres], axis=0)
+    high = np.max([(each.centres + each.radius_m[:, None]).max(axis=0) for each in spheres], axis=0)
+    return _Eye(None, SCREEN_PX / max(float(np.linalg.norm(high - low)), 1e-30))
+
+
+@dataclass(frozen=True, eq=False)
+class _Spheres:
+    """Spheres around the places of a control mesh.
+
+    Attributes:
+        centres: ``(n, 3)`` metres in the world.
+        radius_m: ``(n,)``.
+        scale: ``(n,)`` metres of a unit.
+    """
+
+    centres: DoubleArray
+    radius_m: DoubleArray
+    scale: DoubleArray
 
 
 def _describe(places: tuple[Occurrence, ...], most_triangles: int, log: FindingLog) -> _ControlMesh | None:
@@ -200,30 +238,22 @@ def _bend(topology: Topology, points: DoubleArray) -> float:
     return float(np.quantile(np.concatenate([*apart, np.linalg.norm(on_crease, axis=1)]), _BENT_SHARE))
 
 
-def _bend_px(
-    mesh: _ControlMesh, eye: _Eye | None, transforms: UsdGeom.XformCache, instances: InstanceReader, world: DoubleArray
-) -> float:
-    """Pixels that neighbours are off the planes of a control mesh's points, where it is nearest."""
-    if eye is None:
-        return SCREEN_PX * mesh.bend / max(2 * mesh.radius, 1e-30)
-    most = 0.0
+def _spheres(
+    mesh: _ControlMesh, transforms: UsdGeom.XformCache, instances: InstanceReader, world: DoubleArray
+) -> _Spheres | None:
+    """Spheres around all places of a control mesh; None where it stands nowhere."""
+    poses = []
     for place in mesh.places:
-        try:
+        with suppress(PlaceError):  # it is named, and not drawn
             if place.chain:
-                poses, _ = instance_poses(place.chain, place.prim, transforms, world, instances)
+                poses.append(instance_poses(place.chain, place.prim, transforms, world, instances)[0])
             else:
-                poses = world_pose(place.prim, transforms, world)[None]
-        except PlaceError:
-            continue  # it is named, and not drawn
-        if not len(poses):
-            continue
-        scale = np.linalg.norm(poses[:, :3, :3], axis=1).max(axis=1)
-        centres = poses[:, :3, :3] @ mesh.centre + poses[:, :3, 3]
-        radius_m = scale * mesh.radius
-        distance_m = np.linalg.norm(centres - eye.position, axis=1) - radius_m
-        distance_m = np.maximum(np.maximum(distance_m, _LEAST_DISTANCE * radius_m), 1e-30)
-        most = max(most, float(eye.pixels(scale * mesh.bend, distance_m).max()))
-    return most
+                poses.append(world_pose(place.prim, transforms, world)[None])
+    found = np.concatenate([np.zeros((0, 4, 4)), *poses])
+    if not len(found):
+        return None
+    scale = np.linalg.norm(found[:, :3, :3], axis=1).max(axis=1)
+    return _Spheres(found[:, :3, :3] @ mesh.centre + found[:, :3, 3], scale * mesh.radius, scale)
 
 
 def _auto_level(mesh: _ControlMesh, bend_px: float) -> int:

@@ -91,12 +91,15 @@ class Steps:
     def places(self) -> DoubleArray:
         """``(c, 2)`` place of each refined corner on its face of the mesh (`render.model.face_places`)."""
         counts = self._topology.counts
-        apart = make_topology(int(counts.sum()), counts, np.arange(int(counts.sum())))
-        corners = np.zeros((apart.points, 2))
+        found = np.zeros((len(self.last.corners), 2))
+        first_size = np.repeat(counts, counts if self._scheme != "loop" else 4)  # by face after one step
+        size_of_corner = np.repeat(first_size, len(found) // max(len(first_size), 1))
         for count in np.unique(counts).tolist():
-            is_this = counts == count
-            corners[np.repeat(is_this, counts)] = np.tile(polygon_corners(count), (int(is_this.sum()), 1))
-        return self.refine(corners, apart, linear=True)[self.corners(apart)]
+            one = make_topology(count, np.array([count]), np.arange(count))
+            places = self.refine(polygon_corners(count), one, linear=True)[self.corners(one)]
+            here = size_of_corner == count
+            found[here] = np.tile(places, (int(here.sum()) // len(places), 1))
+        return found
 
     def _split(self, topology: Topology) -> Topology:
         return split(topology, in_triangles=self._scheme == "loop")

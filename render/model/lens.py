@@ -80,6 +80,21 @@ class Across:
 
 
 @dataclass(frozen=True)
+class Outline:
+    """Edge of an opening or of an obscuration on a surface, as it is seen along the axis.
+
+    Attributes:
+        kind: a circle is an ellipse of equal half axes.
+        half_mm: half width, from side to side, and half height.
+        centre_mm: x across the picture and y up, from the axis.
+    """
+
+    kind: Literal["ellipse", "rectangle"]
+    half_mm: tuple[float, float]
+    centre_mm: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
 class Surface:
     """One surface of a lens, or its stop.
 
@@ -94,6 +109,8 @@ class Surface:
         is_stop: whether this is the aperture stop.
         coating_nm: wavelength that its quarter-wave coating is made for; 0 for bare glass. Cemented surfaces have none.
         across: curve from side to side; None where it is that from top to bottom.
+        opening: within which light passes, as well as within the clear diameter; None where that alone limits it.
+        obscuration: within which no light passes; None where there is none. With a clear diameter, a round one makes a ring.
     """
 
     radius_mm: float
@@ -105,6 +122,8 @@ class Surface:
     is_stop: bool = False
     coating_nm: float = 0.0
     across: Across | None = None
+    opening: Outline | None = None
+    obscuration: Outline | None = None
 
 
 @dataclass(frozen=True)
@@ -154,6 +173,12 @@ class Prescription:
     def is_anamorphic(self) -> bool:
         """Whether a surface has another curve from side to side than from top to bottom."""
         return any(surface.across is not None for surface in self.surfaces)
+
+    @property
+    def outlines(self) -> tuple[Outline, ...]:
+        """All openings and obscurations: edges that stop light besides clear diameters and the iris."""
+        both = [outline for surface in self.surfaces for outline in (surface.opening, surface.obscuration)]
+        return tuple(outline for outline in both if outline is not None)
 
 
 @dataclass(frozen=True)
@@ -383,6 +408,11 @@ class Lens:
     def has_cylinders(self) -> bool:
         """Whether its surfaces squeeze the picture themselves."""
         return self.model == "prescription" and self.prescription is not None and self.prescription.is_anamorphic
+
+    @property
+    def has_outlines(self) -> bool:
+        """Whether a surface has an opening or an obscuration besides its clear diameter."""
+        return self.model == "prescription" and self.prescription is not None and bool(self.prescription.outlines)
 
     @property
     def has_thin_errors(self) -> bool:

@@ -1,4 +1,8 @@
-"""Beams of light that fill the iris: from a point on the axis, and from far off it."""
+"""Beams of light that fill the iris: from a point on the axis, and from far off it.
+
+Openings and obscurations take light out of a beam without making it narrower, as glass does that is not quite clear: they change
+no f-number, and no beam here but in the choice of the best focus.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,7 @@ from render.errors import InputError
 from render.model.arrays import DoubleArray
 from render.model.lens import Prescription
 from render.optics.glass import D_LINE_NM
+from render.optics.prescription.outlines import without_outlines
 from render.optics.prescription.paraxial import entrance_pupil, paraxial_system, stop_index, vertices
 from render.optics.prescription.tracing import PASSES, TracedRays, trace_backward, trace_forward
 
@@ -35,6 +40,7 @@ class _AxialRays:
     stop: int
     pupil_mm: float
     magnification: float
+    outlined: Prescription
 
     @classmethod
     def make(
@@ -48,13 +54,14 @@ class _AxialRays:
         placed = vertices(prescription) if vertices_mm is None else vertices_mm
         stop = stop_index(prescription)
         pupil_mm, magnification = entrance_pupil(paraxial_system(prescription, wavelength_nm, placed), stop)
-        return cls(prescription, object_mm, stop_radius_mm, wavelength_nm, placed, stop, pupil_mm, magnification)
+        plain = without_outlines(prescription)
+        return cls(plain, object_mm, stop_radius_mm, wavelength_nm, placed, stop, pupil_mm, magnification, prescription)
 
-    def trace(self, heights_mm: DoubleArray, end: int, clip: bool) -> TracedRays:
-        """Trace rays from the front up to surface ``end − 1``."""
+    def trace(self, heights_mm: DoubleArray, end: int, clip: bool, *, outlined: bool = False) -> TracedRays:
+        """Trace rays from the front up to surface ``end − 1``; without openings and obscurations, unless they are asked for."""
         points, directions = _rays_from_axis(self.object_mm, self.pupil_mm, heights_mm, float(self.vertices_mm[0]))
         return trace_forward(
-            self.prescription,
+            self.outlined if outlined else self.prescription,
             points,
             directions,
             self.wavelength_nm,
@@ -174,18 +181,24 @@ def best_focus_mm(
     """z where the beam from a point on the axis has the least root-mean-square radius, at the d line.
 
     The rays stand at the middles of rings of equal area on the entrance pupil, so that each carries the same light. What a
-    rim cuts off does not count.
+    rim cuts off does not count, nor what openings and obscurations stop above and below the axis.
 
     Raises:
         InputError: no ray gets through.
     """
     rings = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
-    beam = axial_beam(prescription, object_mm, rings, stop_radius_mm, vertices_mm=vertices_mm)
+    rays = _AxialRays.make(prescription, object_mm, stop_radius_mm, D_LINE_NM, vertices_mm)
+    heights, count = rings * rays.grazing_mm(), len(prescription.surfaces)
+    beam = rays.trace(heights, count, True)
     if not beam.passes.any():
         raise _dark(prescription, int(beam.stopped_by[0]))
+    light = beam.passes.astype(np.float64)
+    if prescription.outlines:
+        both = np.array([rays.trace(side * heights, count, True, outlined=True).passes for side in (1, -1)])
+        light = both.mean(axis=0) if both.any() else light
     last, slopes = beam.points_mm[-1][beam.passes], (beam.directions[:, 1] / beam.directions[:, 2])[beam.passes]
-    crossing = last[:, 1] - last[:, 2] * slopes
-    return float(-np.sum(crossing * slopes) / np.sum(slopes * slopes))
+    crossing, light = last[:, 1] - last[:, 2] * slopes, light[beam.passes]
+    return float(-np.sum(light * crossing * slopes) / np.sum(light * slopes * slopes))
 
 
 def _dark(prescription: Prescription, surface: int) -> InputError:

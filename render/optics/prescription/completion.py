@@ -9,7 +9,7 @@ import numpy as np
 from render.errors import SettingsError
 from render.model.arrays import DoubleArray
 from render.model.lens import Configuration, Prescription, Surface
-from render.optics.prescription.beams import axial_beam
+from render.optics.prescription.beams import axial_beam, axial_edge
 from render.optics.prescription.clear_diameters import with_clear_diameters
 from render.optics.prescription.f_numbers import (
     f_number,
@@ -20,6 +20,7 @@ from render.optics.prescription.f_numbers import (
     without_rims,
 )
 from render.optics.prescription.meridians import turned
+from render.optics.prescription.outlines import scaled, without_outlines
 from render.optics.prescription.paraxial import first_order, focal_points, paraxial_system, stop_index
 from render.optics.prescription.stop_placement import with_stop
 from render.optics.prescription.surface_shape import extent_mm
@@ -33,6 +34,7 @@ _WAYS_TO_FAIL = {
     Fate.REFLECTED: "total internal reflection turns back",
 }
 _FAN = 201
+_ACROSS = 101
 _NOTICED = 0.01  # share of the f-number or of the focal length
 _ROUNDED = 5e-4  # share of a length that no note shows
 _SAME = 1e-6  # share of an f-number or of a radius
@@ -104,6 +106,8 @@ def _scale_surface(surface: Surface, factor: float) -> Surface:
         semi_diameter_mm=surface.semi_diameter_mm * factor,
         aspheric=tuple(term * factor ** -(2 * i + 3) for i, term in enumerate(surface.aspheric)),
         across=surface.across and replace(surface.across, radius_mm=surface.across.radius_mm * factor),
+        opening=scaled(surface.opening, factor),
+        obscuration=scaled(surface.obscuration, factor),
     )
 
 
@@ -182,7 +186,8 @@ def _stop_radius_by_rims(prescription: Prescription) -> float:
 
 def _parallel_rays(prescription: Prescription, heights_mm: DoubleArray, *, clip: bool = True) -> TracedRays:
     points = np.stack([0 * heights_mm, heights_mm, 0 * heights_mm], axis=1)
-    return trace_forward(prescription, points, np.tile([0.0, 0.0, 1.0], (len(heights_mm), 1)), clip=clip)
+    along = np.tile([0.0, 0.0, 1.0], (len(heights_mm), 1))
+    return trace_forward(without_outlines(prescription), points, along, clip=clip)
 
 
 def _check_marginal_ray(prescription: Prescription) -> None:
@@ -203,11 +208,30 @@ def _check_light(prescription: Prescription) -> Prescription:
     if not beam.passes[0]:
         what = f"no light gets through: {_WAYS_TO_FAIL[Fate(beam.fates[0])]} all rays along the axis"
         raise bad_lens(prescription, what, int(beam.stopped_by[0]))
+    _check_outlines(prescription, stop_radius)
     if beam.passes[heights <= 1 - _NOTICED].all():
         return prescription
     by = int(beam.stopped_by[int(np.argmin(beam.passes))]) + 1
     note = f"Surface {by} cuts the beam on the axis to f/{widest_f_number(prescription):.3g}."
     return prescription if note in prescription.notes else replace(prescription, notes=(*prescription.notes, note))
+
+
+def _check_outlines(prescription: Prescription, stop_radius_mm: float) -> None:
+    """Raise `InputError` where openings and obscurations leave nothing of the light on the axis."""
+    if not prescription.outlines:
+        return
+    line = np.linspace(-1, 1, _ACROSS) * axial_edge(prescription, -np.inf, stop_radius_mm).height_mm
+    points = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    rays = trace_forward(
+        prescription,
+        np.column_stack([points, np.zeros(len(points))]),
+        np.tile([0.0, 0.0, 1.0], (len(points), 1)),
+        stop_radius_mm=stop_radius_mm,
+    )
+    if not rays.passes.any():
+        last = max(i for i, s in enumerate(prescription.surfaces) if s.opening is not None or s.obscuration is not None)
+        what = "no light gets through: its opening or obscuration, with those of other surfaces, stops all rays along the axis"
+        raise bad_lens(prescription, what, last)
 
 
 def _with_real_f_number(prescription: Prescription, stated: float) -> Prescription:

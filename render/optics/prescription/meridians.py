@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from render.model.lens import Across, Prescription, Surface
+from render.optics.prescription import outlines
 
 
 def turned(prescription: Prescription) -> Prescription:
@@ -23,6 +24,8 @@ def upright(prescription: Prescription) -> Prescription:
 
 
 def _turned(surface: Surface) -> Surface:
+    opening, obscuration = (outlines.turned(outline) for outline in (surface.opening, surface.obscuration))
+    surface = replace(surface, opening=opening, obscuration=obscuration)
     if surface.across is None:
         return surface
     curve = Across(surface.radius_mm, surface.conic)

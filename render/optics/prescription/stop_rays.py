@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.outlines import clearance
 from render.optics.prescription.paraxial import paraxial_system, transfer
 from render.optics.prescription.tracing import TracedRays, trace_backward
 
@@ -56,22 +57,26 @@ def rays_from_film(
     passed = rays.passes & solved
     with np.errstate(invalid="ignore"):
         leaving = -rays.directions[:, :2] / rays.directions[:, 2:]
-    clearance = _clearance(lens, rays)
+    cleared = _clearance(lens, rays)
     behind = len(lens.vertices_mm) - 1 - lens.stop  # the rays meet the last surface first
     return StopRays(
         slope=np.where(passed[:, None], leaving, 0.0),
         pupil_mm=np.where(passed[:, None], rays.at(lens.entrance_pupil_mm), 0.0),
-        front=np.where(passed, clearance[behind + 1 :].max(axis=0, initial=-1.0), 1.0),
-        rear=np.where(passed, clearance[:behind].max(axis=0, initial=-1.0), 1.0),
+        front=np.where(passed, cleared[behind:].max(axis=0, initial=-1.0), 1.0),
+        rear=np.where(passed, cleared[:behind].max(axis=0, initial=-1.0), 1.0),
         passed=passed,
     )
 
 
 def _clearance(lens: FocusedLens, rays: TracedRays) -> DoubleArray:
-    """``(k, n)`` of every surface in the order in which the rays met them."""
+    """``(k, n)`` of every surface in the order in which the rays met them; the iris is no rim here."""
     rims = np.array([surface.semi_diameter_mm for surface in lens.prescription.surfaces[::-1]])
     rims = np.where(rims > 0, rims, np.inf)
-    return np.asarray((rays.points_mm[..., :2] ** 2).sum(axis=-1) / rims[:, None] ** 2 - 1)
+    rims[len(rims) - 1 - lens.stop] = np.inf
+    cleared = (rays.points_mm[..., :2] ** 2).sum(axis=-1) / rims[:, None] ** 2 - 1
+    for surface, points, stops in zip(lens.prescription.surfaces[::-1], rays.points_mm, cleared, strict=True):
+        stops[:] = np.maximum(stops, clearance(surface, points[:, :2]))
+    return np.asarray(cleared)
 
 
 def _aim(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray
 from render.model.lens import Prescription, Surface
 from render.optics.glass import D_LINE_NM, refractive_index
+from render.optics.prescription.outlines import clearance
 from render.optics.prescription.paraxial import vertices
 from render.optics.prescription.surface_shape import intersect, slopes_at
 
@@ -27,7 +28,7 @@ class Fate(IntEnum):
     """Outcome of tracing a ray."""
 
     PASSES = 0
-    BLOCKED = 1  # by the rim of a surface, or by the stop
+    BLOCKED = 1  # by the rim of a surface, its opening or its obscuration, or by the stop
     MISSES = 2  # the surface, which has no rim to be blocked by
     REFLECTED = 3  # totally: glass to air at too flat an angle
 
@@ -82,7 +83,7 @@ def trace_forward(
         wavelength_nm: of all rays, or ``(n,)`` of each.
         vertices_mm: ``(k,)`` where the surfaces stand, if not where the thicknesses put them.
         stop_radius_mm: of the closed iris; by default as wide as the prescription has it.
-        clip: whether rims and iris stop rays. A surface without a clear diameter never does.
+        clip: whether rims, iris, openings and obscurations stop rays. A surface without a clear diameter has no rim.
         between: first surface, and one past the last, for rays that begin or end inside the lens. By default all.
     """
     order = range(*(between or (0, len(prescription.surfaces))))
@@ -133,6 +134,8 @@ def _trace(
         rim = _rim_mm(surface, stop_radius_mm) if clip else np.inf
         headings, refracted = refract(surface, local, headings, before / behind)
         fate = _fate(local, hit, refracted, rim)
+        if clip and (surface.opening is not None or surface.obscuration is not None):
+            fate[hit & (clearance(surface, local[:, :2]) > 0)] = Fate.BLOCKED
         newly = (fate != Fate.PASSES) & (stopped_by == PASSES)
         stopped_by[newly], fates[newly] = i, fate[newly]
         headings[newly] = np.nan

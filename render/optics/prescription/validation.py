@@ -9,6 +9,7 @@ import numpy as np
 from render.errors import InputError
 from render.model.lens import Prescription, Surface
 from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM, refractive_index
+from render.optics.prescription.outlines import is_closed
 from render.optics.prescription.paraxial import ParaxialSystem, focal_points, paraxial_ray, paraxial_system
 from render.optics.prescription.surface_shape import clearance_mm, conic_extent_mm
 
@@ -33,6 +34,7 @@ def check_prescription(prescription: Prescription) -> None:
         _check_numbers(prescription, i, surface)
         _check_glass(prescription, i, surface)
         _check_extent(prescription, i, surface)
+        _check_outlines(prescription, i, surface)
     _check_whole(prescription)
     check_configurations(prescription)
     check_overlaps(prescription)
@@ -145,6 +147,22 @@ def _check_extent(prescription: Prescription, index: int, surface: Surface) -> N
         radii = f"radii of {surface.radius_mm:g} and {surface.across.radius_mm:g} mm let" if surface.across else ""
         radii = radii or f"radius of {surface.radius_mm:g} mm lets"
         raise bad_lens(prescription, f"{what} to which its {radii} it reach", index)
+
+
+def _check_outlines(prescription: Prescription, index: int, surface: Surface) -> None:
+    for name, outline in (("opening", surface.opening), ("obscuration", surface.obscuration)):
+        if outline is None:
+            continue
+        if not all(_LEAST_RADIUS_MM <= half <= _LARGEST_NUMBER for half in outline.half_mm):
+            wide, high = (2 * half for half in outline.half_mm)
+            size = f"from {2 * _LEAST_RADIUS_MM:g} to {2 * _LARGEST_NUMBER:g} mm wide and high"
+            raise bad_lens(prescription, f"its {name} must be {size}, got {wide:g} and {high:g} mm", index)
+        if not all(abs(place) <= _LARGEST_NUMBER for place in outline.centre_mm):
+            x, y = outline.centre_mm
+            what = f"the centre of its {name} must be within {_LARGEST_NUMBER:g} mm of the axis, got {x:g} and {y:g} mm"
+            raise bad_lens(prescription, what, index)
+    if is_closed(surface):
+        raise bad_lens(prescription, "its clear diameter, opening and obscuration leave nothing open", index)
 
 
 def _check_whole(prescription: Prescription) -> None:

@@ -6,7 +6,7 @@
     DIM M                               millimetres; C centimetres, I inches
     SO 0.0 0.1e14                       the object: radius and distance
     S 61.47 6.0 NBK7_SCHOTT             a surface: radius, thickness, glass (or a code such as 517642)
-      STO; CIR 12.0                     it is the stop; half its clear diameter
+      STO; CIR 12.0                     it is the stop; half its clear diameter (`render.optics.lens_files.code_v_apertures`)
       ASP; K -1.0; A 1e-5; B 2e-8       conic constant, coefficients of r⁴, r⁶, ... (A to J, without I)
     SI 0.0 -0.4                         the image, and its shift
     GO
@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from render.model.lens import AIR, Glass, Prescription
+from render.optics.lens_files.code_v_apertures import APERTURES, CodeVApertures
 from render.optics.lens_files.code_v_glass import PrivateGlasses
 from render.optics.lens_files.code_v_zoom import CodeVZoom
 from render.optics.lens_files.draft_surface import DraftSurface
@@ -118,6 +119,7 @@ class _Reader:
         self._aperture = SystemAperture()
         self._private = PrivateGlasses(text)
         self._zoom = CodeVZoom(text)
+        self._apertures = CodeVApertures(text)
 
     def take(self, command: _Command) -> None:
         """Read one command; unknown ones are ignored."""
@@ -144,6 +146,7 @@ class _Reader:
             raise self._text.error("there is no surface (S) between the object (SO) and the image (SI)")
         draft = self._draft
         draft.surfaces = self._surfaces[1:-1]
+        draft.notes += self._apertures.finish(draft.surfaces)
         self._zoom.finish(draft, self._surfaces)
         stated = self._zoom.first({"pupil": "EPD", "f_number": "FNO"}.get(self._aperture.kind, ""))
         aperture = self._aperture if stated is None else replace(self._aperture, value=stated)
@@ -209,19 +212,10 @@ class _Reader:
             surface.is_stop = True
         elif name == "GLA":
             surface.glass = self._glass(_first(words), line, label)
-        elif name == "CIR":
-            self._clear(surface, words, line)
+        elif name in APERTURES:
+            self._apertures.take(name, surface, words, line)
         elif name in ("RDY", "CUY", "THI"):
             self._replace(surface, name, _first(words), line)
-
-    def _clear(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
-        """CIR: half the clear diameter; obscurations, holes and edges are not the clear diameter."""
-        if words and words[0].upper() == "OBS":
-            raise self._text.error("obscurations (CIR OBS) are not supported", line, surface.label)
-        if words and words[0].upper() in ("EDG", "HOL"):
-            return
-        what = "half of the clear diameter (CIR)"
-        surface.semi_diameter = self._text.number(_first(words), what, line, surface.label, at_least=0)
 
     def _replace(self, surface: DraftSurface, name: str, word: str, line: int) -> None:
         what = {"RDY": "radius (RDY)", "CUY": "curvature (CUY)", "THI": "thickness (THI)"}[name]

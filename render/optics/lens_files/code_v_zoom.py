@@ -29,7 +29,8 @@ _OF_SURFACES: dict[str, Quantity] = {
     "K": "conic",
 }
 _OF_SYSTEM: dict[str, Quantity] = {"FNO": "f_number", "EPD": "pupil_diameter"}
-_NOT_READ = ("GLA", "STO", "NA", *"ABCDEFGHJ", "XDE", "YDE", "ZDE", "ADE", "BDE", "CDE")
+_APERTURES = ("REX", "REY", "ELX", "ELY", "ADX", "ADY", "ARO")
+_NOT_READ = ("GLA", "STO", "NA", *"ABCDEFGHJ", "XDE", "YDE", "ZDE", "ADE", "BDE", "CDE", *_APERTURES)
 _SURFACE = re.compile(r"S(\d{1,4}|O|I)", re.ASCII)
 _POSITION = re.compile(r"Z(\d{1,4})", re.ASCII)
 

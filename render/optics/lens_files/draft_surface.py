@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from render.model.lens import AIR, Glass
+from render.model.lens import AIR, Glass, Outline
 
 
 @dataclass
@@ -22,6 +22,8 @@ class DraftSurface:
         terms: coefficients of r², r⁴, r⁶, ... by the power of r.
         is_stop: whether it is the aperture stop.
         across: radius and conic constant in x, where they are others than in y; None where not.
+        opening: within which light passes, in the file's unit in place of millimetres; None where there is none.
+        obscuration: within which no light passes, likewise.
     """
 
     label: str
@@ -34,3 +36,5 @@ class DraftSurface:
     terms: dict[int, float] = field(default_factory=dict)
     is_stop: bool = False
     across: tuple[float, float] | None = None
+    opening: Outline | None = None
+    obscuration: Outline | None = None

@@ -19,12 +19,15 @@ from render.optics.lens_files.configurations import (
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.rims import with_trimmed_rims, without_negative_gaps
+from render.optics.prescription.outlines import scaled
+from render.optics.prescription.surface_shape import conic_extent_mm
 
 MAX_SURFACES = 200
 FAR_AWAY_MM = 1e7  # an object beyond it is at infinity: CODE V writes 1e13
 _MAX_LENGTH_MM = 1e5
 _PLANE_RADIUS_MM, _LEAST_RADIUS_MM = 1e9, 1e-3
 _INDEX_RANGE, _LEAST_ABBE = (1.0, 5.0), 5.0
+_EDGE_OF_CONIC = 0.995
 _VISIBLE_NM = np.linspace(400.0, 700.0, 31)
 
 
@@ -147,7 +150,8 @@ def _place(surfaces: Sequence[DraftSurface], wanted: DraftSurface) -> int:
 
 def _is_mark(surface: DraftSurface, before: Glass) -> bool:
     is_flat = surface.radius == 0 and surface.across is None and not any(surface.terms.values())
-    return is_flat and surface.glass == before and not surface.is_stop
+    is_plain = surface.opening is None and surface.obscuration is None
+    return is_flat and is_plain and surface.glass == before and not surface.is_stop
 
 
 def _in_mm(surface: DraftSurface, draft: Draft) -> Surface:
@@ -157,7 +161,21 @@ def _in_mm(surface: DraftSurface, draft: Draft) -> Surface:
             raise _error(surface, draft, f"the {name} must be at most {_MAX_LENGTH_MM:g} mm, got {length:g} mm")
     radius, conic, coefficients = _shape(surface, draft)
     across = surface.across and Across(surface.across[0] * draft.unit_mm, surface.across[1])
-    return Surface(radius, thickness, surface.glass, semi_diameter, conic, coefficients, surface.is_stop, across=across)
+    made = Surface(
+        radius,
+        thickness,
+        surface.glass,
+        semi_diameter,
+        conic,
+        coefficients,
+        surface.is_stop,
+        across=across,
+        opening=scaled(surface.opening, draft.unit_mm),
+        obscuration=scaled(surface.obscuration, draft.unit_mm),
+    )
+    if made.opening is not None and semi_diameter > conic_extent_mm(made):  # corners that no glass can have
+        made = replace(made, semi_diameter_mm=_EDGE_OF_CONIC * conic_extent_mm(made))
+    return made
 
 
 def _shape(surface: DraftSurface, draft: Draft) -> tuple[float, float, tuple[float, ...]]:

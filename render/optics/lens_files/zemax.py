@@ -11,7 +11,7 @@
       DISZ 4.25                         thickness
       GLAS N-BK7 0 0 1.5168 64.17 0 …   name, kind, pickup, n_d, V_d, ΔP_gF; kind 1 is a model glass without name, ___BLANK
       CONI 2.0E-2
-      DIAM 5.58 1 0 0 1 ""              semi-diameter
+      DIAM 5.58 1 0 0 1 ""              semi-diameter; CLAP and others: `render.optics.lens_files.zemax_apertures`
 
 What is not listed has no say in how light goes through a lens, or is refused: other surface types, mirrors, tilts,
 and non-sequential systems. A COORDBRK whose decentres and tilts are all 0 is left out.
@@ -33,6 +33,7 @@ from render.optics.lens_files.drafts import Draft, check_glass, finish, is_objec
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture
+from render.optics.lens_files.zemax_apertures import APERTURES, ZemaxApertures
 from render.optics.lens_files.zemax_configurations import OPERANDS, SOLVES, ZemaxConfigurations, object_distance
 
 _UNITS_MM = {"MM": 1.0, "CM": 10.0, "IN": 25.4, "INCH": 25.4, "INCHES": 25.4, "M": 1000.0, "METER": 1000.0}
@@ -47,7 +48,6 @@ _REFUSED_TYPES = {
     "BIREFRIN": "birefringent media",
     "PARAXIAL": "ideal lenses without glass",
 }  # what it is, by the beginning of the type's name
-_OTHER_APERTURES = ("OBSC", "SQAP", "SQOB", "ELAP", "ELOB", "SPID")
 _BREAK = "COORDBRK"
 _TILTS = {"1": "decentre in x", "2": "decentre in y", "3": "tilt about x", "4": "tilt about y", "5": "tilt about z"}
 _MODEL_GLASS = "___BLANK"
@@ -84,7 +84,7 @@ class _Reader:
         self._floats_by_stop = False
         self._breaks: list[DraftSurface] = []
         self._two_curves = zemax_cylinders.TwoCurves(text)
-        self._is_clear: list[DraftSurface] = []
+        self._apertures = ZemaxApertures(text)
         self._is_asphere = False  # the surface that is being read
         self._of_system: dict[str, Callable[[list[str], str, int], None]] = {
             "MODE": self._mode,
@@ -103,8 +103,6 @@ class _Reader:
             "DISZ": self._thickness,
             "GLAS": self._glass,
             "DIAM": self._semi_diameter,
-            "CLAP": self._clear_aperture,
-            **dict.fromkeys(_OTHER_APERTURES, self._other_aperture),
             "CONI": self._conic,
             "PARM": self._parameter,
         }
@@ -117,6 +115,8 @@ class _Reader:
             if not self._surfaces:
                 raise self._text.error(f"{command} stands before the first SURF", line)
             self._of_surface[command](self._surfaces[-1], words, line)
+        elif command in APERTURES and self._surfaces:
+            self._apertures.take(command, self._surfaces[-1], words, line)
         elif command == "MNUM":
             self._configurations.begin(words, line)
         elif command in OPERANDS:
@@ -130,6 +130,7 @@ class _Reader:
             got = f"got {len(self._surfaces)}"
             raise self._text.error(f"expected SURF sections for the object, at least one surface and the image, {got}")
         self._two_curves.finish()
+        self._draft.notes += self._apertures.finish(self._surfaces[1:-1])
         draft, image = self._draft, self._surfaces[-1]
         if image.glass != AIR or image.thickness:
             why = "the last one must be the image, without glass or thickness: the file is cut off"
@@ -221,26 +222,9 @@ class _Reader:
         surface.thickness = self._text.distance(word, what, line, surface.label)
 
     def _semi_diameter(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
-        if surface is not self._surfaces[0] and not any(surface is each for each in self._is_clear):
+        if surface is not self._surfaces[0]:
             what = "semi-diameter (DIAM)"
             surface.semi_diameter = self._text.number(_first(words), what, line, surface.label, at_least=0)
-
-    def _clear_aperture(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
-        """Take a circular aperture (CLAP, least and greatest radius), which wins over DIAM: that of a drawing is often wider."""
-        least, most = (
-            self._text.number(word, "radius (CLAP)", line, surface.label, at_least=0) for word in (*words, "0", "0")[:2]
-        )
-        if most > 0 and surface is not self._surfaces[0]:
-            surface.semi_diameter = most
-            self._is_clear.append(surface)
-        if least > 0:
-            self._other_aperture(surface, words, line)
-
-    def _other_aperture(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
-        """Note an aperture that is not round, or has a hole or an obscuration."""
-        note = f"The aperture of surface {surface.label} is a ring, an obscuration or not round; light passes all of its circle."
-        if any(word.strip("0.+-eE") for word in words[:2]) and note not in self._draft.notes:
-            self._draft.notes.append(note)
 
     def _conic(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         surface.conic = self._number(surface, _first(words), "conic constant (CONI)", line)

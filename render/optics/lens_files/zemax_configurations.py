@@ -30,7 +30,18 @@ _OF_SURFACES: dict[str, Quantity] = {
     "CONN": "conic",
     "SDIA": "semi_diameter",
 }
-_NOT_READ = ("GLSS", "PRAM", *(f"PAR{number}" for number in range(13)), "IGNR", "STPS", "MIND", "MABB", "MDPG", "APTP")
+_APERTURES = ("APTP", "APMN", "APMX", "APDX", "APDY")
+_NOT_READ = (
+    *_APERTURES,
+    "GLSS",
+    "PRAM",
+    *(f"PAR{number}" for number in range(13)),
+    "IGNR",
+    "STPS",
+    "MIND",
+    "MABB",
+    "MDPG",
+)
 OPERANDS = frozenset((*_OF_SURFACES, *_NOT_READ, "APER", "LTTL"))
 SOLVES = frozenset(("TCOM", "TOLE", "MAZH"))
 

@@ -97,7 +97,6 @@ def test_a_wrong_line_of_a_zemax_file(old: str, new: str, expected: str) -> None
         ("SI    0.0 0.0", "", "it ends before the image surface"),
         ("  PIM", "  XTO", "line 17, surface 3: XTO is not supported"),
         ("  PIM", "  ADE 5.0", r"line 17, surface 3: tilts and decentres \(ADE 5\.0\) are not supported"),
-        ("  PIM", "  CIR OBS 3", r"line 17, surface 3: obscurations \(CIR OBS\) are not supported"),
         ("  PIM", "STO S7", "line 17: there is no surface 7"),
         (
             "S     61.46999999999995 6.0",

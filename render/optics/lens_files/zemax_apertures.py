@@ -1,0 +1,126 @@
+"""Zemax's apertures of surfaces.
+
+    CLAP 2 12.5 0        light passes between these radii; OBSC: everywhere else
+    SQAP 18 10 0         within these half widths in x and y; SQOB: outside of them
+    ELAP 18 10 0         within the ellipse of these half axes; ELOB: outside of it
+    OBDC 0.5 -1          centre of the aperture, in x and y
+
+A circle about the axis is the clear diameter, in place of DIAM, which in a drawing is often wider. A spider (SPID), an aperture
+by points (USAP) and an obscuration (OBSC) that is a ring within its lens are named in a note.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from render.errors import InputError
+from render.model.lens import Outline
+from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.lens_text import LensText
+from render.optics.prescription.outlines import reach_mm
+
+_RADII = ("CLAP", "OBSC")
+_HALF_WIDTHS = ("SQAP", "SQOB", "ELAP", "ELOB")
+_NOT_READ = ("SPID", "USAP", "UDAD")
+_CENTRE = "OBDC"
+APERTURES = (*_RADII, *_HALF_WIDTHS, *_NOT_READ, _CENTRE)
+
+
+@dataclass
+class _Aperture:
+    surface: DraftSurface
+    kind: str = ""
+    size: tuple[float, float] = (0.0, 0.0)
+    centre: tuple[float, float] = (0.0, 0.0)
+    line: int = 0
+
+
+class ZemaxApertures:
+    """Apertures of the surfaces, as they are read."""
+
+    def __init__(self, text: LensText) -> None:
+        self._text = text
+        self._read: list[_Aperture] = []
+        self._left_out: list[tuple[DraftSurface, str]] = []
+
+    def take(self, command: str, surface: DraftSurface, words: Sequence[str], line: int) -> None:
+        """Take a line whose command is one of `APERTURES`.
+
+        Raises:
+            InputError: its numbers are none, or negative.
+        """
+        least = -float("inf") if command == _CENTRE else 0.0
+        what = f"centre of the aperture ({command})"
+        what = f"radius ({command})" if command in _RADII else f"half width ({command})" if least == 0 else what
+        if command in _NOT_READ:
+            if command != "SPID" or any(word.strip("0.+-eE") for word in words[:1]):  # without width it is none
+                self._left_out.append((surface, command))
+            return
+        first, second = (
+            self._text.number(word, what, line, surface.label, at_least=least) for word in (*words, "0", "0")[:2]
+        )
+        if not self._read or self._read[-1].surface is not surface:
+            self._read.append(_Aperture(surface))
+        aperture = self._read[-1]
+        if command == _CENTRE:
+            aperture.centre = first, second
+        elif first or second:  # of zeros it is none
+            aperture.kind, aperture.size, aperture.line = command, (first, second), line
+
+    def finish(self, surfaces: Sequence[DraftSurface]) -> list[str]:
+        """Set clear diameters, openings and obscurations of the surfaces; notes on what is not read.
+
+        Raises:
+            InputError: there is no such aperture.
+        """
+        for aperture in self._read:
+            if any(aperture.surface is each for each in surfaces):
+                self._set(aperture)
+        named: dict[tuple[str, str], None] = {}
+        for surface, command in self._left_out:
+            if any(surface is each for each in surfaces):
+                named[surface.label, command] = None
+        return [
+            f"The aperture of surface {label} ({command}) is not read; light passes it." for label, command in named
+        ]
+
+    def _set(self, aperture: _Aperture) -> None:
+        surface, (first, second), kind = aperture.surface, aperture.size, aperture.kind
+        if kind in _RADII:
+            if second <= first:
+                raise self._error(aperture, f"the radii must grow, got {first:g} and {second:g}")
+            inner, outer = (
+                Outline("ellipse", (radius, radius), aperture.centre) if radius else None for radius in (first, second)
+            )
+            if kind == "CLAP":
+                self._open(surface, outer)
+                surface.obscuration = inner
+            elif inner is None:
+                surface.obscuration = outer
+            elif aperture.centre == (0.0, 0.0) and 0 < surface.semi_diameter <= second:
+                self._open(surface, inner)
+            else:
+                self._left_out.append((surface, kind))
+        elif kind in _HALF_WIDTHS:
+            if not (first and second):
+                raise self._error(aperture, f"both half widths must be above 0, got {first:g} and {second:g}")
+            outline = Outline("rectangle" if kind.startswith("SQ") else "ellipse", (first, second), aperture.centre)
+            if kind.endswith("OB"):
+                surface.obscuration = outline
+            else:
+                self._open(surface, outline)
+
+    def _open(self, surface: DraftSurface, outline: Outline | None) -> None:
+        if outline is None:
+            return
+        is_circle = outline.kind == "ellipse" and outline.half_mm[0] == outline.half_mm[1]
+        if is_circle and outline.centre_mm == (0.0, 0.0):
+            surface.semi_diameter = outline.half_mm[0]
+            return
+        surface.opening = outline
+        if not surface.is_stop:  # an iris stays as wide as it is
+            surface.semi_diameter = reach_mm(outline)
+
+    def _error(self, aperture: _Aperture, what: str) -> InputError:
+        return self._text.error(f"of its aperture ({aperture.kind}) {what}", aperture.line, aperture.surface.label)

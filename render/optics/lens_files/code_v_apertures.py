@@ -21,7 +21,7 @@ from render.errors import InputError
 from render.model.lens import Outline
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.lens_text import LensText
-from render.optics.prescription.outlines import reach_mm
+from render.optics.prescription.outlines import is_circle, reach_mm
 
 _SIZES = ("CIR", "REX", "REY", "ELX", "ELY")
 _PLACES = ("ADX", "ADY", "ARO")
@@ -99,8 +99,7 @@ class CodeVApertures:
         outlines, surface = [*self._outlines(aperture)], aperture.surface
         turn = aperture.numbers.get("ARO", 0.0)
         for what, outline in outlines:
-            is_circle = outline.kind == "ellipse" and outline.half_mm[0] == outline.half_mm[1]
-            if turn % (_FULL_TURN_DEG / 2) and not is_circle:
+            if turn % (_FULL_TURN_DEG / 2) and not is_circle(outline):
                 self._leave_out(surface, f"{what}, turned by ARO")
             elif aperture.is_obscuration:
                 if surface.obscuration is not None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from render.model.lens import Glass, Prescription, Surface
+from render.model.lens import Glass, Outline, Prescription, Surface
 from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM
 from render.optics.dispersion.names import glass_of_code
 from render.optics.glass import refractive_index
@@ -57,6 +57,8 @@ def _surface(index: int, surface: Surface, private: dict[Glass, str], notes: lis
     if surface.is_stop:
         yield "  STO"
     yield f"  CIR {number(surface.semi_diameter_mm)}"
+    yield from _aperture(surface.opening, "L'OPENING'")
+    yield from _aperture(surface.obscuration, "OBS")
     if surface.aspheric:
         terms = zip(_LETTERS, surface.aspheric, strict=False)
         yield "  ASP"
@@ -67,6 +69,18 @@ def _surface(index: int, surface: Surface, private: dict[Glass, str], notes: lis
         yield f"  K {number(surface.conic)}"
     if any(surface.aspheric[len(_LETTERS) :]):
         notes.append(f"Surface {index} has terms beyond r^20, which are not written.")
+
+
+def _aperture(outline: Outline | None, which: str) -> Iterator[str]:
+    if outline is None:
+        return
+    half, centre = outline.half_mm, outline.centre_mm
+    if outline.kind == "ellipse" and half[0] == half[1]:
+        yield f"  CIR {which} {number(half[0])}"
+    else:
+        begin = "EL" if outline.kind == "ellipse" else "RE"
+        yield from (f"  {begin}{axis} {which} {number(size)}" for axis, size in zip("XY", half, strict=True))
+    yield from (f"  AD{axis} {which} {number(place)}" for axis, place in zip("XY", centre, strict=True) if place)
 
 
 def _glass(glass: Glass, private: dict[Glass, str]) -> str:

@@ -12,6 +12,7 @@ from render.optics.lens_files.written_parts import plain_name
 WRITTEN_SUFFIXES = (".zmx", ".seq", ".txt")
 _WRITTEN = frozenset(  # fields of the model that the writers know
     {"radius_mm", "thickness_mm", "glass", "semi_diameter_mm", "conic", "aspheric", "is_stop", "coating_nm"}
+    | {"opening", "obscuration"}
     | {"surfaces", "focus_group", "f_stop", "name", "notes", "configurations"}
 )
 
@@ -56,6 +57,8 @@ def write_lens(lens: Prescription, suffix: str) -> WrittenLens:
     text = text_of(lens, notes)
     if any(surface.coating_nm for surface in lens.surfaces):
         notes.append("Coatings are not written.")
+    if suffix == ".txt" and lens.outlines:
+        notes.append("Openings and obscurations are not written: light passes all of the clear diameters.")
     # OpticStudio writes UTF-16; what is ASCII every program reads.
     encoding = "utf-16" if suffix == ".zmx" and not text.isascii() else "utf-8"
     return WrittenLens(text.replace("\n", "\r\n" if suffix == ".zmx" else "\n").encode(encoding), tuple(notes))

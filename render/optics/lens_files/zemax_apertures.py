@@ -18,7 +18,7 @@ from render.errors import InputError
 from render.model.lens import Outline
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.lens_text import LensText
-from render.optics.prescription.outlines import reach_mm
+from render.optics.prescription.outlines import is_circle, reach_mm
 
 _RADII = ("CLAP", "OBSC")
 _HALF_WIDTHS = ("SQAP", "SQOB", "ELAP", "ELOB")
@@ -114,8 +114,7 @@ class ZemaxApertures:
     def _open(self, surface: DraftSurface, outline: Outline | None) -> None:
         if outline is None:
             return
-        is_circle = outline.kind == "ellipse" and outline.half_mm[0] == outline.half_mm[1]
-        if is_circle and outline.centre_mm == (0.0, 0.0):
+        if is_circle(outline) and outline.centre_mm == (0.0, 0.0):
             surface.semi_diameter = outline.half_mm[0]
             return
         surface.opening = outline

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from render.model.lens import Glass, Prescription, Surface
+from render.model.lens import Glass, Outline, Prescription, Surface
 from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM, G_LINE_NM
 from render.optics.dispersion.names import find_in_catalogue
 from render.optics.glass import refractive_index
 from render.optics.lens_files.written_parts import beam_diameter_mm, glass_form, index_change, number
+from render.optics.prescription.outlines import is_circle, reach_mm
 from render.optics.prescription.paraxial import first_order
 
 _TERMS = 7  # of an even asphere from r⁴ on: PARM 2 to 8
+_SAME = 1e-6
 _NORMAL_LINE = (0.6438, -0.001682)  # of P_gF over V_d, through K7 and F2 (Schott, TIE-29)
 
 
@@ -75,6 +77,33 @@ def _surface(index: int, surface: Surface, makers: list[str], notes: list[str]) 
     if glass:
         yield f"  GLAS {glass}"
     yield f"  DIAM {number(surface.semi_diameter_mm)} 1 0 0 1"
+    yield from _aperture(index, surface, notes)
+
+
+def _aperture(index: int, surface: Surface, notes: list[str]) -> Iterator[str]:
+    """Lines of the one aperture that a surface has here: an opening and an obscuration are one where they make a ring."""
+    opening, obscuration = surface.opening, surface.obscuration
+    if opening is None and obscuration is not None and is_circle(obscuration):
+        rim = Outline("ellipse", (surface.semi_diameter_mm, surface.semi_diameter_mm))
+        opening = rim if obscuration.centre_mm == rim.centre_mm else None
+    written = opening or obscuration
+    if written is None:
+        return
+    sizes = written.half_mm
+    if is_circle(written):
+        kind, sizes = "CLAP" if opening else "OBSC", (0.0, sizes[0])
+    else:
+        kind = f"{'SQ' if written.kind == 'rectangle' else 'EL'}{'AP' if opening else 'OB'}"
+    if opening is not None and obscuration is not None:
+        if kind == "CLAP" and is_circle(obscuration) and obscuration.centre_mm == opening.centre_mm:
+            sizes = obscuration.half_mm[0], sizes[1]
+        else:
+            notes.append(f"The obscuration of surface {index} is not written: it has an opening too.")
+    yield f"  {kind} {number(sizes[0])} {number(sizes[1])} 0"
+    if written.centre_mm != (0.0, 0.0):
+        yield f"  OBDC {number(written.centre_mm[0])} {number(written.centre_mm[1])}"
+    if opening is not None and surface.semi_diameter_mm < reach_mm(opening) * (1 - _SAME):
+        notes.append(f"The clear diameter of surface {index} cuts its opening, which is written without that.")
 
 
 def _glass(index: int, glass: Glass, makers: list[str], notes: list[str]) -> str:

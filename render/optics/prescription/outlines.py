@@ -33,12 +33,17 @@ def clearance(surface: Surface, points: DoubleArray) -> DoubleArray:
     return np.asarray(stops)
 
 
+def is_circle(outline: Outline) -> bool:
+    """Whether it is one, about the axis or beside it."""
+    return outline.kind == "ellipse" and outline.half_mm[0] == outline.half_mm[1]
+
+
 def reach_mm(outline: Outline) -> float:
     """Distance from the axis of an outline's farthest point."""
     (a, b), (x, y) = outline.half_mm, np.abs(outline.centre_mm)
     if outline.kind == "rectangle":
         return float(np.hypot(x + a, y + b))
-    if a == b:
+    if is_circle(outline):
         return float(np.hypot(x, y) + a)
     angle = np.linspace(0, np.pi / 2, 721)
     return float(np.hypot(x + a * np.cos(angle), y + b * np.sin(angle)).max())

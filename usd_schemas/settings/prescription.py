@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from usd_schemas.settings.setting import Asset, Floats, Pair, Triples, schema_group, setting
+from usd_schemas.settings.setting import Asset, Floats, Pair, Pairs, Triples, schema_group, setting
 
 
 @schema_group("Lens:Prescription")
@@ -164,6 +164,54 @@ class Prescription:
         "Conic Constants Across",
         "Conic constant of each surface from side to side; without the array it is that from top to bottom.",
         unit="none",
+    )
+    opening_shape: tuple[str, ...] = setting(
+        "lens:prescription:openingShape",
+        (),
+        "Opening Shapes",
+        'Shape, "ellipse" or "rectangle", of the opening of each surface; "" where it has none.',
+        "It is that within which light passes, as well as within the clear diameter. The clear diameter has to be wide enough for it. A circle is an ellipse of equal width and height.",
+        unit="none, text",
+        keyable=False,
+    )
+    opening_size: Pairs = setting(
+        "lens:prescription:openingSize",
+        (),
+        "Opening Sizes",
+        "Full width, from side to side, and full height of each surface's opening; (0, 0) where it has none.",
+        unit="millimetres",
+    )
+    opening_centre: Pairs = setting(
+        "lens:prescription:openingCentre",
+        (),
+        "Opening Centres",
+        "Centre of each surface's opening, right and up from the axis as seen from behind the camera; without the array all "
+        "are on the axis.",
+        unit="millimetres",
+    )
+    obscuration_shape: tuple[str, ...] = setting(
+        "lens:prescription:obscurationShape",
+        (),
+        "Obscuration Shapes",
+        'Shape, "ellipse" or "rectangle", of the obscuration of each surface; "" where it has none.',
+        "It is that within which no light passes. A round one makes a ring of the clear diameter.",
+        unit="none, text",
+        keyable=False,
+    )
+    obscuration_size: Pairs = setting(
+        "lens:prescription:obscurationSize",
+        (),
+        "Obscuration Sizes",
+        "Full width, from side to side, and full height of each surface's obscuration; (0, 0) where it has none.",
+        unit="millimetres",
+    )
+    obscuration_centre: Pairs = setting(
+        "lens:prescription:obscurationCentre",
+        (),
+        "Obscuration Centres",
+        "Centre of each surface's obscuration, right and up from the axis as seen from behind the camera; without the array "
+        "all are on the axis.",
+        unit="millimetres",
     )
     coating_wavelength: Floats = setting(
         "lens:prescription:coatingWavelength",

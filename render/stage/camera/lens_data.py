@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any, Literal
 
 from render.errors import InputError
-from render.model.lens import Across, Configuration, Glass, Prescription
+from render.model.lens import Across, Configuration, Glass, Outline, Prescription
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.dispersion.sellmeier_fit import as_sellmeier
 from render.optics.lens_files import MeasuredLens
@@ -56,6 +57,8 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         focus_group=prescription.focus_group or (-1, -1),
         focus_group_across=prescription.focus_group_across or (-1, -1),
         **_across(prescription),
+        **_outlines(prescription, "opening"),
+        **_outlines(prescription, "obscuration"),
         **{
             field: _unless_zero(s.aspheric[place] if place < len(s.aspheric) else 0.0 for s in surfaces)
             for place, field in enumerate(ASPHERIC)
@@ -105,6 +108,20 @@ def _across(prescription: Prescription) -> dict[str, tuple[float, ...]]:
     conics = tuple(curve.conic for curve in curves)
     same = conics == tuple(surface.conic for surface in prescription.surfaces)
     return {"radius_across": tuple(curve.radius_mm for curve in curves), "conic_across": () if same else conics}
+
+
+def _outlines(prescription: Prescription, name: Literal["opening", "obscuration"]) -> dict[str, Any]:
+    """Arrays of the openings or of the obscurations; none of a lens without them."""
+    outlines: list[Outline | None] = [getattr(surface, name) for surface in prescription.surfaces]
+    if not any(outlines):
+        return {}
+    sizes = tuple((2 * o.half_mm[0], 2 * o.half_mm[1]) if o else (0.0, 0.0) for o in outlines)
+    centres = tuple(o.centre_mm if o else (0.0, 0.0) for o in outlines)
+    return {
+        f"{name}_shape": tuple(o.kind if o else "" for o in outlines),
+        f"{name}_size": sizes,
+        f"{name}_centre": centres if any(any(centre) for centre in centres) else (),
+    }
 
 
 def _portable(glass: Glass) -> Glass:

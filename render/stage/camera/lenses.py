@@ -31,6 +31,7 @@ from render.optics.dispersion.names import agreeing_glass
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.validation import MAX_CONFIGURATIONS
 from render.stage.camera.lens_data import ASPHERIC, SQUEEZES
+from render.stage.camera.lens_outlines import outlines
 from render.stage.camera.planes import read_plane, rotate_plane
 from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
 from render.stage.materials.image_files import TextureError
@@ -140,6 +141,10 @@ def _prescription(data: LensData, camera: str) -> Prescription:
         raise _error(
             camera, "lens:prescription:radiusAcross", f"left out for lens:model {data.model}", "radii of cylinders"
         )
+    openings, obscurations = (outlines(rows, name, count, camera) for name in ("opening", "obscuration"))
+    if wanted and any((*openings, *obscurations)):
+        names = "lens:prescription:openingShape and obscurationShape"
+        raise _error(camera, names, f"left out for lens:model {data.model}", "shapes")
     prescription = Prescription(
         tuple(
             Surface(
@@ -152,6 +157,8 @@ def _prescription(data: LensData, camera: str) -> Prescription:
                 i == rows.stop_surface,
                 columns["coating_wavelength"][i],
                 across[i],
+                openings[i],
+                obscurations[i],
             )
             for i in range(count)
         ),

@@ -59,12 +59,21 @@ _GLASS = {
     "lens:prescription:sellmeierB": ((0.0,) * 3, (1.04, 0.23, 1.01), (0.0,) * 3),
     "lens:prescription:sellmeierC": ((0.0,) * 3, (0.006, 0.02, 103.6), (0.0,) * 3),
 }
+_OUTLINES = {
+    name: {
+        f"lens:prescription:{name}Shape": ("ellipse", "", ""),
+        f"lens:prescription:{name}Size": ((8.0, 6.0), (0.0, 0.0), (0.0, 0.0)),
+    }
+    for name in ("opening", "obscuration")
+}
 _KNOTS = tuple((x, 0.2 + 0.6 * (x + 2)) for x in (-2.0, -1.0, 0.0, 1.0))
 _CURVES = {f"film:{kind}:{c}": _KNOTS for kind in ("curve", "printCurve") for c in ("red", "green", "blue")}
 _NEGATIVE = {"film:process": "negative", "film:stock": "5219"}
 _CONTEXTS: dict[str, dict[str, Any]] = {
     "lens:seidel:": {"lens:model": "seidel"},
     "lens:prescription:sellmeier": _SURFACES | _GLASS,
+    "lens:prescription:opening": _SURFACES | _OUTLINES["opening"],
+    "lens:prescription:obscuration": _SURFACES | _OUTLINES["obscuration"],
     "lens:prescription:": _SURFACES,
     "lens:expressive:channelIndex": _SURFACES,
     "film:curve:gamma": _NEGATIVE | {"film:curve:source": "parametric"},
@@ -92,6 +101,17 @@ _VALUES: dict[str, tuple[Any, Any]] = {
     "lens:prescription:abbe": ((0.0, 60.0, 0.0), (0.0, 30.0, 0.0)),
     "lens:prescription:clearDiameter": ((9.0, 12.0, 12.0), (8.0, 10.0, 14.0)),
     "lens:prescription:conic": ((0.0, 0.0, 0.0), (0.0, -1.0, 0.5)),
+    **{
+        f"lens:prescription:{outline}Size": (((8.0, 6.0), (0.0, 0.0), (0.0, 0.0)), ((6.0, 8.0), (0.0, 0.0), (0.0, 0.0)))
+        for outline in ("opening", "obscuration")
+    },
+    **{
+        f"lens:prescription:{outline}Centre": (
+            ((0.5, 1.0), (0.0, 0.0), (0.0, 0.0)),
+            ((1.0, 0.0), (0.0, 0.0), (0.0, 0.0)),
+        )
+        for outline in ("opening", "obscuration")
+    },
     "lens:prescription:sellmeierB": (_GLASS["lens:prescription:sellmeierB"], ((0.0,) * 3, (1.3, 0.2, 1.0), (0.0,) * 3)),
     "lens:prescription:sellmeierC": (
         _GLASS["lens:prescription:sellmeierC"],

@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom
 
 from render.errors import CameraError, InputError
 from render.model.camera import Camera
-from render.model.lens import AIR, Across, Glass, Prescription, Surface
+from render.model.lens import AIR, Across, Glass, Outline, Prescription, Surface
 from render.model.lens import DataSheet as SheetTables
 from render.optics.glass import refractive_index
 from render.optics.lens_files import MeasuredLens, parse_lens_file
@@ -430,6 +430,47 @@ def test_faulty_cylinders_are_refused(change: dict[str, object], message: str) -
     data = lens_data(CYLINDERS)
     with pytest.raises(CameraError, match=message):
         make_lens(replace(data, prescription=replace(data.prescription, **change)), "/cam")
+
+
+OUTLINED = replace(
+    CYLINDERS,
+    surfaces=(
+        CYLINDERS.surfaces[0],
+        replace(CYLINDERS.surfaces[1], opening=Outline("rectangle", (6.0, 4.0), (0.5, -1.0))),
+        replace(CYLINDERS.surfaces[2], obscuration=Outline("ellipse", (2.0, 3.0))),
+        CYLINDERS.surfaces[3],
+    ),
+)
+
+
+def test_openings_and_obscurations_are_written_and_read(stage: Usd.Stage, camera: LensCamera) -> None:
+    mount_lens(camera, lens_data(OUTLINED))
+    assert _read(stage).lens.prescription == OUTLINED
+    assert _read(stage).lens.has_outlines
+    assert lens_data(CYLINDERS).prescription.opening_shape == lens_data(CYLINDERS).prescription.obscuration_size == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"opening_shape": ("", "star", "", "")}, 'openingShape .* "ellipse", "rectangle" or "", got "star"'),
+        ({"opening_shape": ("rectangle",)}, "openingShape .* 4 entries, .* got 1"),
+        ({"opening_shape": ()}, "openingShape .* given with sizes or centres, got none"),
+        ({"obscuration_size": ()}, "obscurationSize .* given with shapes, got none"),
+        ({"opening_centre": ((0.0, 0.0),) * 3}, "openingCentre .* 4 entries, .* got 3"),
+        ({"opening_size": ((float("nan"), 0.0),) * 4}, "openingSize .* a finite number, got nan"),
+    ],
+)
+def test_faulty_outlines_are_refused(change: dict[str, object], message: str) -> None:
+    data = lens_data(OUTLINED)
+    with pytest.raises(CameraError, match=message):
+        make_lens(replace(data, prescription=replace(data.prescription, **change)), "/cam")
+
+
+def test_a_thick_lens_takes_no_outlines() -> None:
+    surfaces = replace(SINGLET, opening_shape=("ellipse", ""), opening_size=((4.0, 4.0), (0.0, 0.0)))
+    with pytest.raises(CameraError, match=r"obscurationShape .* left out for lens:model spherical"):
+        make_lens(LensData(model="spherical", prescription=surfaces), "/cam")
 
 
 def test_a_thick_lens_takes_no_cylinders() -> None:

@@ -17,7 +17,7 @@ from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 from render.trace.data_sheet_table import make_data_sheet_table
 from render.trace.drawn_power import add_drawn_power, make_drawn_lens_table
-from render.trace.grid_table import make_cylinder_table, make_grid_table
+from render.trace.grid_table import make_asymmetric_table, make_grid_table
 from render.trace.lens_table import (
     FRONT_RIM,
     PUPIL_T,
@@ -81,7 +81,7 @@ class BundleMaker:
 
     def _table(self, camera: Camera, view: PinholeView, light: Spectrum) -> LensTable:
         lens, last_slope = camera.lens, corner_slope(view)
-        edges = edge_slopes(view) if lens.has_cylinders else None
+        edges = edge_slopes(view) if lens.has_cylinders or lens.has_outlines else None
         key = (
             lens.model,
             lens.prescription,
@@ -142,9 +142,8 @@ class BundleMaker:
         scales = own_scales(lens)
         if edges is not None:
             glass, wavelengths_nm = mount_lens(camera), light.wavelengths_nm
-            return make_cylinder_table(
-                self._tracer, glass, lens.squeeze, edges, focus_w(camera), wavelengths_nm, scales
-            )
+            squeeze = lens.squeeze if lens.has_cylinders else 1.0
+            return make_asymmetric_table(self._tracer, glass, squeeze, edges, focus_w(camera), wavelengths_nm, scales)
         if lens.model == "seidel" and lens.seidel is not None:
             return make_seidel_table(
                 lens.seidel,

@@ -1,4 +1,5 @@
-"""The tables of lenses without rotational symmetry: those whose surfaces carry height fields, and those with cylinders.
+"""The tables of lenses without rotational symmetry: those whose surfaces carry height fields, and those with cylinders. Lenses
+with openings or obscurations have them too: a pupil that is a ring, or not round, is no part of an ellipse.
 
 Of a lens with height fields, factors on spherical aberration, coma, astigmatism, field curvature and distortion act on the lens
 below its heights: the errors from the heights have no such kinds, and stay. Of a lens with cylinders these five do not act at
@@ -8,6 +9,7 @@ all. Factors on colour errors and vignetting act on the whole.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, HeightField
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.outlines import is_centred, without_outlines
 from render.trace.aberration_scales import ErrorChange, changes_shape, defocus, error_change
 from render.trace.lens_fit import pupil_nodes
 from render.trace.lens_table import GridTable
@@ -69,7 +72,7 @@ def make_grid_table(
     return _table(slope, pupil, passes, light, (fields_across, fields_across), (last_slope, last_slope), mirrored=False)
 
 
-def make_cylinder_table(
+def make_asymmetric_table(
     tracer: SurfaceTracer,
     lens: FocusedLens,
     squeeze: float,
@@ -79,29 +82,52 @@ def make_cylinder_table(
     scales: AberrationScales,
     *,
     fields_across: tuple[int, int] = QUARTER_FIELDS,
-    pupil_side: int = CYLINDER_PUPIL_SIDE,
+    pupil_side: int | None = None,
 ) -> GridTable:
-    """Trace a focused lens with cylinders, which is the same left and right, and up and down.
+    """Trace a focused lens with cylinders, openings or obscurations.
+
+    Where none of these is beside the axis, it is the same left and right, and up and down. Openings and obscurations take their
+    light out of the picture: a lens with them is as much darker than one of its f-number.
 
     Args:
         tracer: of the device.
         lens: as focused.
-        squeeze: by which the picture is stretched back.
+        squeeze: by which the picture is stretched back; 1 of a lens without cylinders.
         last_slope: field of the picture's farthest edges, from side to side and up and down: slopes in object space.
         focus_w: inverse depth of the plane of focus, 1/m.
         wavelengths_nm: one part of the table for each.
-        scales: factors on its colour errors and its vignetting.
+        scales: factors on its errors; with cylinders, only those on colour errors and vignetting act.
         fields_across: number of fields from the axis to the right, and down.
-        pupil_side: number of pupil points across and down.
+        pupil_side: number of pupil points across and down; by default more where there are edges of openings.
     """
-    lines = (np.linspace(0.0, last, count) for last, count in zip(last_slope, fields_across, strict=True))
+    mirrored, outlined = is_centred(lens.prescription), bool(lens.prescription.outlines)
+    if not mirrored:
+        fields_across = 2 * fields_across[0] - 1, 2 * fields_across[1] - 1
+    ends = zip(last_slope, fields_across, strict=True)
+    lines = (np.linspace(0.0 if mirrored else -last, last, count) for last, count in ends)
     fields = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
-    stops = _square(pupil_side)
+    stops = _square(pupil_side or (PUPIL_SIDE if outlined else CYLINDER_PUPIL_SIDE))
     traced = _trace(tracer, lens, fields, stops, _traced_nm(wavelengths_nm, scales), None, squeeze)
     slope, pupil, passes = _by_field(traced, fields, stops, focus_w)
     slope, pupil, passes = _with_chromatic(slope, pupil, passes, scales.chromatic)
-    light = _light(traced, stops, passes, scales.vignetting, 0)
-    return _table(slope, pupil, passes, light, fields_across, last_slope, mirrored=True)
+    if changes_shape(scales) and not lens.prescription.is_anamorphic:
+        slope = slope + _shape_change(tracer, lens, fields, stops, focus_w, wavelengths_nm, scales)
+    axis = 0 if mirrored else len(fields) // 2
+    whole = _light_on_axis(tracer, lens, stops, wavelengths_nm[0]) if outlined else None
+    light = _light(traced, stops, passes, scales.vignetting, axis, whole)
+    return _table(slope, pupil, passes, light, fields_across, last_slope, mirrored=mirrored)
+
+
+def _light_on_axis(tracer: SurfaceTracer, lens: FocusedLens, stops: DoubleArray, wavelength_nm: float) -> float:
+    """Light on the axis of the lens without openings and obscurations."""
+    plain = replace(lens, prescription=without_outlines(lens.prescription))
+    traced = _trace(tracer, plain, np.zeros((1, 2)), stops, (wavelength_nm,), None)
+    is_open = traced.passed[0] & (np.maximum(traced.front, traced.rear)[0] <= 0)
+    return float(np.where(is_open, traced.weight[0], 0.0)[_on_disc(stops)].mean())
+
+
+def _on_disc(stops: DoubleArray) -> NDArray[np.bool_]:
+    return np.asarray(np.hypot(*stops.T) <= 1 + 1e-9)
 
 
 def _square(side: int) -> DoubleArray:
@@ -219,18 +245,22 @@ def _changes(
 
 
 def _light(
-    traced: TracedLens, stops: DoubleArray, passes: NDArray[np.bool_], vignetting: float, axis: int
+    traced: TracedLens,
+    stops: DoubleArray,
+    passes: NDArray[np.bool_],
+    vignetting: float,
+    axis: int,
+    whole: float | None = None,
 ) -> DoubleArray:
     """``(k, fields, stops, 2)`` weight, relative to the light on the axis, and clearance, below 0 where a ray passes.
 
     All wavelengths have the light of the first one on the axis; ``vignetting`` is the share of the fields' loss that is kept,
-    ``axis`` the field on the axis.
+    ``axis`` the field on the axis, ``whole`` the light there that stands for the f-number, where it is not all that passes.
     """
     clearance = np.maximum(traced.front, traced.rear)[: len(passes)].reshape(passes.shape)
     clearance = np.where(passes, clearance, 1.0)
     weight = traced.weight[: len(passes)].reshape(passes.shape)
-    on_disc = np.hypot(*stops.T) <= 1 + 1e-9
-    light = np.where(clearance[0] <= 0, weight[0], 0.0)[:, on_disc].mean(axis=-1)
+    light = np.where(clearance[0] <= 0, weight[0], 0.0)[:, _on_disc(stops)].mean(axis=-1)
     on_axis = max(light[axis], 1e-300)
-    kept = np.maximum(light / on_axis, 1e-6) ** (vignetting - 1) / on_axis
+    kept = np.maximum(light / on_axis, 1e-6) ** (vignetting - 1) / max(whole or on_axis, 1e-300)
     return np.stack([weight * kept[:, None], clearance], axis=-1)

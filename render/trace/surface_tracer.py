@@ -20,7 +20,8 @@ from render.optics.prescription.surface_shape import curvature_across
 
 MAX_WAVELENGTHS = 65  # those of a spectrum, and the d line to measure colour errors from
 _ROW = 20  # numbers of a ``LensSurface``; 12 aspheric terms in the middle
-_BICONIC_ROW = 24  # with the curve from side to side
+_BICONIC = 4  # more numbers, for the curve from side to side
+_OUTLINES = 8  # more numbers behind that, for opening and obscuration
 _GROUP = 64
 
 
@@ -99,6 +100,8 @@ class SurfaceTracer:
             defines["HEIGHT_FIELD"] = 1
         if lens.prescription.is_anamorphic:
             defines["BICONIC"] = 1
+        if lens.prescription.outlines:
+            defines["OUTLINES"] = 1
         return self._programs.compute("lens/lens_trace.comp", defines)
 
     def _bind_heights(self, scope: Resources, program: moderngl.ComputeShader, field: HeightField | None) -> None:
@@ -126,10 +129,10 @@ def _unpack(found: FloatArray) -> TracedLens:
 
 
 def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
-    """``(n, 20)`` as ``LensSurface`` in ``lens/lens_surface.glsl``, ``(n, 24)`` of a lens with cylinders."""
+    """``(n, 20)`` as ``LensSurface`` in ``lens/lens_surface.glsl``; longer rows of a lens with cylinders, or with outlines."""
     surfaces = lens.prescription.surfaces
-    is_biconic = lens.prescription.is_anamorphic
-    table = np.zeros((len(surfaces), _BICONIC_ROW if is_biconic else _ROW), np.float32)
+    is_biconic, outlined = lens.prescription.is_anamorphic, _ROW + _BICONIC * lens.prescription.is_anamorphic
+    table = np.zeros((len(surfaces), outlined + (_OUTLINES if lens.prescription.outlines else 0)), np.float32)
     gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))
     for row, surface, gap in zip(table, surfaces, gaps, strict=True):
         # negative: the iris is not a rim here; the caller knows which stop points are open
@@ -140,6 +143,10 @@ def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
         if is_biconic:
             conic = surface.conic if surface.across is None else surface.across.conic
             row[20:23] = [curvature_across(surface), conic, surface.across is not None]
+        for place, outline in ((outlined, surface.opening), (outlined + 4, surface.obscuration)):
+            if outline is not None:
+                wide, high = outline.half_mm
+                row[place : place + 4] = [wide if outline.kind == "ellipse" else -wide, high, *outline.centre_mm]
     if field is not None:
         glass = [place for place, surface in enumerate(surfaces) if surface.radius_mm or not surface.is_stop]
         for index, (place, heights) in enumerate(zip((glass[0], glass[-1]), (field.front, field.back), strict=True)):

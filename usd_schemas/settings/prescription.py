@@ -170,7 +170,8 @@ class Prescription:
         (),
         "Opening Shapes",
         'Shape, "ellipse" or "rectangle", of the opening of each surface; "" where it has none.',
-        "It is that within which light passes, as well as within the clear diameter. The clear diameter has to be wide enough for it. A circle is an ellipse of equal width and height.",
+        "Light passes within it and within the clear diameter, which has to be wide enough for it. A circle is an ellipse of "
+        "equal width and height.",
         unit="none, text",
         keyable=False,
     )
@@ -194,7 +195,7 @@ class Prescription:
         (),
         "Obscuration Shapes",
         'Shape, "ellipse" or "rectangle", of the obscuration of each surface; "" where it has none.',
-        "It is that within which no light passes. A round one makes a ring of the clear diameter.",
+        "No light passes within it. A round one makes a ring of the clear diameter.",
         unit="none, text",
         keyable=False,
     )

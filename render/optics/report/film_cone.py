@@ -13,6 +13,7 @@ import numpy as np
 from render.model.arrays import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.outlines import clearance
 from render.optics.prescription.tracing import TracedRays, trace_backward
 
 _COARSE, _SIDE = 48, 72
@@ -80,7 +81,7 @@ def film_cone(
         lens: as focused.
         place_mm: ``(2,)`` the place, right and up in the upright picture on the film.
         wavelength_nm: of the light.
-        rims: whether rims block light as well as the stop.
+        rims: whether rims, openings and obscurations block light as well as the stop.
         side: of the grid.
 
     Returns:
@@ -136,10 +137,16 @@ def _trace(lens: FocusedLens, place_mm: DoubleArray, cosines: DoubleArray, wavel
 
 
 def _clearance(lens: FocusedLens, rays: TracedRays, rims: bool) -> DoubleArray:
-    """Largest ``(r / half clear diameter)² − 1``: above 0 the ray is blocked; NaN where it gets lost in the glass."""
+    """Largest ``(r / half clear diameter)² − 1``, or clearance of openings and obscurations: above 0 the ray is blocked; NaN
+    where it gets lost in the glass.
+    """
     limits = np.array([surface.semi_diameter_mm if rims else np.inf for surface in lens.prescription.surfaces])
     limits[lens.stop] = lens.stop_radius_mm
-    met = (rays.points_mm[::-1, :, :2] ** 2).sum(axis=-1) / limits[:, None] ** 2 - 1
+    points = rays.points_mm[::-1, :, :2]
+    met = (points**2).sum(axis=-1) / limits[:, None] ** 2 - 1
+    for surface, places, stops in zip(lens.prescription.surfaces if rims else (), points, met, strict=False):
+        if surface.opening is not None or surface.obscuration is not None:
+            stops[:] = np.maximum(stops, clearance(surface, places))
     return np.asarray(np.where(rays.passes, met.max(axis=0), np.nan))
 
 

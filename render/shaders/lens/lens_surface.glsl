@@ -8,6 +8,10 @@ struct LensSurface {
 #ifdef BICONIC
     vec4 across;        // curvature (1/mm) and conic constant from side to side; 1 where they are others than from top to bottom
 #endif
+#ifdef OUTLINES
+    vec4 opening;       // half width (negative of a rectangle, 0 where there is none), half height, centre
+    vec4 obscuration;   // likewise
+#endif
 };
 layout(std430, binding = 0) readonly buffer LensSurfaces { LensSurface surfaces[]; };
 
@@ -137,7 +141,18 @@ bool meet(LensSurface s, vec3 o, vec3 d, out float t)
     return true;
 }
 
-// Refract a ray at one surface: `o` moves onto it, `d` is refracted (Snell), `clearance` grows to (r / half diameter)² - 1.
+#ifdef OUTLINES
+// Square of the distance from an outline's centre over that of its edge in the same direction, less 1: above 0 outside.
+float excess(vec4 outline, vec2 at)
+{
+    vec2 squares = (at - outline.zw) / outline.xy;
+    squares *= squares;
+    return (outline.x < 0.0 ? max(squares.x, squares.y) : squares.x + squares.y) - 1.0;
+}
+#endif
+
+// Refract a ray at one surface: `o` moves onto it, `d` is refracted (Snell), `clearance` grows to (r / half diameter)² - 1, or to
+// that of the surface's opening or obscuration.
 bool refract_at(LensSurface s, float from_index, float to_index, inout vec3 o, inout vec3 d, inout float clearance)
 {
     float t, sag;
@@ -146,6 +161,10 @@ bool refract_at(LensSurface s, float from_index, float to_index, inout vec3 o, i
     o += t * d;
     if (!sag_at(s, o.xy, sag, gradient)) return false;
     if (s.shape.y > 0.0) clearance = max(clearance, dot(o.xy, o.xy) / (s.shape.y * s.shape.y) - 1.0);
+#ifdef OUTLINES
+    if (s.opening.x != 0.0) clearance = max(clearance, excess(s.opening, o.xy));
+    if (s.obscuration.x != 0.0) clearance = max(clearance, -excess(s.obscuration, o.xy));
+#endif
     if (from_index == to_index) return true;
     vec3 normal = normalize(vec3(-gradient, 1.0));
     d = refract(d, normal, from_index / to_index);

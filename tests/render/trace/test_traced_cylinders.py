@@ -20,7 +20,7 @@ from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.mounting import mount_lens
 from render.optics.prescription.stop_rays import StopRays, rays_from_film
 from render.stage.camera.lenses import make_lens
-from render.trace.grid_table import make_cylinder_table
+from render.trace.grid_table import make_asymmetric_table
 from render.trace.lens_table import GridTable
 from render.trace.surface_tracer import SurfaceTracer
 from tests.render.kits.lens_pictures import glowing_point, spot_size
@@ -119,7 +119,7 @@ def test_the_table_is_that_of_float64_rays(anamorphic: Lens) -> None:
         tracer = SurfaceTracer(graphics.ctx, ProgramCache(graphics.ctx))
         lens = mount_lens(camera_with(anamorphic, FOCUS_M))
         edges = GATE_MM[0] / 150, GATE_MM[1] / 150
-        table = make_cylinder_table(tracer, lens, SQUEEZE, edges, 1 / FOCUS_M, (D_LINE_NM,), AberrationScales())
+        table = make_asymmetric_table(tracer, lens, SQUEEZE, edges, 1 / FOCUS_M, (D_LINE_NM,), AberrationScales())
     finally:
         graphics.close()
     stops = stop_points(21) * 0.93  # rims cut between the points of the grid

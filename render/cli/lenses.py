@@ -301,9 +301,11 @@ def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
 
 
 def _picture_error_mm(report: LensReport) -> float | None:
-    """Error of the rays of pictures through the lens; None without surfaces, with cylinders, or where there is no device."""
+    """Error of the rays of pictures through the lens; None without surfaces, without polynomials, or without a device."""
     lens = report.camera.lens
-    if lens.model not in ("spherical", "prescription") or report.focused is None or lens.has_cylinders:
+    if lens.model not in ("spherical", "prescription") or report.focused is None:
+        return None
+    if lens.has_cylinders or lens.has_outlines:
         return None
     from render.trace.table_error import table_error_mm  # loads OpenGL
 

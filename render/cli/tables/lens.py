@@ -47,6 +47,7 @@ def lens_json(lens: LensAlone, report: LensReport, picture_error_mm: float | Non
                 "fStopParaxial": report.paraxial_f_stop or None,
                 "transmittance": report.transmittance,
                 "transmittanceSource": "stated" if report.transmittance == camera.lens.transmittance else "coatings",
+                "openShare": report.open_share,
                 "tStop": report.t_stop,
                 "focusDistanceM": camera.focus_distance_m,
                 "closeFocusM": camera.lens.close_focus_m,

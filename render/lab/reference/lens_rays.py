@@ -64,6 +64,8 @@ def _unsqueeze(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) 
     if has_surfaces(camera):
         if lens.has_cylinders:
             raise SettingsError("the ray-by-ray reference knows no lenses with cylinders")
+        if lens.has_outlines:
+            raise SettingsError("the ray-by-ray reference knows no lenses with openings or obscurations")
         if camera.focal_surface is not None:
             raise SettingsError("the ray-by-ray reference knows lenses with surfaces focused at a distance alone")
         if own_scales(lens) != AberrationScales():

@@ -51,9 +51,12 @@ def _setting(report: LensReport) -> Iterator[Row]:
     if report.paraxial_f_stop:
         paraxial = f"by the paraxial pupil f/{report.paraxial_f_stop:.3g}"
         yield "working f-number", f"f/{report.working_f_stop:.3g} as focused; {paraxial}"
-    if report.f_stop and 0 < report.transmittance < 1:
-        source = "as stated" if camera.lens.transmittance < 1 else "by its coatings"
-        yield "T-stop", f"T{report.t_stop:.3g}: {100 * report.transmittance:.0f} % of the light pass, {source}"
+    passed = report.transmittance * report.open_share
+    if report.f_stop and 0 < passed < 1:
+        sources = [f"{100 * report.open_share:.0f} % its openings"] if report.open_share < 1 else []
+        if report.transmittance < 1:
+            sources.insert(0, "as stated" if camera.lens.transmittance < 1 else "by its coatings")
+        yield "T-stop", f"T{report.t_stop:.3g}: {100 * passed:.0f} % of the light pass, {', '.join(sources)}"
     yield "focused at", metres(camera.focus_distance_m) + ("" if report.is_at_infinity else " from the entrance pupil")
     if camera.lens.close_focus_m:
         yield "close focus", f"{metres(camera.lens.close_focus_m)} from the film, as marked"

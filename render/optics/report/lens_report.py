@@ -17,11 +17,13 @@ from render.optics.flare.coating import axial_transmittance
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.mounting import distance_from_film_m, has_surfaces, mount_lens, nearer_than_marked
+from render.optics.prescription.outlines import is_circle, without_outlines
 from render.optics.prescription.zooming import Zoom, zoom_of
 from render.optics.report.bokeh import BokehSheet, bokeh_sheet
 from render.optics.report.colour import ColourCurves, measure_colour
 from render.optics.report.cylinder_chiefs import CylinderChiefs
 from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, seen_at, spots
+from render.optics.report.film_cone import film_cone
 from render.optics.report.film_rays import FilmRays, SqueezedRays
 from render.optics.report.focus_scale import FocusMark, focus_scale
 from render.optics.report.glass_rays import GlassRays
@@ -47,6 +49,7 @@ _WITHOUT_GLASS = {
     "seidel": "It has no glass: a thin lens with third-order errors, whose picture is even.",
     "dataSheet": "It is known by its data sheet alone: rays are made that have the errors that were measured.",
 }
+_SHARE_SIDE = 160
 _FARTHEST = 2.5  # corners of the gate: light farther out is of no use
 
 
@@ -63,6 +66,7 @@ class LensReport:
         paraxial_f_stop: by the paraxial pupil; 0 for a lens without surfaces.
         transmittance: share of the light that passes: as stated, else what the coated surfaces of its glass let through on the
             axis; 1 where neither is known.
+        open_share: of the light on the axis, what openings and obscurations of surfaces let through.
         set_f_stop: as it was set.
         wide_open: f-number; 0 for a pinhole, or where any goes.
         nearest_m: distance from the entrance pupil that its glass and its mount reach, whatever is engraved on it; 0 for no
@@ -85,6 +89,7 @@ class LensReport:
     working_f_stop: float
     paraxial_f_stop: float
     transmittance: float
+    open_share: float
     set_f_stop: float
     wide_open: float
     nearest_m: float
@@ -100,8 +105,9 @@ class LensReport:
 
     @property
     def t_stop(self) -> float:
-        """``N / √T``; infinite where nothing comes through, 0 for a pinhole."""
-        return self.f_stop / math.sqrt(self.transmittance) if self.transmittance > 0 else math.inf
+        """``N / √T``, T with what openings leave; infinite where nothing comes through, 0 for a pinhole."""
+        passed = self.transmittance * self.open_share
+        return self.f_stop / math.sqrt(passed) if passed > 0 else math.inf
 
     @property
     def is_at_infinity(self) -> bool:
@@ -150,6 +156,7 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
     rays, corner = film_rays(camera), corner_mm(camera)
     f_stop = lens.f_stop if lens else camera.f_stop
     circle = image_circle_mm(rays, _FARTHEST * corner) if lens else float("inf")
+    share = _open_share(lens) if lens else 1.0
     return LensReport(
         camera=camera,
         focused=lens,
@@ -158,6 +165,7 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         working_f_stop=lens.working_f_stop if lens else 0.0,
         paraxial_f_stop=lens.paraxial_f_stop if lens else 0.0,
         transmittance=_transmittance(camera.lens),
+        open_share=share,
         set_f_stop=set_f_stop,
         wide_open=lens.prescription.f_stop if lens else wide_open,
         nearest_m=nearest_m(lens, camera.focus_distance_m) if lens else 0.0,
@@ -169,8 +177,33 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         spots=spots(rays, np.array(SPOT_FIELDS) * corner, camera.iris),
         curves=_curves(rays, camera),
         bokeh=lens_bokeh(camera),
-        notes=(*_notes(camera, lens), *_dark_corners(circle, corner)),
+        notes=(*_notes(camera, lens), *_outline_notes(camera, share), *_dark_corners(circle, corner)),
     )
+
+
+def _open_share(lens: FocusedLens) -> float:
+    """Share of the light on the axis that openings and obscurations let through."""
+    if not lens.prescription.outlines:
+        return 1.0
+    plain = replace(lens, prescription=without_outlines(lens.prescription))
+    own, whole = (film_cone(each, np.zeros(2), side=_SHARE_SIDE) for each in (lens, plain))
+    return own.light / whole.light if own and whole and whole.light > 0 else 0.0
+
+
+def _outline_notes(camera: Camera, share: float) -> tuple[str, ...]:
+    if not camera.lens.has_outlines:
+        return ()
+    notes = [
+        f"Openings and obscurations of its surfaces let {100 * share:.3g} % of the light on the axis through; the f-number is "
+        "that of the beam without them, and pictures are as much darker."
+    ]
+    outlines = camera.lens.prescription.outlines if camera.lens.prescription else ()
+    is_round = all(is_circle(outline) and outline.centre_mm == (0.0, 0.0) for outline in outlines)
+    if not is_round and not camera.lens.has_cylinders:
+        notes.append("They are not round: what is shown over the image height is that straight up from the middle.")
+    if camera.lens.ghosts > 0 and not camera.lens.has_cylinders:
+        notes.append("Its ghosts are drawn as if it had none.")
+    return tuple(notes)
 
 
 def _dark_corners(circle_mm: float, corner_mm: float) -> tuple[str, ...]:

@@ -26,13 +26,16 @@ def measured_lens(lens: LensAlone, report: LensReport) -> MeasuredLens:
         report: of the lens; it is measured up to the corner of its gate.
 
     Raises:
-        SettingsError: it is a pinhole, which has no aberrations, or has cylinders, which no data sheet describes.
+        SettingsError: it is a pinhole, which has no aberrations, or has cylinders, openings or obscurations, which no data sheet
+            describes.
     """
     camera = report.camera
     if not report.f_stop:
         raise SettingsError(f"{lens.title} is a pinhole: it has no errors to write down")
     if camera.lens.has_cylinders:
         raise SettingsError(f"{lens.title} has cylinders: a data sheet is round")
+    if camera.lens.has_outlines:
+        raise SettingsError(f"{lens.title} has openings or obscurations: a data sheet knows no shape of the pupil")
     sheet = camera.lens.data_sheet
     source = lens.description
     if sheet is None:

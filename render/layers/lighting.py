@@ -10,7 +10,9 @@ from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
 from render.layers.drawing_space import DrawingSpace
 from render.layers.index import Draw
-from render.layers.lights import dome_irradiance, pack_lights, select_lights, unit_axes
+from render.layers.light_links import LinkSets
+from render.layers.light_parts import light_parts
+from render.layers.lights import dome_irradiance, lighting_options, pack_lights, row_order, select_lights, unit_axes
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerRenderer
 from render.layers.shadow_maps import ShadowMaps
@@ -27,6 +29,8 @@ class Lighting:
         self._renderer = renderer
         self._programs = programs
         self._lights: tuple[Light, ...] = ()
+        self._parts: tuple[tuple[Light, ...], ...] = ()
+        self._links = LinkSets(())
         self._dome: Dome | None = None
         self._dome_map = _dome_texture(None)
         self._harmonics = dome_irradiance(None)
@@ -36,6 +40,9 @@ class Lighting:
     def load(self, scene: Scene) -> None:
         """Load a scene's lights and dome; its shadows are out of date until `cast_shadows`."""
         self._lights = select_lights(scene.lights)
+        self._parts = light_parts(self._lights)
+        self._links = LinkSets(scene.batches)
+        self._renderer.link_sets = self._links
         if scene.dome is not self._dome:
             self._load_dome(scene.dome)
 
@@ -51,15 +58,27 @@ class Lighting:
             Whether any map has changed.
         """
         self._plan = plan_shadows(self._lights, whole, region)
-        return self._maps.cast(self._plan.clip_from_world, draws)
+        paths = {self._lights[i].path: slot for i, slot in self._plan.slots.items()}
+        casting: list[Sequence[Draw]] = [draws] * len(self._plan.clip_from_world)
+        for path, slot in paths.items() if any(draw.batch.links.unshadowed for draw in draws) else ():
+            own = [draw for draw in draws if path not in draw.batch.links.unshadowed]
+            casting[slot.first : slot.first + slot.count] = [own] * slot.count
+        return self._maps.cast(self._plan.clip_from_world, casting)
+
+    @property
+    def options(self) -> dict[str, int | float | str]:
+        """Defines of the shaders that light surfaces, by what the scene's lights need."""
+        return lighting_options(self._lights) | self._links.options
 
     def bind(self, view: PinholeView) -> None:
         """Bind the lighting of surfaces, in the space that they are drawn in."""
         dome_map = self._dome_map
         world_from_camera = np.asarray(np.linalg.inv(DrawingSpace.of_view(view).from_world), np.float64)
         mips = int(np.log2(max(dome_map.width, dome_map.height)))
-        block = pack_lights(self._lights, self._dome, self._harmonics, mips, world_from_camera, self._plan.slots)
-        self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera)
+        block = pack_lights(self._parts, self._dome, self._harmonics, mips, world_from_camera, self._plan.slots)
+        rows = [self._lights[i].path for i in row_order(self._parts, self._plan.slots)]
+        links = self._links.pack(rows, self._dome.path if self._dome is not None else "")
+        self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera, links)
 
     def bind_maps(self) -> None:
         """Bind the dome's image and the shadow maps to their texture units, which other passes may use too."""

@@ -6,6 +6,7 @@ frame has room for all that a shot uses and costs nothing per primitive.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,7 +17,7 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Dome, Light
 
 MAX_LIGHTS = 96
-_KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0}
+_KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0, "cylinder": 3.0}
 
 
 @dataclass(frozen=True)
@@ -45,11 +46,29 @@ def area_m2(light: Light) -> float:
     """Emitting area seen by a facing surface, m²."""
     if light.kind == "rect":
         return light.width_m * light.height_m
+    if light.kind == "cylinder":
+        return 2 * light.radius_m * light.length_m
     return float(np.pi * light.radius_m**2)
 
 
+def lighting_options(lights: Sequence[Light]) -> dict[str, int | float | str]:
+    """Defines of the parts of ``layers/lighting.glsl`` that lights need, so that others cost nothing."""
+    needs = {
+        "TUBES": any(light.kind == "cylinder" for light in lights),
+        "FOCUSED": any(light.focus > 0 for light in lights),
+        "SHADOW_COLORS": any(any(light.shadow_color) for light in lights if light.casts_shadow),
+    }
+    return {name: 1 for name, is_needed in needs.items() if is_needed}
+
+
+def row_order(parts: Sequence[Sequence[Light]], shadows: Mapping[int, ShadowSlot]) -> list[int]:
+    """Index in ``parts`` of the light of each row of the block: those with shadows first, as the shader's two loops have it."""
+    order = sorted(range(len(parts)), key=lambda i: i not in shadows)
+    return [i for i in order for _ in parts[i]]
+
+
 def pack_lights(
-    lights: tuple[Light, ...],
+    parts: Sequence[Sequence[Light]],
     dome: Dome | None,
     dome_harmonics: FloatArray,
     dome_mips: int,
@@ -59,28 +78,29 @@ def pack_lights(
     """The std140 bytes of ``LightBlock``, in the space of the camera.
 
     Args:
-        lights: at most `MAX_LIGHTS`.
+        parts: lights, each as the lights that it is drawn as (`render.layers.light_parts`); at most `MAX_LIGHTS` together.
         dome: dome light, or None.
         dome_harmonics: ``(9, 3)`` from `dome_irradiance`.
         dome_mips: mip level at which the dome's image is one texel.
         world_from_camera: ``(4, 4)``.
-        shadows: shadow slots by index in ``lights``.
+        shadows: shadow slots by index in ``parts``.
     """
     camera_from_world = np.asarray(np.linalg.inv(world_from_camera), np.float64)
     head = np.zeros((1 + 9, 4), np.float32)
-    head[0] = [len(lights), dome is not None, max(dome_mips - 2, 0), len(shadows)]
+    order = row_order(parts, shadows)
+    head[0] = [len(order), dome is not None, max(dome_mips - 2, 0), sum(i in shadows for i in order)]
     head[1:, :3] = dome_harmonics
     dome_from_camera = np.eye(4)
     radiance = np.zeros(4)
     if dome is not None:
         dome_from_camera[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ world_from_camera[:3, :3]
         radiance[:3] = dome.radiance
-    rows = np.zeros((MAX_LIGHTS, 5, 4), np.float32)
-    # lights with shadows come first, as the shader's two loops have it
-    for row, i in enumerate(sorted(range(len(lights)), key=lambda i: i not in shadows)):
-        rows[row] = _light_rows(lights[i], camera_from_world, shadows.get(i))
-    parts = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
-    return np.concatenate([np.asarray(part, np.float32).ravel() for part in parts]).tobytes()
+    rows = np.zeros((MAX_LIGHTS, 8, 4), np.float32)
+    drawn = ((part, shadows.get(i)) for i in dict.fromkeys(order) for part in parts[i])
+    for row, (part, shadow) in enumerate(drawn):
+        rows[row] = _light_rows(part, camera_from_world, shadow)
+    blocks = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
+    return np.concatenate([np.asarray(part, np.float32).ravel() for part in blocks]).tobytes()
 
 
 def dome_irradiance(dome: Dome | None) -> FloatArray:
@@ -131,8 +151,10 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     rotation = camera_from_world[:3, :3] @ unit_axes(light.pose)
     position = (camera_from_world @ light.pose[:, 3])[:3]
     area = area_m2(light)
-    radius = np.sin(light.angle_rad / 2) if light.kind == "distant" else np.sqrt(area / np.pi)
-    rows = np.zeros((5, 4), np.float32)
+    radius = np.sqrt(area / np.pi)
+    if light.kind in ("distant", "cylinder"):
+        radius = np.sin(light.angle_rad / 2) if light.kind == "distant" else light.radius_m
+    rows = np.zeros((8, 4), np.float32)
     rows[0] = [*position, _KINDS[light.kind]]
     rows[1] = [*(-rotation[:, 2]), radius]
     rows[2] = [*light.radiance, area]
@@ -140,6 +162,9 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     inner = np.cos(light.cone_angle_rad * (1 - light.cone_softness))
     rows[3] = [outer, max(inner, outer + 1e-4), light.diffuse, light.specular]
     rows[4] = [-1, 0, 0, 0] if shadow is None else [shadow.first, shadow.count, 1e-3, shadow.texel_m]
+    rows[5] = [*(rotation[:, 0] * light.length_m / 2), light.focus]
+    rows[6, :3] = light.focus_tint
+    rows[7, :3] = light.shadow_color
     return rows
 
 

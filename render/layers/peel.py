@@ -416,7 +416,8 @@ class Peeler:
             self._ctx.memory_barrier()
             self._lighting.bind_maps()
             has_clearcoat = any(draw.batch.material.clearcoat > 0 for draw in layer.draws)
-            self._lighter.light(layer.slot, layer.view, has_clearcoat=has_clearcoat, by_quads=layer.sampling.by_quads)
+            options, by_quads = self._lighting.options, layer.sampling.by_quads
+            self._lighter.light(layer.slot, layer.view, options, has_clearcoat=has_clearcoat, by_quads=by_quads)
         return passed != 0
 
     def _allocate_targets(

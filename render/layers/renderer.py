@@ -20,6 +20,7 @@ from render.layers.hidden import HiddenMeasurer
 from render.layers.index import Draw, SceneIndex
 from render.layers.instance_colors import InstanceColors
 from render.layers.levels.sketch_index import SketchIndex
+from render.layers.light_links import LinkSets
 from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
 from render.layers.selection import ClusterSelection, DrawnRanges
@@ -33,7 +34,7 @@ from render.optics.view import PinholeView
 OPAQUE = 0.999
 """Opacity from which a surface hides the surfaces behind it."""
 _ANY_OPACITY = 1e-6
-_MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
+_MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING, _LINK_BINDING = 1, 2, 3, 4
 DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materials use those below 8
 _PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT, _REST_UNIT = 8, 11, 12, 13, 14, 15
 
@@ -140,7 +141,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._selection = ClusterSelection(index, measurer)
         self._sketched = ClusterSelection(sketches, measurer, sketches.choose)
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
-        self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)
+        self._blocks = self._material_block, self._light_block, self._shadow_block, self._link_block = GL.glGenBuffers(4)
+        self.link_sets = LinkSets(())
         self._bound_material: PreviewSurface | None = None
         self._instance_colors = InstanceColors(ctx)
 
@@ -149,12 +151,14 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._update_context(self._index.graph, 0)
         self._instance_colors.keep(self._index.draws)
 
-    def set_lighting(self, lights: bytes, clip_from_camera: DoubleArray) -> None:
-        """Set the contents of ``LightBlock``, and the ``(n, 4, 4)`` matrices of the shadow maps."""
+    def set_lighting(self, lights: bytes, clip_from_camera: DoubleArray, links: bytes) -> None:
+        """Set the contents of ``LightBlock``, the ``(n, 4, 4)`` matrices of the shadow maps, and ``LinkBlock``, if any."""
         matrices = np.zeros((MAX_SHADOW_MAPS, 4, 4), np.float32)
         matrices[: len(clip_from_camera)] = clip_from_camera.transpose(0, 2, 1)
         _fill_uniform_buffer(self._light_block, lights, _LIGHT_BINDING)
         _fill_uniform_buffer(self._shadow_block, matrices.tobytes(), _SHADOW_BINDING)
+        if links:
+            _fill_uniform_buffer(self._link_block, links, _LINK_BINDING)
 
     def visible_draws(self, view: PinholeView, *, is_sketch: bool = False) -> list[Draw]:
         """Draws that may reach into a view, of the sketches' index or of the render index."""
@@ -242,6 +246,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUseProgram(program._program_id)
             self._set_motion(program, draw, layer)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
+            if self.link_sets.is_linked:
+                GL.glUniform1ui(program.location("link_set"), self.link_sets.number(draw.batch))
             GL.glUniform1i(program.location("is_holdout"), draw.batch.camera_role == "holdout")
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
@@ -286,7 +292,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         for program in self._programs.values():
             program.delete()
         self._programs = {}
-        GL.glDeleteBuffers(3, [self._material_block, self._light_block, self._shadow_block])
+        GL.glDeleteBuffers(len(self._blocks), self._blocks)
 
     def __del__(self) -> None:
         """Do nothing: pyrender's own would free names that may belong to another renderer by now. The owner calls `delete`."""
@@ -369,6 +375,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         defines: dict[str, object] = {"UNLIT": 1} if unlit else {}
         if draw.batch.material.unlit:
             defines["OWN_LIGHT"] = 1
+        if self.link_sets.is_linked and not unlit:
+            defines["LINKED"] = 1
         if clip_planes:
             defines["CLIP_PLANES"] = clip_planes
         if moving is not None:

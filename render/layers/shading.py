@@ -7,6 +7,8 @@ once, after it (Saito & Takahashi 1990, "Comprehensible rendering of 3-D shapes"
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import moderngl
 import numpy as np
 
@@ -43,12 +45,15 @@ class SurfaceLighter:
         self._listed = PieceSize(64, least=8)
         self._lit = PieceSize(1 << 13, least=1 << 10), PieceSize(1 << 14, least=1 << 12)
 
-    def light(self, slot: Slot, view: PinholeView, *, has_clearcoat: bool, by_quads: bool) -> None:
+    def light(
+        self, slot: Slot, view: PinholeView, options: Mapping[str, int | float | str], *, has_clearcoat: bool, by_quads: bool
+    ) -> None:
         """Add the light of lamps and dome that the surfaces of a layer send to the eye to what they emit. The lighting is bound.
 
         Args:
             slot: the layer, which is drawn lit.
             view: view that it is drawn for.
+            options: defines by what the lights need (`render.layers.lighting`).
             has_clearcoat: whether any of its surfaces may have a clear coat.
             by_quads: light 2x2 pixels at once where their surfaces are alike.
 
@@ -59,9 +64,9 @@ class SurfaceLighter:
         if lit is None:
             raise ValueError("the layer's surfaces can be drawn unlit alone")
         defines: dict[str, int | float | str] = {"MAX_LIGHTS": MAX_LIGHTS, "MAX_SHADOW_MAPS": MAX_SHADOW_MAPS}
-        defines |= {"MAX_HALF": MOST_RADIANCE} | ({"CLEARCOAT": 1} if has_clearcoat else {})
+        defines |= {"MAX_HALF": MOST_RADIANCE} | ({"CLEARCOAT": 1} if has_clearcoat else {}) | options
         program = self._programs.compute("layers/shade.comp", defines)
-        finder = self._programs.compute("layers/shade_list.comp")
+        finder = self._programs.compute("layers/shade_list.comp", {"LINKED": 1} if "LINKED" in options else None)
         names = ("w_map", "albedo_roughness", "reflectance_occlusion", "normal_coat")
         for unit, (name, texture) in enumerate(zip(names, (slot.w, *lit.reflectors.textures), strict=True)):
             texture.use(unit)

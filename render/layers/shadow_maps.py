@@ -50,12 +50,12 @@ class ShadowMaps:
         self._all.reserve(1)
         return self._all.texture
 
-    def cast(self, views: DoubleArray, draws: Sequence[Draw]) -> bool:
+    def cast(self, views: DoubleArray, casting: Sequence[Sequence[Draw]]) -> bool:
         """Draw the maps that have changed.
 
         Args:
             views: ``(n, 4, 4)`` clip from world of each map.
-            draws: all draws that cast shadows.
+            casting: all draws that cast shadows, for each map.
 
         Returns:
             Whether any map was drawn.
@@ -63,7 +63,7 @@ class ShadowMaps:
         if self._all.reserve(len(views)):
             self._cast = {}
         changed = False
-        for layer, view in enumerate(views):
+        for layer, (view, draws) in enumerate(zip(views, casting, strict=True)):
             last = self._cast.get(layer)
             if last is not None and not np.array_equal(last.view, view):
                 last = None

@@ -149,6 +149,25 @@ class Geometry:
         return (fans, weights) if self.places is None else self.places.to_fans(triangles, fans, weights)
 
 
+@dataclass(frozen=True)
+class LightLinks:
+    """Lights that leave a surface out (UsdLux's collections ``lightLink`` and ``shadowLink``).
+
+    Attributes:
+        unlit_by: paths of the lights, or the dome, that do not shine on it.
+        unshadowed: paths of the lights for which it casts no shadow.
+    """
+
+    unlit_by: frozenset[str] = frozenset()
+    unshadowed: frozenset[str] = frozenset()
+
+
+MAX_LINK_SETS = 256
+"""Sets of lights that leave surfaces out, in one scene; the empty one is one of them."""
+UNLINKED = LightLinks()
+"""Links of a surface that all lights shine on, and that casts a shadow for all."""
+
+
 @dataclass(frozen=True, eq=False)
 class Batch:
     """One draw: a geometry, its material and where its instances stand.
@@ -172,6 +191,7 @@ class Batch:
         instance_material_ids: ``(k,)`` int32 as `Geometry.material_ids`, or None where the triangles' own count.
         camera_role: what the camera makes of it.
         seen_by: path of the only camera that sees it, or None for all cameras.
+        links: lights that leave it out.
     """
 
     geometry: Geometry
@@ -186,6 +206,7 @@ class Batch:
     instance_material_ids: IntArray | None = None
     camera_role: CameraRole = "seen"
     seen_by: str | None = None
+    links: LightLinks = UNLINKED
 
     @property
     def has_backs(self) -> bool:
@@ -193,7 +214,7 @@ class Batch:
         return self.double_sided or not self.culls_backs
 
 
-LightKind = Literal["distant", "sphere", "disk", "rect"]
+LightKind = Literal["distant", "sphere", "disk", "rect", "cylinder"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,15 +226,20 @@ class Light:
         radiance: ``(3,)`` of the emitting surface: colour · intensity · 2^exposure, divided by the area where
             ``normalize`` is set; for a distant light the *irradiance* on a surface that faces it.
         pose: ``(4, 4)`` float64 world from light; it shines along -Z.
-        radius_m: of a sphere or disk.
+        radius_m: of a sphere, disk or cylinder.
         width_m: of a rect, along its X.
         height_m: of a rect, along its Y.
+        length_m: of a cylinder, along its X; its ends are dark.
+        image: multiplier of a rect's radiance, or None: seen from where it shines, upright, row 0 at +Y and column 0 at +X.
         angle_rad: full angle of a distant light.
         cone_angle_rad: half angle of the shaping cone; pi for none.
         cone_softness: 0 hard to 1.
         diffuse: multiplier of the diffuse response.
         specular: multiplier of the specular response.
+        focus: exponent of the cosine from the light's axis that multiplies its light; 0 for none.
+        focus_tint: ``(3,)`` colour that the light fades to off its axis.
         casts_shadow: UsdLuxShadowAPI.
+        shadow_color: ``(3,)`` share of its light that its shadows keep.
         path: prim path.
     """
 
@@ -223,12 +249,17 @@ class Light:
     radius_m: float = 0.0
     width_m: float = 0.0
     height_m: float = 0.0
+    length_m: float = 0.0
+    image: Image | None = None
     angle_rad: float = 0.0
     cone_angle_rad: float = float(np.pi)
     cone_softness: float = 0.0
     diffuse: float = 1.0
     specular: float = 1.0
+    focus: float = 0.0
+    focus_tint: tuple[float, float, float] = (0.0, 0.0, 0.0)
     casts_shadow: bool = True
+    shadow_color: tuple[float, float, float] = (0.0, 0.0, 0.0)
     path: str = ""
 
 

@@ -149,6 +149,8 @@ def _light_source(light: Light, picture: _SearchPicture) -> Source | None:
 
 def _radius_m(light: Light) -> float:
     """Radius of the smallest circle around a light; 0 for a distant light."""
+    if light.kind == "cylinder":
+        return float(np.hypot(light.radius_m, light.length_m / 2))
     return float(np.hypot(light.width_m, light.height_m)) / 2 if light.kind == "rect" else light.radius_m
 
 
@@ -161,6 +163,9 @@ def _solid_angle(light: Light, toward: DoubleArray, camera_from_light: DoubleArr
         return 0.0
     if light.kind == "sphere":
         return float(np.pi * min(light.radius_m / distance_m, 1.0) ** 2)
+    if light.kind == "cylinder":
+        across = float(np.linalg.norm(np.cross(toward, camera_from_light[:3, 0])))  # its side shines
+        return 2 * light.radius_m * light.length_m * across / distance_m**2
     area_m2 = np.pi * light.radius_m**2 if light.kind == "disk" else light.width_m * light.height_m
     return float(area_m2 * max(turned, 0.0) / distance_m**2)
 

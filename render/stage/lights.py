@@ -7,6 +7,7 @@ scene units, as in USD's reference renderer (hdEmbree), so that a shot keeps its
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,7 @@ _POINT_RADIUS_M = 1e-3
 # Beyond these a light's power overflows single precision; the sun's disc has a radiance of 2e9 nits and a radius of 7e8 m.
 _MAX_RADIANCE = 1e18
 _MAX_MEASURE = 1e10
+_MAX_FOCUS = 1e4
 # +Z-up from +Y-up: the rotation of DomeLight_1's pole axis on a Z-up stage.
 _Z_UP_FROM_Y_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], np.float64)
 
@@ -91,6 +93,7 @@ class LightReader:
             "SphereLight": self._sphere,
             "DiskLight": self._disk,
             "RectLight": self._rect,
+            "CylinderLight": self._cylinder,
         }
         path, kind = prim.GetPath(), schema_type(prim)
         reader = readers.get(kind)
@@ -101,7 +104,7 @@ class LightReader:
             return None
         light = reader(prim, world_pose(prim, transforms, self._world), transforms.GetTime())
         if light is not None and not _in_range(
-            light.radiance, light.radius_m, light.width_m, light.height_m, light.angle_rad
+            light.radiance, light.radius_m, light.width_m, light.height_m, light.length_m, light.angle_rad
         ):
             self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
             return None
@@ -127,20 +130,24 @@ class LightReader:
         return bool(axis == "Z" or (axis == "scene" and not is_y_up(self._stage)))
 
     def _dome_image(self, prim: Usd.Prim, time: Usd.TimeCode) -> Image | None:
-        asset = prim.GetAttribute("inputs:texture:file").Get(time)
         path = prim.GetPath()
-        if not isinstance(asset, Sdf.AssetPath) or not asset.path:
-            return None
         layout = prim.GetAttribute("inputs:texture:format").Get(time)
-        if layout not in ("automatic", "latlong"):
+        if layout not in ("automatic", "latlong") and _texture(prim, time) is not None:
             self._log.add("dome_format", path, f"dome {path} is uniform: texture format {layout} is not honoured")
+            return None
+        return self._image(prim, time, f"dome texture {{}}; dome {path} is uniform")
+
+    def _image(self, prim: Usd.Prim, time: Usd.TimeCode, message: str) -> Image | None:
+        """Image that a light names; None, and a finding by ``message``, where it cannot be read."""
+        asset = _texture(prim, time)
+        if asset is None:
             return None
         attribute = prim.GetAttribute("inputs:texture:file")
         space = str(attribute.GetColorSpace()) if attribute.HasColorSpace() else "auto"
         try:
             return self._textures.image(str(asset.resolvedPath), space)
         except (TextureError, InputError) as problem:
-            self._log.add("texture_unreadable", path, f"dome texture {asset.path} {problem}; dome {path} is uniform")
+            self._log.add("texture_unreadable", prim.GetPath(), message.format(f"{asset.path} {problem}"))
             return None
 
     def _distant(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light:
@@ -179,7 +186,22 @@ class LightReader:
             return None
         area = width_m * height_m / self._metres_per_unit**2
         factor = 1 / area if _flag(prim, "inputs:normalize", time) else 1.0
-        return self._light(prim, "rect", pose, time, factor, width_m=width_m, height_m=height_m)
+        light = self._light(prim, "rect", pose, time, factor, width_m=width_m, height_m=height_m)
+        return replace(light, image=self._image(prim, time, f"texture {{}}; light {path} shines evenly"))
+
+    def _cylinder(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light | None:
+        scales, path = _scales(pose), prim.GetPath()
+        length_m = _number(prim, "inputs:length", time) * float(scales[0])
+        radius_m = _number(prim, "inputs:radius", time) * float(np.mean(scales[1:]))
+        normalised = _flag(prim, "inputs:normalize", time)
+        if length_m <= 0 or (radius_m <= 0 and not normalised):
+            which = "radius is 0 and it is not normalised" if length_m > 0 else "length is 0"
+            self._log.add("light_without_area", path, f"light {path} is dark: its {which}")
+            return None
+        radius_m = max(radius_m, _POINT_RADIUS_M)
+        area = 2 * np.pi * radius_m * length_m / self._metres_per_unit**2  # its ends are dark
+        factor = 1 / area if normalised else 1.0
+        return self._light(prim, "cylinder", pose, time, factor, radius_m=radius_m, length_m=length_m)
 
     def _light(
         self, prim: Usd.Prim, kind: str, pose: DoubleArray, time: Usd.TimeCode, factor: float, **measures: float
@@ -187,6 +209,7 @@ class LightReader:
         red, green, blue = (channel * factor for channel in _radiance(prim, time))
         cone, softness = _cone(prim, time)
         shadow = prim.GetAttribute("inputs:shadow:enable")
+        shaped = prim.HasAPI(UsdLux.ShapingAPI) and kind != "distant"
         return Light(
             kind=kind,  # type: ignore[arg-type]
             radiance=(red, green, blue),
@@ -195,7 +218,10 @@ class LightReader:
             cone_softness=softness,
             diffuse=_number(prim, "inputs:diffuse", time),
             specular=_number(prim, "inputs:specular", time),
+            focus=min(max(_number(prim, "inputs:shaping:focus", time), 0.0), _MAX_FOCUS) if shaped else 0.0,
+            focus_tint=_color(prim, "inputs:shaping:focusTint", time) if shaped else (0.0, 0.0, 0.0),
             casts_shadow=bool(shadow.Get(time)) if shadow else True,
+            shadow_color=_color(prim, "inputs:shadow:color", time) if shadow else (0.0, 0.0, 0.0),
             path=str(prim.GetPath()),
             **measures,
         )
@@ -212,6 +238,22 @@ def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> RGB:
     if not (np.abs(rgb) <= _MAX_RADIANCE).all():
         return np.inf, np.inf, np.inf
     return colour.rgb_to_working((float(rgb[0]), float(rgb[1]), float(rgb[2])))
+
+
+def _color(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> RGB:
+    """A share of light in the working space; black where it is none."""
+    value = prim.GetAttribute(name).Get(time)
+    rgb = np.array(value if value is not None else (0, 0, 0), np.float64)
+    if not (np.abs(rgb) <= _MAX_RADIANCE).all():
+        return 0.0, 0.0, 0.0
+    red, green, blue = colour.rgb_to_working((float(rgb[0]), float(rgb[1]), float(rgb[2])))
+    return red, green, blue
+
+
+def _texture(prim: Usd.Prim, time: Usd.TimeCode) -> Sdf.AssetPath | None:
+    """Texture that a light names, or None."""
+    asset = prim.GetAttribute("inputs:texture:file").Get(time)
+    return asset if isinstance(asset, Sdf.AssetPath) and asset.path else None
 
 
 def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float]:

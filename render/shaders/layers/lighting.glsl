@@ -1,15 +1,19 @@
 // Light that a surface (reflector.glsl) sends to the eye: UsdLux lights by their irradiance, and the dome.
 // All in camera space, metres; radiance scene-linear. Area lights are lit from their centre, with the exact irradiance
-// of a sphere above the horizon and of a disk on its axis; their apparent size widens the highlight, whose energy stays.
+// of a sphere above the horizon and of a disk on its axis; their apparent size widens the highlight, whose energy stays. Tubes are
+// in tube.glsl.
 
 #define PI 3.14159265358979
 
 struct Light {
-    vec4 position_kind;     // xyz, 0 distant 1 sphere 2 disk or rect
-    vec4 axis_radius;       // direction of its light, and the radius of the disk of equal area (distant: sine of its half angle)
+    vec4 position_kind;     // xyz, 0 distant 1 sphere 2 disk or rect 3 tube
+    vec4 axis_radius;       // direction of its light, and the radius of the disk of equal area (distant: sine of its half angle; tube: its own)
     vec4 radiance_area;     // radiance (distant: irradiance), area
     vec4 cone_response;     // cosines of the cone's outer and inner angle, diffuse and specular multiplier
     vec4 shadow;            // first shadow map or -1, number of maps, bias towards the light (m), texel size at 1 m (m)
+    vec4 tube_focus;        // half a tube along its axis (m), exponent of the focus
+    vec4 focus_tint;        // colour that the focus leaves off the axis
+    vec4 shadow_color;      // share of its light that shadows keep
 };
 
 layout(std140, binding = 2) uniform LightBlock {
@@ -22,6 +26,22 @@ layout(std140, binding = 2) uniform LightBlock {
 } lighting;
 
 layout(binding = 9) uniform sampler2D dome_map;
+
+#ifdef LINKED
+// Lights that leave a surface out: a bit for each light, and the last one for the dome.
+layout(std140, binding = 4) uniform LinkBlock { uvec4 unlit[LINK_SETS]; } links;
+uvec4 unlit_by = uvec4(0u);     // those of the surface that is lit
+#endif
+
+// Whether a light, or the dome as the last one, shines on the surface.
+bool shines(int row)
+{
+#ifdef LINKED
+    return (unlit_by[row >> 5] >> uint(row & 31) & 1u) == 0u;
+#else
+    return true;
+#endif
+}
 
 #include "layers/shadow.glsl"
 #include "layers/latlong.glsl"
@@ -66,8 +86,27 @@ Reflected brdf_times_cosine(Reflector s, vec3 v, vec3 l, float spread, vec2 resp
     return Reflected((nl / PI * response.x) * (1.0 - f), nl * mirrored);
 }
 
+// Share of its light that a shaped light sends off its axis.
+vec3 shaping(Light light, float facing)
+{
+    vec3 share = vec3(1.0);
+    float outer = light.cone_response.x, inner = light.cone_response.y;
+    if (outer > -1.0) share *= smoothstep(outer, inner, facing);
+#ifdef FOCUSED
+    if (light.tube_focus.w > 0.0) share *= mix(light.focus_tint.rgb, vec3(1.0), pow(max(facing, 0.0), light.tube_focus.w));
+#endif
+    return share;
+}
+
+#ifdef TUBES
+#include "layers/tube.glsl"
+#endif
+
 Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l)
 {
+#ifdef TUBES
+    if (light.position_kind.w > 2.5) return tube_contribution(light, s, p, v, l);
+#endif
     float spread;
     vec3 irradiance = light.radiance_area.rgb;
     if (light.position_kind.w < 0.5) {
@@ -81,8 +120,7 @@ Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 
         float facing = dot(light.axis_radius.xyz, -l);
         bool sphere = light.position_kind.w < 1.5;
         irradiance *= sphere ? PI * r * r / max(d2, r * r) : light.radiance_area.w * max(facing, 0.0) / (d2 + r * r);
-        float outer = light.cone_response.x, inner = light.cone_response.y;
-        if (outer > -1.0) irradiance *= smoothstep(outer, inner, facing);
+        irradiance *= shaping(light, facing);
         spread = r * 0.5 * inversesqrt(d2);
     }
     Reflected share = brdf_times_cosine(s, v, l, spread, light.cone_response.zw);
@@ -121,16 +159,22 @@ Reflected dome_contribution(Reflector s, vec3 v)
 Reflected reflected_light(Reflector s, vec3 p, vec3 v)
 {
     Reflected sum = Reflected(vec3(0.0), vec3(0.0));
-    if (lighting.count.y > 0.5) sum = dome_contribution(s, v);
+    if (lighting.count.y > 0.5 && shines(127)) sum = dome_contribution(s, v);
     int n = int(lighting.count.x), shadowed = int(lighting.count.w);
     vec3 l;
     // two loops, since a CPU runs both sides of a branch: only lights with shadow maps pay for them
     for (int i = 0; i < shadowed; ++i) {
+        if (!shines(i)) continue;
         Reflected own = light_contribution(lighting.lights[i], s, p, v, l);
+#ifdef SHADOW_COLORS
+        vec3 visible = mix(lighting.lights[i].shadow_color.rgb, vec3(1.0), shadow_visibility(lighting.lights[i], p, s.normal, l));
+#else
         float visible = shadow_visibility(lighting.lights[i], p, s.normal, l);
+#endif
         sum = Reflected(sum.diffuse + visible * own.diffuse, sum.specular + visible * own.specular);
     }
     for (int i = shadowed; i < n; ++i) {
+        if (!shines(i)) continue;
         Reflected own = light_contribution(lighting.lights[i], s, p, v, l);
         sum = Reflected(sum.diffuse + own.diffuse, sum.specular + own.specular);
     }

@@ -53,6 +53,9 @@ void main()
     float depth = 1.0 / (w + base_w);
     float z = far.y > 0.0 ? far.z + (w - far.x) * depth * far.y : -depth;
     vec3 p = vec3((first_slope + slope_per_px * centre) * depth + eye.xy, z);
+#ifdef LINKED
+    unlit_by = links.unlit[min(link_set_at(first), uint(LINK_SETS - 1))];
+#endif
     Reflected light = reflected_light(mean, p, normalize(eye - p));
     for (int i = 0; i < count; ++i) {
         ivec3 pixel = ivec3(first + ivec2(i & 1, i >> 1), slice);

@@ -51,7 +51,14 @@ void main()
         if (s[i].roughness == 0.0) w[i] = 0.0;  // shows its own light alone (surface.frag)
     }
     if (w == vec4(0.0)) return;
-    if (by_quads && all(greaterThan(w, vec4(0.0))) && are_alike(s, w)) {
+    bool are_linked_alike = true;
+#ifdef LINKED
+    for (int i = 1; i < 4; ++i) {
+        are_linked_alike = are_linked_alike
+            && link_set_at(min(first + ivec2(i & 1, i >> 1), size - 1)) == link_set_at(first);
+    }
+#endif
+    if (are_linked_alike && by_quads && all(greaterThan(w, vec4(0.0))) && are_alike(s, w)) {
         places[atomicAdd(quads, 1u)] = uint(first.x) | uint(first.y) << 16;
         return;
     }

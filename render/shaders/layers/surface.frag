@@ -33,6 +33,9 @@ layout(location = 7) out vec4 out_normal;       // normal in octahedral coordina
 
 uniform uint first_object;       // object number of the batch's first instance
 uniform uint first_triangle;     // first triangle of the draw
+#ifdef LINKED
+uniform uint link_set;           // set of lights that leave the surface out (lighting.glsl)
+#endif
 uniform bool is_holdout;         // hides what is behind it, and gives neither light nor coverage
 
 void main()
@@ -58,6 +61,9 @@ void main()
         out_reflectance = vec4(0.0);
         out_normal = vec4(0.5, 0.5, 0.0, 1.0);
     }
+#ifdef LINKED
+    out_normal.z = (float(link_set) * 256.0 + floor(clamp(out_normal.z, 0.0, 1.0) * 255.0 + 0.5)) / 65535.0;
+#endif
 #ifdef OWN_LIGHT
     out_albedo = vec4(0.0);  // roughness 0: not lit (shade_list.comp)
 #endif

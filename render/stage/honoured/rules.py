@@ -98,6 +98,9 @@ IGNORED_SCHEMAS = {
 }
 """Schemas without rules, each with what is drawn instead."""
 
+_CONE = (
+    "inputs:shaping:cone:angle inputs:shaping:cone:softness inputs:shaping:focus inputs:shaping:focusTint"
+)
 _EVEN = "its light is the same in all directions of its cone"
 _WHICH = "collection:excludes collection:expansionRule collection:includeRoot collection:membershipExpression collection:mode"
 _COLLECTION = {
@@ -188,18 +191,24 @@ RULES = {
     "CollectionAPI:lightLink": Rules(neutral=_COLLECTION, ignored={_WHICH: "the light shines on everything"}),
     "CollectionAPI:shadowLink": Rules(neutral=_COLLECTION, ignored={_WHICH: "everything casts its shadow"}),
     "CollectionAPI": Rules(neutral={f"collection collection:includes {_WHICH}": "a set for other properties to name"}),
-    "ShadowAPI": Rules("inputs:shadow:enable"),
+    "ShadowAPI": Rules(
+        "inputs:shadow:color inputs:shadow:enable",
+        ignored={
+            "inputs:shadow:distance inputs:shadow:falloff inputs:shadow:falloffGamma": "shadows reach as far as light does"
+        },
+    ),
     "ShapingAPI": Rules(
-        "inputs:shaping:cone:angle inputs:shaping:cone:softness",
+        "inputs:shaping:cone:angle inputs:shaping:cone:softness inputs:shaping:focus inputs:shaping:focusTint",
         neutral={"inputs:shaping:ies:angleScale inputs:shaping:ies:normalize": "only with an IES file, which is named"},
-        ignored={"inputs:shaping:focus inputs:shaping:focusTint inputs:shaping:ies:file": _EVEN},
+        ignored={"inputs:shaping:ies:file": _EVEN},
     ),
     "DiskLight": Rules("inputs:radius"),
     "DistantLight": Rules(
         "inputs:angle",
-        ignored={"inputs:shaping:cone:angle inputs:shaping:cone:softness": "a distant light has no cone"},
+        ignored={f"{_CONE} inputs:shaping:ies:file": "a distant light has no cone"},
     ),
-    "RectLight": Rules("inputs:height inputs:width", ignored={"inputs:texture:file": "it shines evenly"}),
+    "CylinderLight": Rules("inputs:length inputs:radius", neutral={"treatAsLine": "allows a renderer to be less exact"}),
+    "RectLight": Rules("inputs:height inputs:texture:file inputs:width"),
     "SphereLight": Rules("inputs:radius", neutral={"treatAsPoint": "allows a renderer to be less exact"}),
     "DomeLight": Rules(
         "inputs:texture:file inputs:texture:format",
@@ -207,8 +216,8 @@ RULES = {
         ignored={
             "portals": "the dome lights from all around",
             "inputs:diffuse inputs:specular": "it is 1 for domes",
-            "inputs:shadow:enable": "domes cast no shadows",
-            "inputs:shaping:cone:angle inputs:shaping:cone:softness": "a dome has no cone",
+            "inputs:shadow:color inputs:shadow:enable": "domes cast no shadows",
+            f"{_CONE} inputs:shaping:ies:file": "a dome has no cone",
         },
     ),
     "LightListAPI": Rules(neutral={"lightList lightList:cacheBehavior": "all lights are found anyway"}),

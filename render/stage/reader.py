@@ -20,6 +20,7 @@ from render.stage.camera.plate_places import plate_names
 from render.stage.camera_list import list_cameras
 from render.stage.findings import Finding, FindingLog
 from render.stage.geometry.skinning import Skeletons
+from render.stage.light_links import link_surfaces
 from render.stage.lights import LightReader
 from render.stage.limits import MAX_DRAWN_TRIANGLES
 from render.stage.materials.bindings import binding_purposes
@@ -197,13 +198,14 @@ class StageReader:
     def _make_plan(self, skeletons: Skeletons, purposes: tuple[str, ...], shapes: ShapeReader) -> _Plan:
         composition_findings(self._stage, self._log)
         inventory = take_inventory(self._stage, self._options, self._pass, self._log)
+        surfaces = link_surfaces(inventory.surfaces, [prim for prim, _, _ in inventory.lights], self._log)
         looks = LookReader(self._stage, self._textures, self._log)
         cutter = PieceCutter(looks, skeletons, purposes, shapes, self._options.cull_backfaces, self._log)
-        groups = plan_groups(inventory.surfaces, cutter, self._log)
+        groups = plan_groups(surfaces, cutter, self._log)
         self._note_up_axis()
         lights = LightReader(self._stage, self._textures, self._log)
         levels = LevelChooser(self._stage, inventory.level_roots, self._log)
-        subdivision = SubdivisionChooser(inventory.surfaces, self._options.complexity, self._log)
+        subdivision = SubdivisionChooser(surfaces, self._options.complexity, self._log)
         return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), levels, subdivision, purposes)
 
     def _plate_reader(self) -> PlateReader:

@@ -105,7 +105,7 @@ class Group(ABC):
         made_of = (material, *vars(places).values(), *chain.from_iterable(drawn))
         if len(self._made_of) != len(made_of) or not all(map(_same, self._made_of, made_of)):
             self._made_of = made_of
-            sides, role = self._pieces[0].sides, self._pieces[0].occurrence.camera_role
+            sides, first = self._pieces[0].sides, self._pieces[0].occurrence
             self._batches = tuple(
                 Batch(
                     geometry,
@@ -118,7 +118,8 @@ class Group(ABC):
                     culls_backs=sides.culled,
                     instance_colors=places.colors,
                     instance_material_ids=places.material_ids,
-                    camera_role=role,
+                    camera_role=first.camera_role,
+                    links=first.links,
                 )
                 for geometry, insides in drawn
             )

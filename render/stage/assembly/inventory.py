@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdLod, UsdLux, UsdProc, UsdShade
 
 from render.errors import StageError
-from render.model.scene import CameraRole
+from render.model.scene import UNLINKED, CameraRole, LightLinks
 from render.stage.findings import FindingLog
 from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
@@ -71,6 +71,7 @@ class Occurrence:
         moves: whether its transform varies over time.
         camera_role: what the camera makes of it.
         levels: levels of detail that it is in.
+        links: lights that leave it out.
     """
 
     prim: Usd.Prim
@@ -81,6 +82,7 @@ class Occurrence:
     moves: bool = False
     camera_role: CameraRole = "seen"
     levels: Levels = ()
+    links: LightLinks = UNLINKED
 
     @property
     def path(self) -> str:

@@ -44,7 +44,7 @@ def plan_groups(surfaces: Iterable[Occurrence], cutter: PieceCutter, log: Findin
             log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
             continue
         for piece in pieces:
-            role = surface.camera_role
+            role = surface.camera_role, surface.links
             if surface.chain:
                 shared[(piece.shape_key, piece.part, piece.material, piece.sides, role, surface.path)].append(piece)
             else:
@@ -156,6 +156,7 @@ def _rigid_key(piece: Piece) -> Hashable:
         piece.material,
         piece.sides,
         piece.occurrence.camera_role,
+        piece.occurrence.links,
         piece.occurrence.levels,
         mover.GetPath() if mover is not None else None,
         tuple(prim.GetPath() for prim in hiders),

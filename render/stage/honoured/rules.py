@@ -103,10 +103,6 @@ _CONE = (
 )
 _EVEN = "its light is the same in all directions of its cone"
 _WHICH = "collection:excludes collection:expansionRule collection:includeRoot collection:membershipExpression collection:mode"
-_COLLECTION = {
-    "collection": "stands for the others",
-    "collection:includes": "adds nothing to the root; that the root is not included is named",
-}
 
 RULES = {
     "Imageable": Rules("visibility purpose", neutral={"proxyPrim": "for programs that swap prims"}),
@@ -188,8 +184,8 @@ RULES = {
         neutral={"light:materialSyncMode": "for lights of meshes and volumes, which are named"},
         ignored={"light:filters": "light is not filtered", "light:shaderId": "the prim's type decides"},
     ),
-    "CollectionAPI:lightLink": Rules(neutral=_COLLECTION, ignored={_WHICH: "the light shines on everything"}),
-    "CollectionAPI:shadowLink": Rules(neutral=_COLLECTION, ignored={_WHICH: "everything casts its shadow"}),
+    "CollectionAPI:lightLink": Rules(EVERYTHING),
+    "CollectionAPI:shadowLink": Rules(EVERYTHING),
     "CollectionAPI": Rules(neutral={f"collection collection:includes {_WHICH}": "a set for other properties to name"}),
     "ShadowAPI": Rules(
         "inputs:shadow:color inputs:shadow:enable",

@@ -46,7 +46,7 @@ def test_colour_temperature_is_honoured_where_enabled() -> None:
 
 
 @pytest.mark.parametrize("size", [0.5, 1.0, 4.0])
-@pytest.mark.parametrize("kind", ["SphereLight", "DiskLight", "RectLight"])
+@pytest.mark.parametrize("kind", ["SphereLight", "DiskLight", "RectLight", "CylinderLight"])
 def test_a_normalised_light_keeps_its_power_at_any_size(kind: str, size: float) -> None:
     stage = new_stage()
     prim = stage.DefinePrim("/l", kind)
@@ -57,6 +57,7 @@ def test_a_normalised_light_keeps_its_power_at_any_size(kind: str, size: float) 
         "sphere": 4 * np.pi * light.radius_m**2,
         "disk": np.pi * light.radius_m**2,
         "rect": light.width_m * light.height_m,
+        "cylinder": 2 * np.pi * light.radius_m * light.length_m,
     }[light.kind]
     assert light.radiance[0] * area == pytest.approx(1.0, rel=1e-3)
 
@@ -154,43 +155,93 @@ def test_hidden_lights_are_off() -> None:
 
 def test_what_is_not_honoured_is_reported() -> None:
     stage = new_stage()
-    UsdLux.CylinderLight.Define(stage, "/cylinder")
     light = UsdLux.SphereLight.Define(stage, "/l")
     UsdLux.LightFilter.Define(stage, "/filter")
     light.GetFiltersRel().AddTarget("/filter")
     shaping = UsdLux.ShapingAPI.Apply(light.GetPrim())
-    shaping.CreateShapingFocusAttr(3.0)
-    shaping.CreateShapingFocusTintAttr((1, 0, 0))
     shaping.CreateShapingIesFileAttr(Sdf.AssetPath("a.ies"))
-    UsdLux.ShadowAPI.Apply(light.GetPrim()).CreateShadowColorAttr(Gf.Vec3f(1, 0, 0))
-    UsdLux.LightAPI(light.GetPrim()).GetLightLinkCollectionAPI().CreateIncludeRootAttr(False)
+    UsdLux.ShadowAPI.Apply(light.GetPrim()).CreateShadowDistanceAttr(2.0)
     UsdLux.DomeLight.Define(stage, "/dome1")
     UsdLux.DomeLight.Define(stage, "/dome2")
     reader = StageReader(stage)
     scene = reader.read(0)
     assert len(scene.lights) == 1
     assert scene.dome is not None
-    assert codes(reader) == {"unsupported_light", "second_dome"}
+    assert codes(reader) == {"second_dome"}
     assert {finding.path for finding in find_not_honoured(stage)} == {
         "/filter",
         "/l.light:filters",
-        "/l.inputs:shaping:focus",
-        "/l.inputs:shaping:focusTint",
         "/l.inputs:shaping:ies:file",
-        "/l.inputs:shadow:color",
-        "/l.collection:lightLink:includeRoot",
+        "/l.inputs:shadow:distance",
     }
+
+
+def test_a_cylinder_light_has_its_size() -> None:
+    stage = new_stage(0.01)
+    light = UsdLux.CylinderLight.Define(stage, "/l")
+    light.CreateLengthAttr(100.0)
+    light.CreateRadiusAttr(2.0)
+    light.CreateTreatAsLineAttr(True)
+    light.AddScaleOp().Set(Gf.Vec3f(3, 2, 2))
+    found = light_of(stage)
+    assert (found.kind, found.length_m, found.radius_m) == ("cylinder", pytest.approx(3.0), pytest.approx(0.04))
+    np.testing.assert_allclose(found.pose[:3, :3], np.eye(3), atol=1e-12)
+    light.CreateNormalizeAttr(True)
+    assert light_of(stage).radiance[0] == pytest.approx(1 / (2 * np.pi * 4 * 300), rel=1e-3)  # its ends are dark
+    light.GetRadiusAttr().Set(0.0)
+    assert light_of(stage).radius_m > 0
+    light.GetNormalizeAttr().Set(False)
+    reader = StageReader(stage)
+    assert reader.read(0).lights == ()
+    assert codes(reader) == {"light_without_area"}
+    assert find_not_honoured(stage) == []
+
+
+def test_focus_and_the_colour_of_shadows_are_read() -> None:
+    stage = new_stage()
+    prim = UsdLux.DiskLight.Define(stage, "/l").GetPrim()
+    shaping = UsdLux.ShapingAPI.Apply(prim)
+    shaping.CreateShapingFocusAttr(3.0)
+    shaping.CreateShapingFocusTintAttr(Gf.Vec3f(1, 0.5, 0))
+    UsdLux.ShadowAPI.Apply(prim).CreateShadowColorAttr(Gf.Vec3f(0.25, 0, 0.5))
+    found = light_of(stage)
+    assert found.focus == 3.0
+    np.testing.assert_allclose(found.focus_tint, colour.rgb_to_working((1, 0.5, 0)), rtol=1e-5)
+    np.testing.assert_allclose(found.shadow_color, colour.rgb_to_working((0.25, 0, 0.5)), rtol=1e-5)
+    assert find_not_honoured(stage) == []
+    prim.GetAttribute("inputs:shadow:color").Set(Gf.Vec3f(float("nan"), 0, 0))
+    prim.GetAttribute("inputs:shaping:focus").Set(float("inf"))
+    assert np.isfinite([light_of(stage).focus, *light_of(stage).shadow_color]).all()
+
+
+def test_a_rect_light_has_its_picture(tmp_path: Path) -> None:
+    stage = new_stage()
+    pixels = np.zeros((2, 4, 3), np.float32)
+    pixels[0, 0] = 5.0
+    light = UsdLux.RectLight.Define(stage, "/l")
+    light.CreateTextureFileAttr(write_picture(tmp_path / "card.exr", pixels))
+    found = light_of(stage)
+    assert found.image is not None
+    np.testing.assert_allclose(found.image.pixels[0, 0, :3], 5, rtol=2e-3)
+    assert find_not_honoured(stage) == []
+    light.GetTextureFileAttr().Set(Sdf.AssetPath(str(tmp_path / "gone.exr")))
+    reader = StageReader(stage)
+    assert reader.read(0).lights[0].image is None
+    assert [finding.message for finding in reader.findings if finding.code == "texture_unreadable"] == [
+        f"texture {tmp_path}/gone.exr is missing; light /l shines evenly"
+    ]
 
 
 def test_a_plain_light_has_no_findings() -> None:
     stage = new_stage()
-    for kind in ("SphereLight", "DiskLight", "RectLight", "DistantLight", "DomeLight", "DomeLight_1"):
+    placed = ("SphereLight", "DiskLight", "RectLight", "CylinderLight", "DistantLight")
+    for kind in (*placed, "DomeLight", "DomeLight_1"):
         prim = UsdLux.LightAPI(stage.DefinePrim(f"/{kind}", kind)).GetPrim()
         if kind != "DomeLight_1":
             UsdLux.ShadowAPI.Apply(prim)
     stage.RemovePrim("/DomeLight")
     reader = StageReader(stage)
-    assert len(reader.read(0).lights) == 4
+    assert len(reader.read(0).lights) == len(placed)
     assert reader.findings == find_not_honoured(stage) == []
 
 

@@ -141,7 +141,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._selection = ClusterSelection(index, measurer)
         self._sketched = ClusterSelection(sketches, measurer, sketches.choose)
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
-        self._blocks = self._material_block, self._light_block, self._shadow_block, self._link_block = GL.glGenBuffers(4)
+        self._blocks = self._material_block, self._light_block, self._shadow_block, self._link_block = GL.glGenBuffers(
+            4
+        )
         self.link_sets = LinkSets(())
         self._bound_material: PreviewSurface | None = None
         self._instance_colors = InstanceColors(ctx)

@@ -46,7 +46,13 @@ class SurfaceLighter:
         self._lit = PieceSize(1 << 13, least=1 << 10), PieceSize(1 << 14, least=1 << 12)
 
     def light(
-        self, slot: Slot, view: PinholeView, options: Mapping[str, int | float | str], *, has_clearcoat: bool, by_quads: bool
+        self,
+        slot: Slot,
+        view: PinholeView,
+        options: Mapping[str, int | float | str],
+        *,
+        has_clearcoat: bool,
+        by_quads: bool,
     ) -> None:
         """Add the light of lamps and dome that the surfaces of a layer send to the eye to what they emit. The lighting is bound.
 

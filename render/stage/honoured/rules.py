@@ -98,9 +98,7 @@ IGNORED_SCHEMAS = {
 }
 """Schemas without rules, each with what is drawn instead."""
 
-_CONE = (
-    "inputs:shaping:cone:angle inputs:shaping:cone:softness inputs:shaping:focus inputs:shaping:focusTint"
-)
+_CONE = "inputs:shaping:cone:angle inputs:shaping:cone:softness inputs:shaping:focus inputs:shaping:focusTint"
 _EVEN = "its light is the same in all directions of its cone"
 _WHICH = "collection:excludes collection:expansionRule collection:includeRoot collection:membershipExpression collection:mode"
 
@@ -203,7 +201,9 @@ RULES = {
         "inputs:angle",
         ignored={f"{_CONE} inputs:shaping:ies:file": "a distant light has no cone"},
     ),
-    "CylinderLight": Rules("inputs:length inputs:radius", neutral={"treatAsLine": "allows a renderer to be less exact"}),
+    "CylinderLight": Rules(
+        "inputs:length inputs:radius", neutral={"treatAsLine": "allows a renderer to be less exact"}
+    ),
     "RectLight": Rules("inputs:height inputs:texture:file inputs:width"),
     "SphereLight": Rules("inputs:radius", neutral={"treatAsPoint": "allows a renderer to be less exact"}),
     "DomeLight": Rules(

@@ -83,13 +83,17 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
         (_SURFACE | _MAPS | {"PEEL": 1, "MOTION": 1, "MOVES": 1, "MAY_BE_TRANSPARENT": 1}, ("REACH", "BENDS")),
     ],
     "layers/surface.frag": [
-        (_SURFACE | maps, ("UNLIT", "CLEARCOAT", "MOTION", "MAY_BE_TRANSPARENT")) for maps in ({}, _MAPS)
+        (_SURFACE | maps, ("UNLIT", "CLEARCOAT", "MOTION", "MAY_BE_TRANSPARENT", "LINKED")) for maps in ({}, _MAPS)
     ],
     "layers/surface.vert": [
         (_SURFACE, ()),
         (_SURFACE | {"MOVES": 1}, ("BENDS",)),
         (_SURFACE | {"CLIP_PLANES": 8}, ("MOVES", "INSTANCE_COLORS")),
     ],
+    "layers/shade.comp": [
+        (_SURFACE | {"LINK_SETS": 256}, ("CLEARCOAT", "TUBES", "FOCUSED", "SHADOW_COLORS", "LINKED"))
+    ],
+    "layers/shade_list.comp": [({}, ("LINKED",))],
     "trace/trace.comp": [
         ({}, ("BOUND_BY_RAYS", *_TRACED)),
         ({"BOUND_BY_RAYS": 1, "GRID_LENS": 1, "GRID_INSET": 0.9}, _TRACED),

@@ -12,7 +12,7 @@ from render.lab.reference.scenes import rectangle
 from render.layers.light_parts import light_parts
 from render.layers.lights import MAX_LIGHTS
 from render.model.arrays import DoubleArray
-from render.model.scene import Image, Light, Material
+from render.model.scene import Batch, Image, Light, Material
 from tests.render.layers.test_lighting import CAMERA, WALL, centre_radiance, facing_the_wall, lit
 
 
@@ -73,20 +73,42 @@ def test_a_tube_behind_a_wall_does_not_light_it(renderer: FrameRenderer) -> None
     assert centre_radiance(renderer, lit(tube(facing_the_wall(-1.0), 2.0, 0.1)))[0] == 0
 
 
-@pytest.mark.parametrize(("length_m", "roughness"), [(0.2, 0.3), (1.0, 0.3), (4.0, 0.3), (1.0, 0.5)])
-def test_a_highlight_of_a_tube_keeps_its_light(renderer: FrameRenderer, length_m: float, roughness: float) -> None:
-    """A white metal plate, seen straight: the integral of the GGX lobe over the tube's solid angle."""
-    plate = replace(WALL, material=Material(base_color=(1, 1, 1), metallic=1.0, roughness=roughness))
-    light, alpha = tube(facing_the_wall(2.0), length_m, 0.02), roughness**2
-    x = (np.arange(4000) + 0.5) / 4000 * length_m - length_m / 2
-    d = np.hypot(2.0, x)
-    nl = 2.0 / d
-    nh2 = (1 + nl) / 2
-    normal_distribution = alpha**2 / (np.pi * (nh2 * (alpha**2 - 1) + 1) ** 2)
-    smith = 2 * nl / (nl + np.sqrt(alpha**2 + (1 - alpha**2) * nl**2))
-    brdf = normal_distribution * smith / (4 * nl)
-    expected = float((brdf * nl * 2 * 0.02 * 2.0 / d**3).sum() * length_m / len(x))
-    assert centre_radiance(renderer, lit(light, batches=(plate,)))[0] / 3 == pytest.approx(expected, rel=0.12)
+@pytest.mark.parametrize(
+    ("roughness", "elevation", "turn", "length_m", "beside_m"),
+    [
+        (0.3, 90.0, 0.0, 1.0, 0.0),
+        (0.3, 25.0, 0.0, 3.0, 0.0),  # grazing: the lobe is narrow along the tube
+        (0.3, 40.0, 90.0, 1.0, 0.0),
+        (0.25, 30.0, 15.0, 3.0, 1.2),
+        (0.5, 40.0, 0.0, 3.0, 1.6),  # beyond the tube's end
+    ],
+)
+def test_a_highlight_of_a_tube_keeps_its_light(
+    renderer: FrameRenderer, roughness: float, elevation: float, turn: float, length_m: float, beside_m: float
+) -> None:
+    """A white metal plate that mirrors the tube to the eye: the integral of the GGX lobe over the tube's solid angle."""
+    plate = Material(base_color=(1, 1, 1), metallic=1.0, roughness=roughness)
+    floor = Batch(rectangle((0, 0, 0), (40, 0, 0), (0, 40, 0)), plate, np.eye(4)[None])
+    up, around, alpha = np.radians(elevation), np.radians(turn), roughness**2
+    eye = np.array([0, -np.cos(up), np.sin(up)])
+    camera, pose = np.eye(4), np.eye(4)
+    camera[:3, 1], camera[:3, 2], camera[:3, 3] = np.cross(eye, [1, 0, 0]), eye, 3 * eye
+    axis = pose[:3, 0] = np.array([np.cos(around), np.sin(around), 0])
+    pose[:3, 1], pose[:3, 3] = np.cross([0, 0, 1], axis), [beside_m, 2.2 * np.cos(up), 2.2 * np.sin(up)]
+    along = (np.arange(8000) + 0.5) / 8000 * length_m - length_m / 2
+    toward = pose[:3, 3] + along[:, None] * axis
+    d2 = (toward**2).sum(1)
+    toward /= np.sqrt(d2)[:, None]
+    solid_angle = 2 * 0.02 * np.sqrt(1 - (toward @ axis) ** 2) / d2 * length_m / len(along)
+    half_vector = (toward + eye) / np.linalg.norm(toward + eye, axis=1)[:, None]
+    nl, nv, nh = toward[:, 2], eye[2], half_vector[:, 2]
+    smith = [near * np.sqrt(far**2 * (1 - alpha**2) + alpha**2) for near, far in ((nl, nv), (nv, nl))]
+    brdf = alpha**2 / (np.pi * (nh**2 * (alpha**2 - 1) + 1) ** 2) * 0.5 / (smith[0] + smith[1])
+    expected = 3.0 * float((brdf * nl * solid_angle).sum())
+    scene = lit(tube(pose, length_m, 0.02), batches=(floor,))
+    settings = FrameSettings(9, 9, rays=1, supersample=1, engine="pinhole")
+    shown = renderer.render(scene, replace(CAMERA, world_from_camera=camera), settings).color[4, 4, 0]
+    assert shown == pytest.approx(expected, rel=0.04)
 
 
 def test_a_tube_casts_shadows(renderer: FrameRenderer) -> None:

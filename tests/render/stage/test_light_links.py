@@ -31,9 +31,7 @@ def shadow_link(stage: Usd.Stage, path: str = "/key") -> Usd.CollectionAPI:
 
 def links(scene: Scene) -> dict[str, LightLinks]:
     """Links by the paths of the prims of each batch's triangles."""
-    return {
-        scene.prim_paths[number]: batch.links for batch in scene.batches for number in set(batch.geometry.prim_ids)
-    }
+    return {scene.prim_paths[number]: batch.links for batch in scene.batches for number in set(batch.geometry.prim_ids)}
 
 
 def unlit(scene: Scene) -> dict[str, set[str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import moderngl
 import numpy as np
 
 from render.gl.compat import GL
@@ -12,6 +13,7 @@ from render.layers.drawing_space import DrawingSpace
 from render.layers.index import Draw
 from render.layers.light_links import LinkSets
 from render.layers.light_parts import light_parts
+from render.layers.light_profiles import ProfileMaps
 from render.layers.lights import dome_irradiance, lighting_options, pack_lights, row_order, select_lights, unit_axes
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerRenderer
@@ -25,13 +27,14 @@ from render.optics.view import PinholeView
 class Lighting:
     """Lights of the loaded scene, in the context of a renderer that draws their shadows."""
 
-    def __init__(self, renderer: LayerRenderer, programs: ProgramCache) -> None:
+    def __init__(self, renderer: LayerRenderer, programs: ProgramCache, ctx: moderngl.Context) -> None:
         self._renderer = renderer
         self._programs = programs
         self._lights: tuple[Light, ...] = ()
         self._parts: tuple[tuple[Light, ...], ...] = ()
         self._links = LinkSets(())
         self._dome: Dome | None = None
+        self._profiles = ProfileMaps(ctx)
         self._dome_map = _dome_texture(None)
         self._harmonics = dome_irradiance(None)
         self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
@@ -41,6 +44,7 @@ class Lighting:
         """Load a scene's lights and dome; its shadows are out of date until `cast_shadows`."""
         self._lights = select_lights(scene.lights)
         self._parts = light_parts(self._lights)
+        self._profiles.load(self._lights)
         self._links = LinkSets(scene.batches)
         self._renderer.link_sets = self._links
         if scene.dome is not self._dome:
@@ -75,18 +79,20 @@ class Lighting:
         dome_map = self._dome_map
         world_from_camera = np.asarray(np.linalg.inv(DrawingSpace.of_view(view).from_world), np.float64)
         mips = int(np.log2(max(dome_map.width, dome_map.height)))
-        block = pack_lights(self._parts, self._dome, self._harmonics, mips, world_from_camera, self._plan.slots)
+        slots, profiles = self._plan.slots, self._profiles.profiles
+        block = pack_lights(self._parts, self._dome, self._harmonics, mips, world_from_camera, slots, profiles)
         rows = [self._lights[i].path for i in row_order(self._parts, self._plan.slots)]
         links = self._links.pack(rows, self._dome.path if self._dome is not None else "")
         self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera, links)
 
     def bind_maps(self) -> None:
-        """Bind the dome's image and the shadow maps to their texture units, which other passes may use too."""
+        """Bind the dome's image, the shadow maps and the profiles to their texture units, which other passes may use too."""
         shadows = self._maps.texture
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
         self._dome_map._bind()
         GL.glActiveTexture(GL.GL_TEXTURE0 + SHADOW_UNIT)
         GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, shadows)
+        self._profiles.bind()
 
     def draw_background(self, view: PinholeView, targets: LayerTargets) -> None:
         """Draw the background behind all surfaces: the dome, or black."""
@@ -109,6 +115,7 @@ class Lighting:
     def release(self) -> None:
         """Release the memory on the device."""
         self._maps.release()
+        self._profiles.release()
         self._dome_map.delete()
 
     def _load_dome(self, dome: Dome | None) -> None:

@@ -55,6 +55,7 @@ def lighting_options(lights: Sequence[Light]) -> dict[str, int | float | str]:
     """Defines of the parts of ``layers/lighting.glsl`` that lights need, so that others cost nothing."""
     needs = {
         "TUBES": any(light.kind == "cylinder" for light in lights),
+        "PROFILES": any(light.profile is not None for light in lights),
         "FOCUSED": any(light.focus > 0 for light in lights),
         "SHADOW_COLORS": any(any(light.shadow_color) for light in lights if light.casts_shadow),
     }
@@ -74,6 +75,7 @@ def pack_lights(
     dome_mips: int,
     world_from_camera: DoubleArray,
     shadows: dict[int, ShadowSlot],
+    profiles: Sequence[FloatArray] = (),
 ) -> bytes:
     """The std140 bytes of ``LightBlock``, in the space of the camera.
 
@@ -84,21 +86,23 @@ def pack_lights(
         dome_mips: mip level at which the dome's image is one texel.
         world_from_camera: ``(4, 4)``.
         shadows: shadow slots by index in ``parts``.
+        profiles: the lights' profiles, in the order of their texture's layers.
     """
     camera_from_world = np.asarray(np.linalg.inv(world_from_camera), np.float64)
     head = np.zeros((1 + 9, 4), np.float32)
     order = row_order(parts, shadows)
     head[0] = [len(order), dome is not None, max(dome_mips - 2, 0), sum(i in shadows for i in order)]
-    head[1:, :3] = dome_harmonics
+    head[1:, :3] = dome_harmonics * (dome.diffuse if dome is not None else 0.0)
     dome_from_camera = np.eye(4)
     radiance = np.zeros(4)
     if dome is not None:
         dome_from_camera[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ world_from_camera[:3, :3]
-        radiance[:3] = dome.radiance
+        radiance[:3] = np.multiply(dome.radiance, dome.specular)
     rows = np.zeros((MAX_LIGHTS, 8, 4), np.float32)
     drawn = ((part, shadows.get(i)) for i in dict.fromkeys(order) for part in parts[i])
     for row, (part, shadow) in enumerate(drawn):
         rows[row] = _light_rows(part, camera_from_world, shadow)
+        rows[row, 6, 3] = next((n for n, profile in enumerate(profiles, 1) if profile is part.profile), 0)
     blocks = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
     return np.concatenate([np.asarray(part, np.float32).ravel() for part in blocks]).tobytes()
 
@@ -162,7 +166,7 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     inner = np.cos(light.cone_angle_rad * (1 - light.cone_softness))
     rows[3] = [outer, max(inner, outer + 1e-4), light.diffuse, light.specular]
     rows[4] = [-1, 0, 0, 0] if shadow is None else [shadow.first, shadow.count, 1e-3, shadow.texel_m]
-    rows[5] = [*(rotation[:, 0] * light.length_m / 2), light.focus]
+    rows[5] = [*(rotation[:, 0] * (light.length_m / 2 if light.kind == "cylinder" else 1.0)), light.focus]
     rows[6, :3] = light.focus_tint
     rows[7, :3] = light.shadow_color
     return rows

@@ -136,7 +136,7 @@ class Peeler:
         self.sketches = SketchIndex(self.index)
         self.textures = TextureBudget(self.index, graphics.memory_bytes)
         self._renderer = LayerRenderer(self.index, self.sketches, graphics.ctx, programs, graphics.cancellation)
-        self._lighting = Lighting(self._renderer, programs)
+        self._lighting = Lighting(self._renderer, programs, graphics.ctx)
         self._targets: dict[str, LayerTargets] = {}
         self._kept: dict[str, tuple[PeelKey, Layers]] = {}
         self._surfaces: SurfaceTargets | None = None

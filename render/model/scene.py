@@ -214,6 +214,8 @@ class Batch:
         return self.double_sided or not self.culls_backs
 
 
+PROFILE_SHAPE = 64, 256
+"""Directions of a light's profile: around its axis, and away from it."""
 LightKind = Literal["distant", "sphere", "disk", "rect", "cylinder"]
 
 
@@ -236,6 +238,8 @@ class Light:
         cone_softness: 0 hard to 1.
         diffuse: multiplier of the diffuse response.
         specular: multiplier of the specular response.
+        profile: `PROFILE_SHAPE` float32 multiplier of its light by direction: rows by the angle around -Z from +X towards +Y, at
+            the middle of each; columns by the angle from -Z, from 0 to pi. None for 1.
         focus: exponent of the cosine from the light's axis that multiplies its light; 0 for none.
         focus_tint: ``(3,)`` colour that the light fades to off its axis.
         casts_shadow: UsdLuxShadowAPI.
@@ -256,6 +260,7 @@ class Light:
     cone_softness: float = 0.0
     diffuse: float = 1.0
     specular: float = 1.0
+    profile: FloatArray | None = None
     focus: float = 0.0
     focus_tint: tuple[float, float, float] = (0.0, 0.0, 0.0)
     casts_shadow: bool = True
@@ -272,6 +277,8 @@ class Dome:
         image: latitude-longitude environment as OpenEXR (and so UsdLux) defines it, or None for a uniform dome: row 0
             looks up (+Y), the centre column along +Z, and +X is a quarter of the width to the left of it.
         pose: ``(4, 4)`` float64, world from dome.
+        diffuse: multiplier of the diffuse response.
+        specular: multiplier of the specular response.
         visible: whether the camera sees it behind everything.
         path: prim path.
     """
@@ -279,6 +286,8 @@ class Dome:
     radiance: tuple[float, float, float]
     pose: DoubleArray
     image: Image | None = None
+    diffuse: float = 1.0
+    specular: float = 1.0
     visible: bool = True
     path: str = ""
 

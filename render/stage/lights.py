@@ -15,13 +15,15 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux
 
 from render import colour
 from render.errors import InputError
-from render.model.arrays import DoubleArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Dome, Image, Light
 from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.findings import FindingLog
 from render.stage.limits import PlaceError
 from render.stage.materials.image_files import TextureError
 from render.stage.materials.textures import TextureCache
+from render.stage.opening import confinement
+from render.stage.photometry import ProfileError, read_profile
 from render.stage.values import UNREADABLE, schema_type, why_unreadable
 from render.stage.world import is_y_up, rigid_frame, world_from_stage
 
@@ -49,6 +51,8 @@ class LightReader:
     def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
         self._stage, self._textures, self._log = stage, textures, log
         self._world = world_from_stage(stage)
+        self._profiles: dict[tuple[str, float, bool], FloatArray] = {}
+        self._confined_to = confinement(stage)
         self._metres_per_unit = float(np.linalg.norm(self._world[:3, 0]))
 
     def read(
@@ -123,7 +127,10 @@ class LightReader:
             path = prim.GetPath()
             self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
             radiance = (0.0, 0.0, 0.0)
-        return Dome(radiance, pose, self._dome_image(prim, time), path=str(prim.GetPath()))
+        responses = (_number(prim, f"inputs:{name}", time) for name in ("diffuse", "specular"))
+        diffuse, specular = (number if abs(number) <= _MAX_RADIANCE else 0.0 for number in responses)
+        path = str(prim.GetPath())
+        return Dome(radiance, pose, self._dome_image(prim, time), diffuse=diffuse, specular=specular, path=path)
 
     def _pole_is_z(self, prim: Usd.Prim, time: Usd.TimeCode) -> bool:
         axis = prim.GetAttribute("poleAxis").Get(time)
@@ -203,6 +210,23 @@ class LightReader:
         factor = 1 / area if normalised else 1.0
         return self._light(prim, "cylinder", pose, time, factor, radius_m=radius_m, length_m=length_m)
 
+    def _profile(self, prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray | None:
+        """Photometry that a light names; None, and a finding, where it cannot be read."""
+        asset = prim.GetAttribute("inputs:shaping:ies:file").Get(time)
+        if not isinstance(asset, Sdf.AssetPath) or not asset.path:
+            return None
+        file, scale = str(asset.resolvedPath), _number(prim, "inputs:shaping:ies:angleScale", time)
+        key = (file, scale if np.isfinite(scale) else 0.0, _flag(prim, "inputs:shaping:ies:normalize", time))
+        try:
+            if key not in self._profiles:
+                self._profiles[key] = read_profile(file, self._confined_to, key[1], normalize=key[2])
+            return self._profiles[key]
+        except ProfileError as problem:
+            path = prim.GetPath()
+            message = f"IES file {asset.path} {problem}; light {path} shines as without it"
+            self._log.add("bad_profile", path, message)
+            return None
+
     def _light(
         self, prim: Usd.Prim, kind: str, pose: DoubleArray, time: Usd.TimeCode, factor: float, **measures: float
     ) -> Light:
@@ -218,6 +242,7 @@ class LightReader:
             cone_softness=softness,
             diffuse=_number(prim, "inputs:diffuse", time),
             specular=_number(prim, "inputs:specular", time),
+            profile=self._profile(prim, time) if shaped else None,
             focus=min(max(_number(prim, "inputs:shaping:focus", time), 0.0), _MAX_FOCUS) if shaped else 0.0,
             focus_tint=_color(prim, "inputs:shaping:focusTint", time) if shaped else (0.0, 0.0, 0.0),
             casts_shadow=bool(shadow.Get(time)) if shadow else True,

@@ -11,8 +11,8 @@ struct Light {
     vec4 radiance_area;     // radiance (distant: irradiance), area
     vec4 cone_response;     // cosines of the cone's outer and inner angle, diffuse and specular multiplier
     vec4 shadow;            // first shadow map or -1, number of maps, bias towards the light (m), texel size at 1 m (m)
-    vec4 tube_focus;        // half a tube along its axis (m), exponent of the focus
-    vec4 focus_tint;        // colour that the focus leaves off the axis
+    vec4 tube_focus;        // half a tube along its axis (m), of others the X axis; exponent of the focus
+    vec4 focus_tint;        // colour that the focus leaves off the axis; number of the profile, 0 for none
     vec4 shadow_color;      // share of its light that shadows keep
 };
 
@@ -86,14 +86,28 @@ Reflected brdf_times_cosine(Reflector s, vec3 v, vec3 l, float spread, vec2 resp
     return Reflected((nl / PI * response.x) * (1.0 - f), nl * mirrored);
 }
 
-// Share of its light that a shaped light sends off its axis.
-vec3 shaping(Light light, float facing)
+#ifdef PROFILES
+layout(binding = 11) uniform sampler2DArray profiles;  // by the angle around a light's axis and the angle from it
+#endif
+
+// Share of its light that a shaped light sends in a direction.
+vec3 shaping(Light light, vec3 direction)
 {
     vec3 share = vec3(1.0);
+    float facing = dot(light.axis_radius.xyz, direction);
     float outer = light.cone_response.x, inner = light.cone_response.y;
     if (outer > -1.0) share *= smoothstep(outer, inner, facing);
 #ifdef FOCUSED
     if (light.tube_focus.w > 0.0) share *= mix(light.focus_tint.rgb, vec3(1.0), pow(max(facing, 0.0), light.tube_focus.w));
+#endif
+#ifdef PROFILES
+    if (light.focus_tint.w > 0.5) {
+        vec3 x = normalize(light.tube_focus.xyz), y = cross(x, light.axis_radius.xyz);
+        float around = atan(dot(direction, y), dot(direction, x)), away = acos(clamp(facing, -1.0, 1.0));
+        float steps = float(textureSize(profiles, 0).y);
+        vec3 place = vec3(around / (2.0 * PI), (away / PI * (steps - 1.0) + 0.5) / steps, light.focus_tint.w - 1.0);
+        share *= textureLod(profiles, place, 0.0).r;
+    }
 #endif
     return share;
 }
@@ -120,7 +134,7 @@ Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 
         float facing = dot(light.axis_radius.xyz, -l);
         bool sphere = light.position_kind.w < 1.5;
         irradiance *= sphere ? PI * r * r / max(d2, r * r) : light.radiance_area.w * max(facing, 0.0) / (d2 + r * r);
-        irradiance *= shaping(light, facing);
+        irradiance *= shaping(light, -l);
         spread = r * 0.5 * inversesqrt(d2);
     }
     Reflected share = brdf_times_cosine(s, v, l, spread, light.cone_response.zw);

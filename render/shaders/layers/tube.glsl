@@ -77,7 +77,7 @@ Reflected tube_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l
     float coat_light = ggx(nh, nl, nv, coat, spread) * weighed_angle(coat, spread, off, narrow, ends, shown, mirrored);
     mirrored_light += s.clearcoat * fresnel(vec3(0.04), vh).r * coat_light;
 #endif
-    vec3 radiance = light.radiance_area.rgb * shaping(light, dot(light.axis_radius.xyz, -l));
+    vec3 radiance = light.radiance_area.rgb * shaping(light, -l);
     return Reflected(radiance * (facing_light / PI * light.cone_response.z) * (1.0 - fresnel(s.f0, vh)),
                      radiance * mirrored_light * (2.0 * radius / h * nl * light.cone_response.w));
 }

@@ -99,7 +99,7 @@ IGNORED_SCHEMAS = {
 """Schemas without rules, each with what is drawn instead."""
 
 _CONE = "inputs:shaping:cone:angle inputs:shaping:cone:softness inputs:shaping:focus inputs:shaping:focusTint"
-_EVEN = "its light is the same in all directions of its cone"
+_PROFILE = "inputs:shaping:ies:angleScale inputs:shaping:ies:file inputs:shaping:ies:normalize"
 _WHICH = "collection:excludes collection:expansionRule collection:includeRoot collection:membershipExpression collection:mode"
 
 RULES = {
@@ -191,15 +191,11 @@ RULES = {
             "inputs:shadow:distance inputs:shadow:falloff inputs:shadow:falloffGamma": "shadows reach as far as light does"
         },
     ),
-    "ShapingAPI": Rules(
-        "inputs:shaping:cone:angle inputs:shaping:cone:softness inputs:shaping:focus inputs:shaping:focusTint",
-        neutral={"inputs:shaping:ies:angleScale inputs:shaping:ies:normalize": "only with an IES file, which is named"},
-        ignored={"inputs:shaping:ies:file": _EVEN},
-    ),
+    "ShapingAPI": Rules(f"{_CONE} {_PROFILE}"),
     "DiskLight": Rules("inputs:radius"),
     "DistantLight": Rules(
         "inputs:angle",
-        ignored={f"{_CONE} inputs:shaping:ies:file": "a distant light has no cone"},
+        ignored={f"{_CONE} {_PROFILE}": "a distant light has no cone"},
     ),
     "CylinderLight": Rules(
         "inputs:length inputs:radius", neutral={"treatAsLine": "allows a renderer to be less exact"}
@@ -207,13 +203,12 @@ RULES = {
     "RectLight": Rules("inputs:height inputs:texture:file inputs:width"),
     "SphereLight": Rules("inputs:radius", neutral={"treatAsPoint": "allows a renderer to be less exact"}),
     "DomeLight": Rules(
-        "inputs:texture:file inputs:texture:format",
+        "inputs:diffuse inputs:specular inputs:texture:file inputs:texture:format",
         neutral={"guideRadius": "size of its outline in viewers", "inputs:normalize": "a dome has no area"},
         ignored={
             "portals": "the dome lights from all around",
-            "inputs:diffuse inputs:specular": "it is 1 for domes",
             "inputs:shadow:color inputs:shadow:enable": "domes cast no shadows",
-            f"{_CONE} inputs:shaping:ies:file": "a dome has no cone",
+            f"{_CONE} {_PROFILE}": "a dome has no cone",
         },
     ),
     "LightListAPI": Rules(neutral={"lightList lightList:cacheBehavior": "all lights are found anyway"}),

@@ -91,7 +91,7 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
         (_SURFACE | {"CLIP_PLANES": 8}, ("MOVES", "INSTANCE_COLORS")),
     ],
     "layers/shade.comp": [
-        (_SURFACE | {"LINK_SETS": 256}, ("CLEARCOAT", "TUBES", "FOCUSED", "SHADOW_COLORS", "LINKED"))
+        (_SURFACE | {"LINK_SETS": 256}, ("CLEARCOAT", "TUBES", "FOCUSED", "PROFILES", "SHADOW_COLORS", "LINKED"))
     ],
     "layers/shade_list.comp": [({}, ("LINKED",))],
     "trace/trace.comp": [

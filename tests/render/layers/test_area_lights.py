@@ -12,7 +12,7 @@ from render.lab.reference.scenes import rectangle
 from render.layers.light_parts import light_parts
 from render.layers.lights import MAX_LIGHTS
 from render.model.arrays import DoubleArray
-from render.model.scene import Batch, Image, Light, Material
+from render.model.scene import PROFILE_SHAPE, Batch, Dome, Image, Light, Material
 from tests.render.layers.test_lighting import CAMERA, WALL, centre_radiance, facing_the_wall, lit
 
 
@@ -183,3 +183,28 @@ def test_focus_narrows_the_light_and_tints_the_rest(renderer: FrameRenderer) -> 
         focused = replace(plain, focus=4.0, focus_tint=(0.0, 0.5, 1.0))
         expected = centre_radiance(renderer, lit(plain)) * (share + (1 - share) * np.array([0, 0.5, 1]))
         np.testing.assert_allclose(centre_radiance(renderer, lit(focused)), expected, rtol=3e-3, atol=1e-6)
+
+
+def test_a_profile_shines_in_its_directions(renderer: FrameRenderer) -> None:
+    """A profile that grows with the angle from -Z, and has another strength in each quarter around it."""
+    around, along = PROFILE_SHAPE
+    quarters = np.arange(around) * 4 // around + 1.0
+    profile = (quarters[:, None] * np.linspace(0, np.pi, along)).astype(np.float32)
+    plain = Light("sphere", (50.0,) * 3, facing_the_wall(2.0), radius_m=0.1)
+    for quarter, about_z in enumerate(np.pi / 4 + np.arange(4) * np.pi / 2):
+        # the point of the wall before the eye lies 0.6 radians from -Z, in that direction around it
+        turn = np.eye(4)
+        turn[:2, :2] = [[np.cos(about_z), -np.sin(about_z)], [np.sin(about_z), np.cos(about_z)]]
+        pose = turned(plain.pose, 0.6) @ np.linalg.inv(turn)
+        light = replace(plain, pose=pose, profile=profile)
+        expected = 0.6 * (quarter + 1) * centre_radiance(renderer, lit(replace(plain, pose=pose)))
+        np.testing.assert_allclose(centre_radiance(renderer, lit(light)), expected, rtol=5e-3)
+
+
+def test_a_dome_has_its_multipliers(renderer: FrameRenderer) -> None:
+    mirror = replace(WALL, material=Material(base_color=(1, 1, 1), metallic=1.0, roughness=0.2))
+    sky = Dome((0.7, 0.7, 0.7), np.eye(4), visible=False)
+    for wall, responses in ((WALL, (0.25, 1.0)), (mirror, (1.0, 0.25))):
+        dimmed = replace(sky, diffuse=responses[0], specular=responses[1])
+        plain, got = (centre_radiance(renderer, lit(batches=(wall,), dome=dome)) for dome in (sky, dimmed))
+        np.testing.assert_allclose(got, 0.25 * plain, rtol=0.02)

@@ -1,4 +1,4 @@
-"""Lights as the simpler ones that they are drawn as: a rect with an image as smaller rects of one colour."""
+"""Lights as the simpler ones that they are drawn as: a rect with an image as smaller rects of one colour, a mesh as disks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.layers.lights import MAX_LIGHTS
+from render.layers.facets import gather_facets
+from render.layers.lights import MAX_LIGHTS, area_m2
 from render.model.arrays import DoubleArray
 from render.model.scene import Light
 
@@ -15,15 +16,17 @@ _MOST_ACROSS = 4
 
 
 def light_parts(lights: Sequence[Light]) -> tuple[tuple[Light, ...], ...]:
-    """Parts that each light is drawn as, at most `MAX_LIGHTS` together: a rect with an image has 16, or fewer where others need
-    the room.
+    """Parts that each light is drawn as, at most `MAX_LIGHTS` together: a rect with an image and a mesh have 16, or fewer where
+    others need the room.
 
     Args:
         lights: at most `MAX_LIGHTS`.
     """
-    pictured = sum(light.image is not None for light in lights)
-    across = next((n for n in range(_MOST_ACROSS, 1, -1) if len(lights) + pictured * (n * n - 1) <= MAX_LIGHTS), 1)
-    return tuple(_patches(light, across) for light in lights)
+    cut = sum(light.image is not None or light.triangles is not None for light in lights)
+    across = next((n for n in range(_MOST_ACROSS, 1, -1) if len(lights) + cut * (n * n - 1) <= MAX_LIGHTS), 1)
+    return tuple(
+        _facets(light, across**2) if light.triangles is not None else _patches(light, across) for light in lights
+    )
 
 
 def _patches(light: Light, across: int) -> tuple[Light, ...]:
@@ -43,6 +46,23 @@ def _patches(light: Light, across: int) -> tuple[Light, ...]:
             replace(light, radiance=(red, green, blue), pose=pose, width_m=width_m, height_m=height_m, image=None)
         )
     return tuple(patches)
+
+
+def _facets(light: Light, count: int) -> tuple[Light, ...]:
+    """A mesh as disks that face where it faces; as a ball that shows the same area in the mean where there is room for one."""
+    assert light.triangles is not None
+    plain = replace(light, triangles=None)
+    if count == 1:
+        return (replace(plain, kind="sphere", radius_m=float(np.sqrt(area_m2(light) / np.pi))),)
+    disks = []
+    for facet in gather_facets(light.triangles, count):
+        pose, area = np.eye(4), float(np.linalg.norm(facet[3:]))
+        z = -facet[3:] / area
+        x = np.cross([0.0, 1, 0] if abs(z[1]) < 0.9 else [1.0, 0, 0], z)
+        pose[:3, 0], pose[:3, 2], pose[:3, 3] = x / np.linalg.norm(x), z, facet[:3]
+        pose[:3, 1] = np.cross(z, pose[:3, 0])
+        disks.append(replace(plain, kind="disk", pose=pose, radius_m=float(np.sqrt(area / np.pi))))
+    return tuple(disks)
 
 
 def _means(pixels: DoubleArray, across: int) -> DoubleArray:

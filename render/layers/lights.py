@@ -22,11 +22,19 @@ _KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0, "cylinder": 3
 
 @dataclass(frozen=True)
 class ShadowSlot:
-    """Shadow maps of a light: ``first`` of ``count``, and the width of a texel at 1 m (distant: anywhere), metres."""
+    """Shadow maps of a light.
+
+    Attributes:
+        first: number of the first map.
+        count: number of maps.
+        texel_m: width of a texel at 1 m (distant: anywhere), metres.
+        origin: ``(3,)`` place that they are seen from, world.
+    """
 
     first: int
     count: int
     texel_m: float
+    origin: DoubleArray
 
 
 def select_lights(lights: tuple[Light, ...]) -> tuple[Light, ...]:
@@ -48,6 +56,11 @@ def area_m2(light: Light) -> float:
         return light.width_m * light.height_m
     if light.kind == "cylinder":
         return 2 * light.radius_m * light.length_m
+    if light.triangles is not None:
+        first, second, third = (light.triangles[:, corner] for corner in range(3))
+        return (
+            float(np.linalg.norm(np.cross(second - first, third - first), axis=1).sum()) / 8
+        )  # a quarter, as a ball's
     return float(np.pi * light.radius_m**2)
 
 
@@ -98,10 +111,10 @@ def pack_lights(
     if dome is not None:
         dome_from_camera[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ world_from_camera[:3, :3]
         radiance[:3] = np.multiply(dome.radiance, dome.specular)
-    rows = np.zeros((MAX_LIGHTS, 8, 4), np.float32)
-    drawn = ((part, shadows.get(i)) for i in dict.fromkeys(order) for part in parts[i])
-    for row, (part, shadow) in enumerate(drawn):
-        rows[row] = _light_rows(part, camera_from_world, shadow)
+    rows = np.zeros((MAX_LIGHTS, 9, 4), np.float32)
+    drawn = ((part, i) for i in dict.fromkeys(order) for part in parts[i])
+    for row, (part, i) in enumerate(drawn):
+        rows[row] = _light_rows(part, camera_from_world, shadows.get(i))
         rows[row, 6, 3] = next((n for n, profile in enumerate(profiles, 1) if profile is part.profile), 0)
     blocks = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
     return np.concatenate([np.asarray(part, np.float32).ravel() for part in blocks]).tobytes()
@@ -158,7 +171,7 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     radius = np.sqrt(area / np.pi)
     if light.kind in ("distant", "cylinder"):
         radius = np.sin(light.angle_rad / 2) if light.kind == "distant" else light.radius_m
-    rows = np.zeros((8, 4), np.float32)
+    rows = np.zeros((9, 4), np.float32)
     rows[0] = [*position, _KINDS[light.kind]]
     rows[1] = [*(-rotation[:, 2]), radius]
     rows[2] = [*light.radiance, area]
@@ -169,6 +182,8 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     rows[5] = [*(rotation[:, 0] * (light.length_m / 2 if light.kind == "cylinder" else 1.0)), light.focus]
     rows[6, :3] = light.focus_tint
     rows[7, :3] = light.shadow_color
+    if shadow is not None:
+        rows[8, :3] = (camera_from_world @ [*shadow.origin, 1.0])[:3]
     return rows
 
 

@@ -1,4 +1,4 @@
-"""Placement of shadow maps: one map for a distant, disk, rect or spot light, six for a sphere light."""
+"""Placement of shadow maps: one map for a distant, disk, rect or spot light, six for a light that shines all around."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from render.model.scene import Light
 MAX_SHADOW_MAPS = 12
 SHADOW_MAP_SIDE_PX = 1024
 _WIDEST_RAD = np.radians(150.0)
+_ALL_AROUND = ("sphere", "cylinder", "mesh")
 _CUBE_AXES = ((0, 1), (0, -1), (1, 1), (1, -1), (2, 1), (2, -1))
 
 
@@ -65,7 +66,7 @@ def plan_shadows(lights: tuple[Light, ...], whole: Sphere, region: Sphere | None
     for i in sorted(casters, key=lambda i: -light_power(lights[i])):
         maps, texel_m = _light_maps(lights[i], whole, part)
         if len(matrices) + len(maps) <= MAX_SHADOW_MAPS:
-            slots[i] = ShadowSlot(len(matrices), len(maps), texel_m)
+            slots[i] = ShadowSlot(len(matrices), len(maps), texel_m, lights[i].pose[:3, 3])
             matrices += maps
     return ShadowPlan(slots, np.array(matrices).reshape(-1, 4, 4))
 
@@ -91,8 +92,8 @@ def _light_maps(light: Light, whole: Sphere, part: Sphere) -> tuple[list[DoubleA
     if light.kind == "distant":
         return [_orthographic(forward, whole, part)], 2 * part.radius_m / SHADOW_MAP_SIDE_PX
     far_m = float(np.linalg.norm(position - whole.centre)) + whole.radius_m
-    near_m = max(0.02, light.radius_m * 1.01 if light.kind == "sphere" else 0.02)
-    if light.kind == "sphere" and light.cone_angle_rad >= _WIDEST_RAD / 2:
+    near_m = max(0.02, light.radius_m * 1.01 if light.kind in _ALL_AROUND else 0.02)
+    if light.kind in _ALL_AROUND and light.cone_angle_rad >= _WIDEST_RAD / 2:
         maps = [_perspective(position, sign * np.eye(3)[axis], np.pi / 2, near_m, far_m) for axis, sign in _CUBE_AXES]
         return maps, 2 / SHADOW_MAP_SIDE_PX
     field = min(2 * light.cone_angle_rad, _WIDEST_RAD)

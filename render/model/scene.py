@@ -216,7 +216,7 @@ class Batch:
 
 PROFILE_SHAPE = 64, 256
 """Directions of a light's profile: around its axis, and away from it."""
-LightKind = Literal["distant", "sphere", "disk", "rect", "cylinder"]
+LightKind = Literal["distant", "sphere", "disk", "rect", "cylinder", "mesh"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,10 +228,11 @@ class Light:
         radiance: ``(3,)`` of the emitting surface: colour · intensity · 2^exposure, divided by the area where
             ``normalize`` is set; for a distant light the *irradiance* on a surface that faces it.
         pose: ``(4, 4)`` float64 world from light; it shines along -Z.
-        radius_m: of a sphere, disk or cylinder.
+        radius_m: of a sphere, disk or cylinder; of the sphere around a mesh, whose pose stands in its middle.
         width_m: of a rect, along its X.
         height_m: of a rect, along its Y.
         length_m: of a cylinder, along its X; its ends are dark.
+        triangles: ``(m, 3, 3)`` float64 corners of a mesh, world, counter-clockwise seen from outside, where it shines; or None.
         image: multiplier of a rect's radiance, or None: seen from where it shines, upright, row 0 at +Y and column 0 at +X.
         angle_rad: full angle of a distant light.
         cone_angle_rad: half angle of the shaping cone; pi for none.
@@ -254,6 +255,7 @@ class Light:
     width_m: float = 0.0
     height_m: float = 0.0
     length_m: float = 0.0
+    triangles: DoubleArray | None = None
     image: Image | None = None
     angle_rad: float = 0.0
     cone_angle_rad: float = float(np.pi)

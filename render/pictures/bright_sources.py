@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from render.engines import sharp_engine
+from render.layers.lights import area_m2
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.lens import THIN_LENS
@@ -163,11 +164,12 @@ def _solid_angle(light: Light, toward: DoubleArray, camera_from_light: DoubleArr
         return 0.0
     if light.kind == "sphere":
         return float(np.pi * min(light.radius_m / distance_m, 1.0) ** 2)
+    if light.triangles is not None:
+        return area_m2(light) / distance_m**2  # as a ball, which shows a quarter of its area
     if light.kind == "cylinder":
         across = float(np.linalg.norm(np.cross(toward, camera_from_light[:3, 0])))  # its side shines
         return 2 * light.radius_m * light.length_m * across / distance_m**2
-    area_m2 = np.pi * light.radius_m**2 if light.kind == "disk" else light.width_m * light.height_m
-    return float(area_m2 * max(turned, 0.0) / distance_m**2)
+    return area_m2(light) * max(turned, 0.0) / distance_m**2
 
 
 def _is_in_sight(picture: _SearchPicture, slope: DoubleArray, depth_m: float, radius_m: float) -> bool:

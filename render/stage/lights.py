@@ -19,9 +19,11 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Dome, Image, Light
 from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.findings import FindingLog
+from render.stage.geometry.skinning import Skeletons
 from render.stage.limits import PlaceError
 from render.stage.materials.image_files import TextureError
 from render.stage.materials.textures import TextureCache
+from render.stage.mesh_lights import shining_prims, shining_triangles
 from render.stage.opening import confinement
 from render.stage.photometry import ProfileError, read_profile
 from render.stage.values import UNREADABLE, schema_type, why_unreadable
@@ -45,12 +47,14 @@ class LightReader:
     Args:
         stage: the stage.
         textures: reads dome textures.
+        skeletons: bend meshes that shine.
         log: receives requests that are not honoured.
     """
 
-    def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
+    def __init__(self, stage: Usd.Stage, textures: TextureCache, skeletons: Skeletons, log: FindingLog) -> None:
         self._stage, self._textures, self._log = stage, textures, log
         self._world = world_from_stage(stage)
+        self._skeletons = skeletons
         self._profiles: dict[tuple[str, float, bool], FloatArray] = {}
         self._confined_to = confinement(stage)
         self._metres_per_unit = float(np.linalg.norm(self._world[:3, 0]))
@@ -92,21 +96,24 @@ class LightReader:
 
     def light(self, prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Light | None:
         """A light with a place or a direction, or None (and a finding) where its kind is not honoured."""
-        readers: dict[str, Callable[[Usd.Prim, DoubleArray, Usd.TimeCode], Light | None]] = {
+        readers: dict[str, Callable[[Usd.Prim, DoubleArray, UsdGeom.XformCache], Light | None]] = {
             "DistantLight": self._distant,
             "SphereLight": self._sphere,
             "DiskLight": self._disk,
             "RectLight": self._rect,
             "CylinderLight": self._cylinder,
+            "GeometryLight": self._mesh,
         }
         path, kind = prim.GetPath(), schema_type(prim)
-        reader = readers.get(kind)
+        reader = self._mesh if prim.HasAPI(UsdLux.MeshLightAPI) else readers.get(kind)
+        if kind == "PortalLight":
+            return None  # guides the sampling of a dome, which needs none
         if reader is None:
             self._log.add(
                 "unsupported_light", path, f"light {path} is not honoured: {kind or 'its kind'} is not supported"
             )
             return None
-        light = reader(prim, world_pose(prim, transforms, self._world), transforms.GetTime())
+        light = reader(prim, world_pose(prim, transforms, self._world), transforms)
         if light is not None and not _in_range(
             light.radiance, light.radius_m, light.width_m, light.height_m, light.length_m, light.angle_rad
         ):
@@ -157,18 +164,21 @@ class LightReader:
             self._log.add("texture_unreadable", prim.GetPath(), message.format(f"{asset.path} {problem}"))
             return None
 
-    def _distant(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light:
+    def _distant(self, prim: Usd.Prim, pose: DoubleArray, transforms: UsdGeom.XformCache) -> Light:
+        time = transforms.GetTime()
         angle = float(np.radians(max(_number(prim, "inputs:angle", time), 0.0)))
         # Irradiance of a disc of sky of that angle. Normalised, or without an angle, intensity is the irradiance itself.
         solid = np.pi * np.sin(min(angle, np.pi) / 2) ** 2
         factor = 1.0 if _flag(prim, "inputs:normalize", time) or angle == 0 else float(solid)
         return self._light(prim, "distant", pose, time, factor, angle_rad=angle)
 
-    def _sphere(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light | None:
+    def _sphere(self, prim: Usd.Prim, pose: DoubleArray, transforms: UsdGeom.XformCache) -> Light | None:
+        time = transforms.GetTime()
         radius_m = _number(prim, "inputs:radius", time) * float(np.mean(_scales(pose)))
         return self._round(prim, "sphere", pose, time, radius_m, 4 * np.pi)
 
-    def _disk(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light | None:
+    def _disk(self, prim: Usd.Prim, pose: DoubleArray, transforms: UsdGeom.XformCache) -> Light | None:
+        time = transforms.GetTime()
         radius_m = _number(prim, "inputs:radius", time) * float(np.mean(_scales(pose)[:2]))
         return self._round(prim, "disk", pose, time, radius_m, np.pi)
 
@@ -184,7 +194,8 @@ class LightReader:
         factor = 1 / (area_factor * (radius_m / self._metres_per_unit) ** 2) if normalised else 1.0
         return self._light(prim, kind, pose, time, factor, radius_m=radius_m)
 
-    def _rect(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light | None:
+    def _rect(self, prim: Usd.Prim, pose: DoubleArray, transforms: UsdGeom.XformCache) -> Light | None:
+        time = transforms.GetTime()
         scales, path = _scales(pose), prim.GetPath()
         width_m = _number(prim, "inputs:width", time) * float(scales[0])
         height_m = _number(prim, "inputs:height", time) * float(scales[1])
@@ -196,7 +207,8 @@ class LightReader:
         light = self._light(prim, "rect", pose, time, factor, width_m=width_m, height_m=height_m)
         return replace(light, image=self._image(prim, time, f"texture {{}}; light {path} shines evenly"))
 
-    def _cylinder(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light | None:
+    def _cylinder(self, prim: Usd.Prim, pose: DoubleArray, transforms: UsdGeom.XformCache) -> Light | None:
+        time = transforms.GetTime()
         scales, path = _scales(pose), prim.GetPath()
         length_m = _number(prim, "inputs:length", time) * float(scales[0])
         radius_m = _number(prim, "inputs:radius", time) * float(np.mean(scales[1:]))
@@ -209,6 +221,25 @@ class LightReader:
         area = 2 * np.pi * radius_m * length_m / self._metres_per_unit**2  # its ends are dark
         factor = 1 / area if normalised else 1.0
         return self._light(prim, "cylinder", pose, time, factor, radius_m=radius_m, length_m=length_m)
+
+    def _mesh(self, prim: Usd.Prim, pose: DoubleArray, transforms: UsdGeom.XformCache) -> Light | None:
+        time, path = transforms.GetTime(), prim.GetPath()
+        placed = [(shining, world_pose(shining, transforms, self._world)) for shining in shining_prims(prim)]
+        triangles = shining_triangles(placed, time, self._skeletons, self._log)
+        middles = triangles.mean(1)
+        areas = (
+            np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1) / 2
+        )
+        if not areas.sum() > 0:
+            self._log.add("light_without_area", path, f"light {path} is dark: it has no surface")
+            return None
+        middle = np.average(middles, axis=0, weights=areas)
+        place = np.eye(4)
+        place[:3, 3] = middle
+        radius_m = float(np.linalg.norm(triangles - middle, axis=2).max())
+        area = float(areas.sum()) / self._metres_per_unit**2
+        factor = 1 / area if _flag(prim, "inputs:normalize", time) else 1.0
+        return replace(self._light(prim, "mesh", place, time, factor, radius_m=radius_m), triangles=triangles)
 
     def _profile(self, prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray | None:
         """Photometry that a light names; None, and a finding, where it cannot be read."""

@@ -1,7 +1,7 @@
 """IES photometric files: how bright a luminaire is in each direction (ANSI/IES LM-63-2019), as a table by direction.
 
-Intensity is candela times the file's multiplier and ballast factors. Only type C is read, whose vertical angle 0 is a light's -Z and
-whose horizontal angle 0 its +X.
+Intensity is candela times the file's multiplier and ballast factors. Only type C is read: its vertical angle 0 is a light's -Z,
+its horizontal angle 0 a light's +X.
 """
 
 from __future__ import annotations

@@ -203,7 +203,7 @@ class StageReader:
         cutter = PieceCutter(looks, skeletons, purposes, shapes, self._options.cull_backfaces, self._log)
         groups = plan_groups(surfaces, cutter, self._log)
         self._note_up_axis()
-        lights = LightReader(self._stage, self._textures, self._log)
+        lights = LightReader(self._stage, self._textures, skeletons, self._log)
         levels = LevelChooser(self._stage, inventory.level_roots, self._log)
         subdivision = SubdivisionChooser(surfaces, self._options.complexity, self._log)
         return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), levels, subdivision, purposes)

@@ -14,6 +14,7 @@ struct Light {
     vec4 tube_focus;        // half a tube along its axis (m), of others the X axis; exponent of the focus
     vec4 focus_tint;        // colour that the focus leaves off the axis; number of the profile, 0 for none
     vec4 shadow_color;      // share of its light that shadows keep
+    vec4 shadow_origin;     // place that its shadow maps are seen from
 };
 
 layout(std140, binding = 2) uniform LightBlock {

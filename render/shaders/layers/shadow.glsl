@@ -1,5 +1,5 @@
-// Visibility of a light from a point, by shadow maps (one for a distant, disk, rect or spot light, six for a bare
-// sphere).
+// Visibility of a light from a point, by shadow maps (one for a distant, disk, rect or spot light, six for one that
+// shines all around).
 // The maps hold reversed depth (1 near, 0 far); four bilinear comparisons soften the edge over about two texels.
 
 layout(std140, binding = 3) uniform ShadowBlock {
@@ -20,11 +20,11 @@ float shadow_visibility(Light light, vec3 p, vec3 n, vec3 l)
 {
     int map = int(light.shadow.x);
     bool distant = light.position_kind.w < 0.5;
-    float distance_m = distant ? 1.0 : length(light.position_kind.xyz - p);
+    float distance_m = distant ? 1.0 : length(light.shadow_origin.xyz - p);
     // offset the point from its surface by the size of its texel, more at grazing light
     float texel_m = light.shadow.w * distance_m;
     p += n * texel_m * (1.0 + 2.0 * (1.0 - clamp(dot(n, l), 0.0, 1.0))) + l * light.shadow.z;
-    if (light.shadow.y > 1.5) map += cube_face(mat3(lighting.world_from_camera) * (p - light.position_kind.xyz));
+    if (light.shadow.y > 1.5) map += cube_face(mat3(lighting.world_from_camera) * (p - light.shadow_origin.xyz));
     vec4 clip = shadows.clip_from_camera[map] * vec4(p, 1.0);
     if (clip.w <= 0.0) return 1.0;
     vec3 at = clip.xyz / clip.w;

@@ -40,7 +40,7 @@ def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
     drawn = select_lights(lights)
     dropped = [light.path for light in lights if max(light.radiance) > 0 and light not in drawn]
     many = f"is not honoured: the strongest {MAX_LIGHTS} lights of the shot are"
-    full = f"casts no shadow: stronger lights have all {MAX_SHADOW_MAPS} shadow maps (a bare sphere needs six)"
+    full = f"casts no shadow: stronger lights have all {MAX_SHADOW_MAPS} shadow maps (a bare sphere, cylinder or mesh needs six)"
     findings = [Finding("too_many_lights", path, f"light {path} {many}") for path in dropped]
     return findings + [Finding("shadow_maps", path, f"light {path} {full}") for path in lights_without_shadow(drawn)]
 

@@ -84,7 +84,6 @@ NAMED_SCHEMAS = {
     "BoundableLightBase": "unsupported_light",
     "NonboundableLightBase": "unsupported_light",
     "PluginLight": "unsupported_light",
-    "MeshLightAPI": "unsupported_light",
     "VolumeLightAPI": "unsupported_light",
 }
 """Schemas without rules of their own, or bases of such, with the code of the finding that the reader makes of their prims."""
@@ -100,6 +99,8 @@ IGNORED_SCHEMAS = {
 
 _CONE = "inputs:shaping:cone:angle inputs:shaping:cone:softness inputs:shaping:focus inputs:shaping:focusTint"
 _PROFILE = "inputs:shaping:ies:angleScale inputs:shaping:ies:file inputs:shaping:ies:normalize"
+_LIGHT = "inputs:color inputs:colorTemperature inputs:enableColorTemperature inputs:exposure inputs:intensity inputs:normalize"
+_MULTIPLIERS = "inputs:diffuse inputs:specular"
 _WHICH = "collection:excludes collection:expansionRule collection:includeRoot collection:membershipExpression collection:mode"
 
 RULES = {
@@ -177,10 +178,12 @@ RULES = {
     ),
     "TiltShiftAPI": Rules(EVERYTHING),
     "LightAPI": Rules(
-        "inputs:color inputs:colorTemperature inputs:diffuse inputs:enableColorTemperature inputs:exposure "
-        "inputs:intensity inputs:normalize inputs:specular",
-        neutral={"light:materialSyncMode": "for lights of meshes and volumes, which are named"},
-        ignored={"light:filters": "light is not filtered", "light:shaderId": "the prim's type decides"},
+        f"{_LIGHT} {_MULTIPLIERS}",
+        ignored={
+            "light:materialSyncMode": "a mesh that shines is drawn with its material, and its light has its own colour",
+            "light:filters": "light is not filtered",
+            "light:shaderId": "the prim's type decides",
+        },
     ),
     "CollectionAPI:lightLink": Rules(EVERYTHING),
     "CollectionAPI:shadowLink": Rules(EVERYTHING),
@@ -200,13 +203,23 @@ RULES = {
     "CylinderLight": Rules(
         "inputs:length inputs:radius", neutral={"treatAsLine": "allows a renderer to be less exact"}
     ),
+    "GeometryLight": Rules("geometry"),
+    "MeshLightAPI": Rules(),
+    "PortalLight": Rules(
+        neutral={
+            f"inputs:height inputs:width {_LIGHT} {_MULTIPLIERS}": "guides the sampling of a dome, which is not sampled",
+        }
+    ),
     "RectLight": Rules("inputs:height inputs:texture:file inputs:width"),
     "SphereLight": Rules("inputs:radius", neutral={"treatAsPoint": "allows a renderer to be less exact"}),
     "DomeLight": Rules(
         "inputs:diffuse inputs:specular inputs:texture:file inputs:texture:format",
-        neutral={"guideRadius": "size of its outline in viewers", "inputs:normalize": "a dome has no area"},
+        neutral={
+            "guideRadius": "size of its outline in viewers",
+            "inputs:normalize": "a dome has no area",
+            "portals": "they guide the sampling of a dome, which is not sampled",
+        },
         ignored={
-            "portals": "the dome lights from all around",
             "inputs:shadow:color inputs:shadow:enable": "domes cast no shadows",
             f"{_CONE} {_PROFILE}": "a dome has no cone",
         },

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
-from render.lab.reference.scenes import rectangle
+from render.lab.reference.scenes import rectangle, sphere
+from render.layers.facets import gather_facets
 from render.layers.light_parts import light_parts
 from render.layers.lights import MAX_LIGHTS
 from render.model.arrays import DoubleArray
@@ -208,3 +209,58 @@ def test_a_dome_has_its_multipliers(renderer: FrameRenderer) -> None:
         dimmed = replace(sky, diffuse=responses[0], specular=responses[1])
         plain, got = (centre_radiance(renderer, lit(batches=(wall,), dome=dome)) for dome in (sky, dimmed))
         np.testing.assert_allclose(got, 0.25 * plain, rtol=0.02)
+
+
+def mesh_light(triangles: DoubleArray) -> Light:
+    middle = np.eye(4)
+    middle[:3, 3] = triangles.mean((0, 1))
+    radius_m = float(np.linalg.norm(triangles - middle[:3, 3], axis=2).max())
+    return Light("mesh", (3.0,) * 3, middle, triangles=triangles, radius_m=radius_m, casts_shadow=False)
+
+
+def test_a_ball_that_shines_is_as_a_sphere_light(renderer: FrameRenderer) -> None:
+    """E = π·L·(r/d)²; of 16 facets a few are seen."""
+    for d in (1.0, 3.0):
+        ball = sphere((0.0, 0.0, -4.0 + d), 0.3)
+        light = mesh_light(ball.positions[ball.triangles].astype(np.float64))
+        assert centre_radiance(renderer, lit(light))[0] == pytest.approx(0.5 * 3 * 0.09 / d**2, rel=0.07)
+
+
+def test_a_board_that_shines_by_the_integral_over_it(renderer: FrameRenderer) -> None:
+    """A square with a side of 2 m that two triangles cover, 1.5 m before a wall; it shines one way."""
+    corners = np.array([[-1, -1, -2.5], [1, -1, -2.5], [1, 1, -2.5], [-1, 1, -2.5]])
+    triangles = corners[[[0, 2, 1], [0, 3, 2]]]
+    places = (np.arange(400) + 0.5) / 200 - 1
+    d2 = places[:, None] ** 2 + places**2 + 1.5**2
+    expected = 0.5 / np.pi * 3 * 4 * float((1.5**2 / d2**2).mean())
+    assert centre_radiance(renderer, lit(mesh_light(triangles)))[0] == pytest.approx(expected, rel=0.05)
+    assert centre_radiance(renderer, lit(mesh_light(triangles[:, ::-1])))[0] == 0
+
+
+def test_shadows_of_a_mesh_are_seen_from_its_middle(renderer: FrameRenderer) -> None:
+    """Its parts stand beside it; what hides the middle hides them all, whichever of the six maps it is in."""
+    ball = sphere((0.0, 0.0, -2.0), 0.4)
+    shining = replace(mesh_light(ball.positions[ball.triangles].astype(np.float64)), casts_shadow=True)
+    board = replace(WALL, geometry=rectangle((0, 0, -3.0), (1.0, 0, 0), (0, 1.0, 0), prim=1))
+    pose = np.eye(4)
+    pose[2, 3] = -3.5
+    near = replace(CAMERA, world_from_camera=pose)
+    settings = FrameSettings(9, 9, rays=1, supersample=1, engine="pinhole")
+    shown = [
+        renderer.render(lit(shining, batches=batches), near, settings).color[..., 0]
+        for batches in ((WALL, board), (WALL,))
+    ]
+    assert shown[1].min() > 0.01
+    assert shown[0].max() < 0.02 * shown[1].min()
+
+
+def test_facets_keep_the_area_vector_of_a_surface() -> None:
+    """Half of a ball: its facets add up to the disc that closes it, π·r²."""
+    ball = sphere((0.0, 0.0, 0.0), 1.0)
+    triangles = ball.positions[ball.triangles].astype(np.float64)
+    half = triangles[triangles.mean(1)[:, 2] > 0]
+    for count in (1, 4, 16):
+        facets = gather_facets(half, count)
+        assert len(facets) == count
+        np.testing.assert_allclose(facets[:, 3:].sum(0), [0, 0, np.pi], rtol=0.03, atol=0.03)
+    assert len(gather_facets(np.zeros((3, 3, 3)), 16)) == 0

@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 from render import colour
 from render.model.scene import Light
 from render.stage import StageReader, find_not_honoured
-from tests.render.kits.stages import codes, new_stage, read, write_picture
+from tests.render.kits.stages import add_mesh, codes, new_stage, read, write_picture
 
 
 def light_of(stage: Usd.Stage) -> Light:
@@ -227,6 +227,61 @@ def test_a_rect_light_has_its_picture(tmp_path: Path) -> None:
     assert [finding.message for finding in reader.findings if finding.code == "texture_unreadable"] == [
         f"texture {tmp_path}/gone.exr is missing; light /l shines evenly"
     ]
+
+
+def test_a_mesh_shines_where_it_is() -> None:
+    stage = new_stage(0.01)
+    mesh = add_mesh(stage, "/board", [(0, 0, 0), (200, 0, 0), (200, 100, 0), (0, 100, 0)])
+    UsdLux.MeshLightAPI.Apply(mesh.GetPrim())
+    mesh.AddTranslateOp().Set(Gf.Vec3d(0, 0, 300))
+    geometry = UsdLux.GeometryLight.Define(stage, "/old")
+    geometry.CreateGeometryRel().AddTarget("/board")
+    reader = StageReader(stage)
+    scene = reader.read(0)
+    assert {light.path for light in scene.lights} == {"/board", "/old"}
+    for light in scene.lights:
+        assert light.triangles is not None
+        assert light.kind == "mesh"
+        np.testing.assert_allclose(light.pose[:3, 3], [1, 0.5, 3])
+        np.testing.assert_allclose(light.radius_m, np.hypot(1, 0.5))
+        first, second, third = (light.triangles[:, corner] for corner in range(3))
+        np.testing.assert_allclose(np.cross(second - first, third - first).sum(0) / 2, [0, 0, 2], atol=1e-9)
+    assert len(scene.batches) == 1
+    assert reader.findings == find_not_honoured(stage) == []
+    mesh.CreateOrientationAttr("leftHanded")
+    UsdLux.LightAPI(mesh.GetPrim()).CreateNormalizeAttr(True)
+    turned = next(light for light in read(stage).lights if light.path == "/board")
+    assert turned.triangles is not None
+    assert np.cross(*np.diff(turned.triangles[0], axis=0))[2] < 0
+    assert turned.radiance[0] == pytest.approx(1 / 20_000, rel=1e-3)
+
+
+@pytest.mark.parametrize("fault", ["no points", "corners beyond", "no target"])
+def test_a_mesh_that_cannot_shine_is_a_finding(fault: str) -> None:
+    stage = new_stage()
+    mesh = add_mesh(stage, "/board")
+    UsdLux.GeometryLight.Define(stage, "/l").CreateGeometryRel().AddTarget(
+        "/none" if fault == "no target" else "/board"
+    )
+    if fault == "no points":
+        mesh.GetPointsAttr().Clear()
+    if fault == "corners beyond":
+        mesh.GetFaceVertexIndicesAttr().Set([0, 1, 2, 99])
+    reader = StageReader(stage)
+    assert reader.read(0).lights == ()
+    assert codes(reader) & {"bad_light", "light_without_area"}
+
+
+def test_a_portal_changes_nothing() -> None:
+    """It guides the sampling of a dome, which is not sampled."""
+    stage = new_stage()
+    portal = UsdLux.PortalLight.Define(stage, "/sky/portal")
+    portal.CreateIntensityAttr(3.0)
+    UsdLux.DomeLight.Define(stage, "/sky").CreatePortalsRel().AddTarget("/sky/portal")
+    reader = StageReader(stage)
+    assert reader.read(0).lights == ()
+    assert reader.read(0).dome is not None
+    assert reader.findings == find_not_honoured(stage) == []
 
 
 def test_a_plain_light_has_no_findings() -> None:

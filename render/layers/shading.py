@@ -70,7 +70,8 @@ class SurfaceLighter:
         if lit is None:
             raise ValueError("the layer's surfaces can be drawn unlit alone")
         defines: dict[str, int | float | str] = {"MAX_LIGHTS": MAX_LIGHTS, "MAX_SHADOW_MAPS": MAX_SHADOW_MAPS}
-        defines |= {"MAX_HALF": MOST_RADIANCE} | ({"CLEARCOAT": 1} if has_clearcoat else {}) | options
+        defines |= {"MAX_HALF": MOST_RADIANCE} | ({"CLEARCOAT": 1} if has_clearcoat else {})
+        defines |= options
         program = self._programs.compute("layers/shade.comp", defines)
         finder = self._programs.compute("layers/shade_list.comp", {"LINKED": 1} if "LINKED" in options else None)
         names = ("w_map", "albedo_roughness", "reflectance_occlusion", "normal_coat")

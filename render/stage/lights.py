@@ -279,7 +279,7 @@ class LightReader:
             casts_shadow=bool(shadow.Get(time)) if shadow else True,
             shadow_color=_color(prim, "inputs:shadow:color", time) if shadow else (0.0, 0.0, 0.0),
             path=str(prim.GetPath()),
-            **measures,
+            **measures,  # type: ignore[arg-type]
         )
 
 

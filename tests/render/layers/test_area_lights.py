@@ -14,7 +14,7 @@ from render.layers.light_parts import light_parts
 from render.layers.lights import MAX_LIGHTS
 from render.model.arrays import DoubleArray
 from render.model.scene import PROFILE_SHAPE, Batch, Dome, Image, Light, Material
-from tests.render.layers.test_lighting import CAMERA, WALL, centre_radiance, facing_the_wall, lit
+from tests.render.kits.lit_walls import CAMERA, WALL, centre_radiance, facing_the_wall, lit
 
 
 def turned(pose: DoubleArray, about_y: float) -> DoubleArray:

@@ -13,7 +13,7 @@ from render.layers.light_links import LinkSets
 from render.layers.lights import MAX_LIGHTS
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import MAX_LINK_SETS, Batch, Dome, Image, Light, LightLinks, Material
-from tests.render.layers.test_lighting import BLACK, CAMERA, MATT, WALL, facing_the_wall, lit
+from tests.render.kits.lit_walls import BLACK, CAMERA, MATT, WALL, facing_the_wall, lit
 
 SUN = Light("distant", (2.0, 0.0, 0.0), np.eye(4), path="/sun", casts_shadow=False)
 LAMP = Light("sphere", (0.0, 80.0, 0.0), facing_the_wall(2.0), radius_m=0.1, path="/lamp", casts_shadow=False)

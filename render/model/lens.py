@@ -4,12 +4,13 @@ Conventions: lengths in millimetres. Along the axis light goes from the scene to
 order. A radius is positive where the centre of curvature lies toward the film, 0 for a plane. The sag of a surface at distance r
 from the axis is
 
-    z(r) = c·r² / (1 + √(1 − (1 + K)·c²·r²)) + Σ A_i·r^(2i + 4),        c = 1/radius
+    z(r) = c·r² / (1 + √(1 − (1 + K)·c²·r²)) + Σ A_i·r^(2i + 4) + Σ B_i·r^(2i + 3),        c = 1/radius
 
-with the conic constant K and the aspheric coefficients A_0 (of r⁴), A_1 (of r⁶) and so on. A surface with another curve from side
+with the conic constant K, the aspheric coefficients A_0 (of r⁴), A_1 (of r⁶) and so on, and those of odd powers B_0 (of r³), B_1
+(of r⁵) and so on. A surface with another curve from side
 to side than from top to bottom is biconic, as cylinders are:
 
-    z(x, y) = (cₓ·x² + c·y²) / (1 + √(1 − (1 + Kₓ)·cₓ²·x² − (1 + K)·c²·y²)) + Σ A_i·r^(2i + 4)
+    z(x, y) = (cₓ·x² + c·y²) / (1 + √(1 − (1 + Kₓ)·cₓ²·x² − (1 + K)·c²·y²)) + Σ A_i·r^(2i + 4) + Σ B_i·r^(2i + 3)
 
 with x across the picture and y up.
 """
@@ -111,6 +112,7 @@ class Surface:
         across: curve from side to side; None where it is that from top to bottom.
         opening: within which light passes, as well as within the clear diameter; None where that alone limits it.
         obscuration: within which no light passes; None where there is none. With a clear diameter, a round one makes a ring.
+        odd: coefficients of r³, r⁵, ...
     """
 
     radius_mm: float
@@ -124,6 +126,18 @@ class Surface:
     across: Across | None = None
     opening: Outline | None = None
     obscuration: Outline | None = None
+    odd: tuple[float, ...] = ()
+
+    @property
+    def is_aspheric(self) -> bool:
+        """Whether it has aspheric coefficients, be they of even or of odd powers."""
+        return bool(self.aspheric or self.odd)
+
+    @property
+    def aspheric_terms(self) -> dict[int, float]:
+        """All aspheric coefficients by their power of r."""
+        even = {4 + 2 * i: term for i, term in enumerate(self.aspheric)}
+        return even | {3 + 2 * i: term for i, term in enumerate(self.odd)}
 
 
 @dataclass(frozen=True)
@@ -179,6 +193,11 @@ class Prescription:
         """All openings and obscurations: edges that stop light besides clear diameters and the iris."""
         both = [outline for surface in self.surfaces for outline in (surface.opening, surface.obscuration)]
         return tuple(outline for outline in both if outline is not None)
+
+    @property
+    def has_odd_powers(self) -> bool:
+        """Whether a surface has aspheric coefficients of odd powers."""
+        return any(surface.odd for surface in self.surfaces)
 
 
 @dataclass(frozen=True)

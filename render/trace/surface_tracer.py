@@ -22,6 +22,7 @@ MAX_WAVELENGTHS = 65  # those of a spectrum, and the d line to measure colour er
 _ROW = 20  # numbers of a ``LensSurface``; 12 aspheric terms in the middle
 _BICONIC = 4  # more numbers, for the curve from side to side
 _OUTLINES = 8  # more numbers behind that, for opening and obscuration
+_ODD = 16  # more of one with odd powers: 12 terms and their count
 _GROUP = 64
 
 
@@ -102,6 +103,8 @@ class SurfaceTracer:
             defines["BICONIC"] = 1
         if lens.prescription.outlines:
             defines["OUTLINES"] = 1
+        if lens.prescription.has_odd_powers:
+            defines["ODD_POWERS"] = 1
         return self._programs.compute("lens/lens_trace.comp", defines)
 
     def _bind_heights(self, scope: Resources, program: moderngl.ComputeShader, field: HeightField | None) -> None:
@@ -129,10 +132,12 @@ def _unpack(found: FloatArray) -> TracedLens:
 
 
 def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
-    """``(n, 20)`` as ``LensSurface`` in ``lens/lens_surface.glsl``; longer rows of a lens with cylinders, or with outlines."""
-    surfaces = lens.prescription.surfaces
-    is_biconic, outlined = lens.prescription.is_anamorphic, _ROW + _BICONIC * lens.prescription.is_anamorphic
-    table = np.zeros((len(surfaces), outlined + (_OUTLINES if lens.prescription.outlines else 0)), np.float32)
+    """``(n, 20)`` as ``LensSurface`` in ``lens/lens_surface.glsl``; longer rows with cylinders, outlines or odd powers."""
+    surfaces, prescription = lens.prescription.surfaces, lens.prescription
+    is_biconic, is_odd = prescription.is_anamorphic, prescription.has_odd_powers
+    outlined = _ROW + _BICONIC * is_biconic
+    width = outlined + (_OUTLINES if prescription.outlines else 0) + _ODD * is_odd
+    table = np.zeros((len(surfaces), width), np.float32)
     gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))
     for row, surface, gap in zip(table, surfaces, gaps, strict=True):
         # negative: the iris is not a rim here; the caller knows which stop points are open
@@ -147,6 +152,9 @@ def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
             if outline is not None:
                 wide, high = outline.half_mm
                 row[place : place + 4] = [wide if outline.kind == "ellipse" else -wide, high, *outline.centre_mm]
+        if is_odd:
+            row[-_ODD : len(surface.odd) - _ODD] = surface.odd
+            row[-4] = len(surface.odd)
     if field is not None:
         glass = [place for place, surface in enumerate(surfaces) if surface.radius_mm or not surface.is_stop]
         for index, (place, heights) in enumerate(zip((glass[0], glass[-1]), (field.front, field.back), strict=True)):

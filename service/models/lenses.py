@@ -36,6 +36,7 @@ SURFACE_EXAMPLE: JsonDict = {
     "clearDiameterMm": 17.8572,
     "conic": 0.0,
     "aspheric": [],
+    "odd": [],
     "isStop": True,
 }
 
@@ -101,6 +102,7 @@ class LensSurface(Model):
     clear_diameter_mm: float = Field(description="Clear diameter; 0 where it is unknown and solved for.")
     conic: float
     aspheric: list[float] = Field(description="Coefficients of r⁴, r⁶, ... with r in millimetres.")
+    odd: list[float] = Field(description="Coefficients of r³, r⁵, ...; empty for most surfaces.")
     is_stop: bool
 
 

@@ -144,6 +144,7 @@ def _surface(surface: Surface) -> LensSurface:
         clear_diameter_mm=2 * surface.semi_diameter_mm,
         conic=surface.conic,
         aspheric=list(surface.aspheric),
+        odd=list(surface.odd),
         is_stop=surface.is_stop,
     )
 

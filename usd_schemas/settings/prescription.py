@@ -149,6 +149,69 @@ class Prescription:
         "Coefficient of r^20 in the sag of each surface.",
         unit="mm^-19",
     )
+    aspheric3: Floats = setting(
+        "lens:prescription:aspheric3",
+        (),
+        "Aspheric A3",
+        "Coefficient of r^3 in the sag of each surface, r the distance from the axis in millimetres.",
+        unit="mm^-2",
+    )
+    aspheric5: Floats = setting(
+        "lens:prescription:aspheric5",
+        (),
+        "Aspheric A5",
+        "Coefficient of r^5 in the sag of each surface.",
+        unit="mm^-4",
+    )
+    aspheric7: Floats = setting(
+        "lens:prescription:aspheric7",
+        (),
+        "Aspheric A7",
+        "Coefficient of r^7 in the sag of each surface.",
+        unit="mm^-6",
+    )
+    aspheric9: Floats = setting(
+        "lens:prescription:aspheric9",
+        (),
+        "Aspheric A9",
+        "Coefficient of r^9 in the sag of each surface.",
+        unit="mm^-8",
+    )
+    aspheric11: Floats = setting(
+        "lens:prescription:aspheric11",
+        (),
+        "Aspheric A11",
+        "Coefficient of r^11 in the sag of each surface.",
+        unit="mm^-10",
+    )
+    aspheric13: Floats = setting(
+        "lens:prescription:aspheric13",
+        (),
+        "Aspheric A13",
+        "Coefficient of r^13 in the sag of each surface.",
+        unit="mm^-12",
+    )
+    aspheric15: Floats = setting(
+        "lens:prescription:aspheric15",
+        (),
+        "Aspheric A15",
+        "Coefficient of r^15 in the sag of each surface.",
+        unit="mm^-14",
+    )
+    aspheric17: Floats = setting(
+        "lens:prescription:aspheric17",
+        (),
+        "Aspheric A17",
+        "Coefficient of r^17 in the sag of each surface.",
+        unit="mm^-16",
+    )
+    aspheric19: Floats = setting(
+        "lens:prescription:aspheric19",
+        (),
+        "Aspheric A19",
+        "Coefficient of r^19 in the sag of each surface.",
+        unit="mm^-18",
+    )
     radius_across: Floats = setting(
         "lens:prescription:radiusAcross",
         (),

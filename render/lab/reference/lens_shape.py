@@ -168,6 +168,9 @@ def _sag(surface: Surface, r2: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
     for power, coefficient in enumerate(surface.aspheric, start=2):
         sag = sag + coefficient * r2**power
         by_r2 = by_r2 + power * coefficient * r2 ** (power - 1)
+    for power, coefficient in enumerate(surface.odd, start=1):
+        sag = sag + coefficient * r2 ** (power + 0.5)
+        by_r2 = by_r2 + (power + 0.5) * coefficient * r2 ** (power - 0.5)
     return sag, by_r2
 
 
@@ -175,7 +178,7 @@ def _formula_end_mm(surface: Surface) -> float:
     """Distance from the axis where a surface's conic turns back; of an asphere, where it grows too steep to be meant."""
     bend = (1 + surface.conic) / surface.radius_mm**2 if surface.radius_mm else 0.0
     end = (1 - 1e-9) / np.sqrt(bend) if bend > 0 else np.inf
-    if not surface.aspheric:
+    if not surface.is_aspheric:
         return float(end)
     r = np.geomspace(1e-3, min(end, _MAX_EXTENT_MM), 1025)
     steep = np.abs(2 * r * _sag(surface, r * r)[1]) > _STEEPEST
@@ -184,12 +187,14 @@ def _formula_end_mm(surface: Surface) -> float:
 
 def _bounds(surface: Surface, end_mm: float, added: _HeightMap | None) -> tuple[float, float, float]:
     """Lowest and highest value and steepest slope of a surface out to a distance from the axis."""
-    if not surface.radius_mm and not surface.aspheric and added is None:
+    if not surface.radius_mm and not surface.is_aspheric and added is None:
         return 0.0, 0.0, 0.0
     r = np.linspace(0, end_mm, 1025)
     sag, by_r2 = _sag(surface, r * r)
     slope = np.abs(2 * r * by_r2)
-    slack = float(slope.max()) * end_mm / 2048 if surface.aspheric else 0.0  # a conic is lowest and highest at its ends
+    slack = (
+        float(slope.max()) * end_mm / 2048 if surface.is_aspheric else 0.0
+    )  # a conic is lowest and highest at its ends
     low, high, steepest = float(sag.min()) - slack, float(sag.max()) + slack, float(slope.max())
     if added is not None:
         low, high = low + float(added.heights.min()), high + float(added.heights.max())

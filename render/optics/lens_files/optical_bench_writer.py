@@ -103,7 +103,7 @@ def _rows(lens: Prescription, index: int, moving: list[int], notes: list[str]) -
 
 
 def _is_window(surface: Surface, before: Glass) -> bool:
-    return surface.radius_mm == 0 and not any(surface.aspheric) and surface.glass == before == Glass()
+    return surface.radius_mm == 0 and not any(surface.aspheric_terms.values()) and surface.glass == before == Glass()
 
 
 def _glass(index: int, glass: Glass, diameter: str, notes: list[str]) -> list[str]:

@@ -105,6 +105,7 @@ def _scale_surface(surface: Surface, factor: float) -> Surface:
         thickness_mm=surface.thickness_mm * factor,
         semi_diameter_mm=surface.semi_diameter_mm * factor,
         aspheric=tuple(term * factor ** -(2 * i + 3) for i, term in enumerate(surface.aspheric)),
+        odd=tuple(term * factor ** -(2 * i + 2) for i, term in enumerate(surface.odd)),
         across=surface.across and replace(surface.across, radius_mm=surface.across.radius_mm * factor),
         opening=scaled(surface.opening, factor),
         obscuration=scaled(surface.obscuration, factor),

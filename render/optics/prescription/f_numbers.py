@@ -69,7 +69,7 @@ def iris_radius_mm(prescription: Prescription, f_stop: float) -> float:
 def without_rims(prescription: Prescription) -> Prescription:
     """Prescription whose aspheres are known as far as their formula goes: with a rim, rays beyond it miss them."""
     surfaces = tuple(
-        replace(surface, semi_diameter_mm=0.0) if surface.aspheric or surface.across else surface
+        replace(surface, semi_diameter_mm=0.0) if surface.is_aspheric or surface.across else surface
         for surface in prescription.surfaces
     )
     return replace(prescription, surfaces=surfaces)

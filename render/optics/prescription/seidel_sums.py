@@ -107,6 +107,9 @@ def third_order(
 
 
 def fourth_power_terms(surfaces: tuple[Surface, ...]) -> DoubleArray:
-    """``(n,)`` coefficient of r⁴ by which each surface departs from the sphere that touches its vertex, 1/mm³."""
+    """``(n,)`` coefficient of r⁴ by which each surface departs from the sphere that touches its vertex, 1/mm³.
+
+    Third-order theory has no place for odd powers; they are left out.
+    """
     terms = [s.conic * curvature(s) ** 3 / 8 + (s.aspheric[0] if s.aspheric else 0.0) for s in surfaces]
     return np.array(terms)

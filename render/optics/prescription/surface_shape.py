@@ -40,9 +40,7 @@ def sag_mm(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray
     c = curvature(surface)
     with np.errstate(invalid="ignore"):
         sag = c * r2 / (1 + np.sqrt(1 - (1 + surface.conic) * c * c * r2))
-    for power, coefficient in enumerate(surface.aspheric, start=2):
-        sag = sag + coefficient * r2**power
-    return np.asarray(sag)
+    return np.asarray(sag + _polynomial(surface, r2))
 
 
 def sag_gradient(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray:
@@ -51,9 +49,7 @@ def sag_gradient(surface: Surface, radius_squared: DoubleArray | float) -> Doubl
     c = curvature(surface)
     with np.errstate(invalid="ignore", divide="ignore"):
         gradient = c / (2 * np.sqrt(1 - (1 + surface.conic) * c * c * r2))
-    for power, coefficient in enumerate(surface.aspheric, start=2):
-        gradient = gradient + power * coefficient * r2 ** (power - 1)
-    return np.asarray(gradient)
+    return np.asarray(gradient + _polynomial_gradient(surface, r2))
 
 
 def sag_at(surface: Surface, points: DoubleArray) -> DoubleArray:
@@ -64,9 +60,7 @@ def sag_at(surface: Surface, points: DoubleArray) -> DoubleArray:
     curved, bent = _biconic(surface, points)
     with np.errstate(invalid="ignore"):
         sag = curved / (1 + np.sqrt(1 - bent))
-    for power, coefficient in enumerate(surface.aspheric, start=2):
-        sag = sag + coefficient * r2**power
-    return np.asarray(sag)
+    return np.asarray(sag + _polynomial(surface, r2))
 
 
 def slopes_at(surface: Surface, points: DoubleArray) -> DoubleArray:
@@ -79,9 +73,27 @@ def slopes_at(surface: Surface, points: DoubleArray) -> DoubleArray:
     with np.errstate(invalid="ignore", divide="ignore"):
         root = np.sqrt(1 - bent)
         slopes = points * (2 * curvatures / (1 + root) + curved * bends / (root * (1 + root) ** 2))
+    return np.asarray(slopes + 2 * points * _polynomial_gradient(surface, r2)[..., None])
+
+
+def _polynomial(surface: Surface, r2: DoubleArray) -> DoubleArray:
+    """Sum of the aspheric terms at squares of the distance from the axis."""
+    total = np.zeros_like(r2)
     for power, coefficient in enumerate(surface.aspheric, start=2):
-        slopes = slopes + (2 * power * coefficient * r2 ** (power - 1))[..., None] * points
-    return np.asarray(slopes)
+        total = total + coefficient * r2**power
+    for power, coefficient in enumerate(surface.odd, start=1):
+        total = total + coefficient * r2**power * np.sqrt(r2)
+    return total
+
+
+def _polynomial_gradient(surface: Surface, r2: DoubleArray) -> DoubleArray:
+    """Derivative of `_polynomial` by the square of the distance from the axis."""
+    total = np.zeros_like(r2)
+    for power, coefficient in enumerate(surface.aspheric, start=2):
+        total = total + power * coefficient * r2 ** (power - 1)
+    for power, coefficient in enumerate(surface.odd, start=1):
+        total = total + (power + 0.5) * coefficient * r2 ** (power - 1) * np.sqrt(r2)
+    return total
 
 
 def _biconic(surface: Surface, points: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
@@ -107,7 +119,7 @@ def extent_mm(surface: Surface) -> float:
     """Radius out to which the surface is known: its clear semi-diameter, else where it turns back or grows too steep."""
     if surface.semi_diameter_mm > 0:
         return surface.semi_diameter_mm
-    if not surface.aspheric and surface.across is None:
+    if not surface.is_aspheric and surface.across is None:
         return conic_extent_mm(surface)
     radii = _RADII_MM[conic_extent_mm(surface) > _RADII_MM]
     steep = (np.abs([slopes_at(surface, radii[:, None] * way).sum(axis=1) for way in np.eye(2)]) > _STEEPEST).any(
@@ -138,7 +150,7 @@ def intersect(
             distance, hit = _general_distance(surface, on_plane, directions, np.zeros(len(positions)))
             return on_plane + distance[:, None] * directions, hit
         distance, hit = _conic_distance(surface, on_plane, directions)
-        if surface.aspheric:
+        if surface.is_aspheric:
             distance, hit = _general_distance(surface, on_plane, directions, np.where(hit, distance, 0.0))
         return on_plane + distance[:, None] * directions, hit
 

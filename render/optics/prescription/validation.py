@@ -102,7 +102,7 @@ def _check_numbers(prescription: Prescription, index: int, surface: Surface) -> 
         "thickness": surface.thickness_mm,
         "clear semi-diameter": surface.semi_diameter_mm,
         "conic constant": surface.conic,
-        **{f"aspheric coefficient of r^{2 * i + 4}": term for i, term in enumerate(surface.aspheric)},
+        **{f"aspheric coefficient of r^{power}": term for power, term in surface.aspheric_terms.items()},
         **(
             {"radius across": surface.across.radius_mm, "conic constant across": surface.across.conic}
             if surface.across
@@ -121,9 +121,10 @@ def _check_numbers(prescription: Prescription, index: int, surface: Surface) -> 
     for what in ("thickness", "clear semi-diameter"):
         if numbers[what] < 0:
             raise bad_lens(prescription, f"its {what} must be 0 or more, got {numbers[what]:g} mm", index)
-    if len(surface.aspheric) > MAX_ASPHERIC_TERMS:
-        what = f"expected at most {MAX_ASPHERIC_TERMS} aspheric coefficients, got {len(surface.aspheric)}"
-        raise bad_lens(prescription, what, index)
+    for kind, terms in (("aspheric", surface.aspheric), ("odd aspheric", surface.odd)):
+        if len(terms) > MAX_ASPHERIC_TERMS:
+            what = f"expected at most {MAX_ASPHERIC_TERMS} {kind} coefficients, got {len(terms)}"
+            raise bad_lens(prescription, what, index)
 
 
 def _check_glass(prescription: Prescription, index: int, surface: Surface) -> None:
@@ -200,7 +201,7 @@ def _check_cylinders(prescription: Prescription, first: int, last: int) -> None:
     if ends != [1.0, 1.0]:
         raise bad_lens(prescription, "the group that focuses from side to side must begin and end in the air", first)
     for i in range(first, last + 1):
-        if surfaces[i].radius_mm or surfaces[i].aspheric or surfaces[i].is_stop:
+        if surfaces[i].radius_mm or surfaces[i].is_aspheric or surfaces[i].is_stop:
             what = "it focuses from side to side, and must be a cylinder without power from top to bottom"
             raise bad_lens(prescription, what, i)
 

@@ -12,6 +12,10 @@ struct LensSurface {
     vec4 opening;       // half width (negative of a rectangle, 0 where there is none), half height, centre
     vec4 obscuration;   // likewise
 #endif
+#ifdef ODD_POWERS
+    vec4 odd[3];        // coefficients of r^3, r^5, ... r^23; 0 beyond those it has
+    vec4 odd_count;     // their number
+#endif
 };
 layout(std430, binding = 0) readonly buffer LensSurfaces { LensSurface surfaces[]; };
 
@@ -21,7 +25,7 @@ const int MARCH_STEPS = 64;
 const int REFINEMENTS = 14;
 #endif
 
-// Polynomial part of the sag and its derivative by r², over r².
+// Polynomial part of the sag and its derivative by r², at r².
 vec2 aspheric_sag(LensSurface s, float r2)
 {
     float sag = 0.0, slope = 0.0;
@@ -29,7 +33,16 @@ vec2 aspheric_sag(LensSurface s, float r2)
         slope = slope * r2 + sag;
         sag = sag * r2 + s.aspheric[i >> 2][i & 3];
     }
-    return vec2(sag * r2 * r2, slope * r2 * r2 + 2.0 * sag * r2);
+    vec2 whole = vec2(sag * r2 * r2, slope * r2 * r2 + 2.0 * sag * r2);
+#ifdef ODD_POWERS
+    float r = sqrt(r2), odd = 0.0, odd_slope = 0.0;
+    for (int i = int(s.odd_count.x) - 1; i >= 0; --i) {
+        odd_slope = odd_slope * r2 + odd;
+        odd = odd * r2 + s.odd[i >> 2][i & 3];
+    }
+    whole += r * vec2(odd * r2, odd_slope * r2 + 1.5 * odd);
+#endif
+    return whole;
 }
 
 // Sag and its gradient; false beyond the surface's own rim.
@@ -127,7 +140,11 @@ bool meet(LensSurface s, vec3 o, vec3 d, out float t)
 #endif
     if (is_conic) {
         if (!meet_conic(s, o, d, t)) return false;
+#ifdef ODD_POWERS
+        if (s.kind.x == 0.0 && s.odd_count.x == 0.0) return true;
+#else
         if (s.kind.x == 0.0) return true;
+#endif
     } else {
         t = -o.z / d.z;
     }

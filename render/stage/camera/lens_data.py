@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import count
 from typing import Any, Literal
 
 from render.errors import InputError
@@ -21,8 +22,11 @@ from usd_schemas import Prescription as PrescriptionData
 _DECIMALS = 9  # of a millimetre: sums of thicknesses without their binary rounding
 SQUEEZES = 0.1, 10.0
 """The schema's range; real lenses squeeze by 1.25 to 2."""
-ASPHERIC = tuple(f"aspheric{power}" for power in range(4, 21, 2))
+_HIGHEST_POWER = 20
+ASPHERIC = tuple(f"aspheric{power}" for power in range(4, _HIGHEST_POWER + 1, 2))
 """Fields of the schema's prescription that hold the coefficients of r⁴, r⁶, ... r²⁰."""
+ODD = tuple(f"aspheric{power}" for power in range(3, _HIGHEST_POWER, 2))
+"""Fields that hold the coefficients of r³, r⁵, ... r¹⁹."""
 
 
 def lens_data(prescription: Prescription, name: str = "") -> LensData:
@@ -36,9 +40,9 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         InputError: it has terms that the schema cannot hold.
     """
     surfaces = [replace(surface, glass=_portable(surface.glass)) for surface in prescription.surfaces]
-    longest = max(len(surface.aspheric) for surface in surfaces)
-    if longest > len(ASPHERIC):
-        raise InputError(f"{prescription.name} has a term of r^{2 * longest + 2}, USD has them up to r^20")
+    highest = max((power for surface in surfaces for power in surface.aspheric_terms), default=0)
+    if highest > _HIGHEST_POWER:
+        raise InputError(f"{prescription.name} has a term of r^{highest}, USD has them up to r^{_HIGHEST_POWER}")
     stops = [index for index, surface in enumerate(surfaces) if surface.is_stop]
     has_sellmeier = any(surface.glass.sellmeier_b for surface in surfaces)
     nothing = (0.0, 0.0, 0.0)
@@ -60,8 +64,8 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         **_outlines(prescription, "opening"),
         **_outlines(prescription, "obscuration"),
         **{
-            field: _unless_zero(s.aspheric[place] if place < len(s.aspheric) else 0.0 for s in surfaces)
-            for place, field in enumerate(ASPHERIC)
+            field: _unless_zero(surface.aspheric_terms.get(power, 0.0) for surface in surfaces)
+            for power, field in (*zip(count(4, 2), ASPHERIC), *zip(count(3, 2), ODD))
         },
     )
     return LensData(

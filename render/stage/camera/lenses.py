@@ -30,7 +30,7 @@ from render.optics.channel_indices import with_channel_indices
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.validation import MAX_CONFIGURATIONS
-from render.stage.camera.lens_data import ASPHERIC, SQUEEZES
+from render.stage.camera.lens_data import ASPHERIC, ODD, SQUEEZES
 from render.stage.camera.lens_outlines import outlines
 from render.stage.camera.planes import read_plane, rotate_plane
 from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
@@ -159,6 +159,7 @@ def _prescription(data: LensData, camera: str) -> Prescription:
                 across[i],
                 openings[i],
                 obscurations[i],
+                _terms([columns[field][i] for field in ODD]),
             )
             for i in range(count)
         ),
@@ -232,7 +233,7 @@ _NOTHING: dict[str, Any] = {
     "glass": "",
     "index": 1.0,
 }
-_COLUMNS = ("radius", "thickness", "abbe", "clear_diameter", "conic", "coating_wavelength", *_NOTHING, *ASPHERIC)
+_COLUMNS = ("radius", "thickness", "abbe", "clear_diameter", "conic", "coating_wavelength", *_NOTHING, *ASPHERIC, *ODD)
 
 
 def _column(rows: PrescriptionData, field: str, count: int, camera: str) -> Sequence[Any]:

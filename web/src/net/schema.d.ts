@@ -6296,6 +6296,7 @@ export interface components {
          *             ]
          *           },
          *           "isStop": true,
+         *           "odd": [],
          *           "radiusMm": 50.2792,
          *           "thicknessMm": 8
          *         },
@@ -6304,6 +6305,7 @@ export interface components {
          *           "clearDiameterMm": 17.8572,
          *           "conic": 0,
          *           "isStop": false,
+         *           "odd": [],
          *           "radiusMm": -50.2792,
          *           "thicknessMm": 8
          *         }
@@ -6659,6 +6661,11 @@ export interface components {
             readonly glass: components["schemas"]["LensGlass"] | null;
             /** Isstop */
             readonly isStop: boolean;
+            /**
+             * Odd
+             * @description Coefficients of r³, r⁵, ...; empty for most surfaces.
+             */
+            readonly odd: readonly number[];
             /**
              * Radiusmm
              * @description Positive where the centre of curvature lies toward the film; 0 is a plane.

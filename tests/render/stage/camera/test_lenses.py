@@ -414,6 +414,19 @@ def test_cylinders_are_written_and_read(stage: Usd.Stage, camera: LensCamera) ->
     assert _read(stage).lens.squeeze == pytest.approx(own / across, abs=0.01)
 
 
+def test_odd_powers_are_written_and_read(stage: Usd.Stage, camera: LensCamera) -> None:
+    front = replace(CYLINDERS.surfaces[2], odd=(1e-5, 0.0, -2e-9), aspheric=(1e-6,))
+    lens = replace(CYLINDERS, surfaces=(*CYLINDERS.surfaces[:2], front, CYLINDERS.surfaces[3]))
+    mount_lens(camera, lens_data(lens))
+    assert _read(stage).lens.prescription == lens
+
+
+def test_odd_powers_beyond_the_schema_are_refused() -> None:
+    lens = replace(CYLINDERS, surfaces=(replace(CYLINDERS.surfaces[0], odd=(0.0,) * 9 + (1e-30,)),))
+    with pytest.raises(InputError, match=r"a term of r\^21, USD has them up to r\^20"):
+        lens_data(lens)
+
+
 def test_a_lens_of_spheres_has_no_arrays_across() -> None:
     plain = replace(CYLINDERS, surfaces=tuple(replace(surface, across=None) for surface in CYLINDERS.surfaces))
     assert lens_data(plain).prescription.radius_across == lens_data(plain).prescription.conic_across == ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from render.model.lens import AIR, Glass, Outline
+from render.optics.lens_files.forbes import ForbesTerms
 
 
 @dataclass
@@ -19,11 +20,12 @@ class DraftSurface:
         glass: the medium behind it.
         semi_diameter: half the clear diameter; 0 where it is unknown.
         conic: conic constant.
-        terms: coefficients of r², r⁴, r⁶, ... by the power of r.
+        terms: coefficients by the power of r.
         is_stop: whether it is the aperture stop.
         across: radius and conic constant in x, where they are others than in y; None where not.
         opening: within which light passes, in the file's unit in place of millimetres; None where there is none.
         obscuration: within which no light passes, likewise.
+        forbes: departure in Forbes's polynomials; None where there is none.
     """
 
     label: str
@@ -38,3 +40,9 @@ class DraftSurface:
     across: tuple[float, float] | None = None
     opening: Outline | None = None
     obscuration: Outline | None = None
+    forbes: ForbesTerms | None = None
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether it is a plane."""
+        return self.radius == 0 and self.across is None and self.forbes is None and not any(self.terms.values())

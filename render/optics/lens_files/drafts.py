@@ -17,6 +17,7 @@ from render.optics.lens_files.configurations import (
     to_configurations,
 )
 from render.optics.lens_files.draft_surface import DraftSurface
+from render.optics.lens_files.file_shapes import shape_in_mm
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.rims import with_trimmed_rims, without_negative_gaps
 from render.optics.prescription.outlines import scaled
@@ -25,7 +26,6 @@ from render.optics.prescription.surface_shape import conic_extent_mm
 MAX_SURFACES = 200
 FAR_AWAY_MM = 1e7  # an object beyond it is at infinity: CODE V writes 1e13
 _MAX_LENGTH_MM = 1e5
-_PLANE_RADIUS_MM, _LEAST_RADIUS_MM = 1e9, 1e-3
 _INDEX_RANGE, _LEAST_ABBE = (1.0, 5.0), 5.0
 _EDGE_OF_CONIC = 0.995
 _VISIBLE_NM = np.linspace(400.0, 700.0, 31)
@@ -108,8 +108,9 @@ def finish(draft: Draft) -> Prescription:
     group = draft.focus_group
     if group is not None and not all(any(each is surface for surface in surfaces) for each in group):
         raise text.error("the group that moves to focus begins or ends with a plane of air outside the glass")
+    shaped = tuple(_in_mm(surface, draft) for surface in surfaces)
     lens = Prescription(
-        tuple(_in_mm(surface, draft) for surface in surfaces),
+        shaped,
         focus_group=None if group is None else (_place(surfaces, group[0]), _place(surfaces, group[1])),
         f_stop=draft.f_stop,
         name=draft.name or text.name.rsplit(".", 1)[0],
@@ -149,9 +150,8 @@ def _place(surfaces: Sequence[DraftSurface], wanted: DraftSurface) -> int:
 
 
 def _is_mark(surface: DraftSurface, before: Glass) -> bool:
-    is_flat = surface.radius == 0 and surface.across is None and not any(surface.terms.values())
     is_plain = surface.opening is None and surface.obscuration is None
-    return is_flat and is_plain and surface.glass == before and not surface.is_stop
+    return surface.is_flat and is_plain and surface.glass == before and not surface.is_stop
 
 
 def _in_mm(surface: DraftSurface, draft: Draft) -> Surface:
@@ -159,42 +159,25 @@ def _in_mm(surface: DraftSurface, draft: Draft) -> Surface:
     for name, length in (("thickness", thickness), ("semi-diameter", semi_diameter)):
         if abs(length) > _MAX_LENGTH_MM:
             raise _error(surface, draft, f"the {name} must be at most {_MAX_LENGTH_MM:g} mm, got {length:g} mm")
-    radius, conic, coefficients = _shape(surface, draft)
-    across = surface.across and Across(surface.across[0] * draft.unit_mm, surface.across[1])
+    shape = shape_in_mm(surface, draft.unit_mm, draft.text)
+    if shape.note:
+        draft.notes.append(shape.note)
     made = Surface(
-        radius,
+        shape.radius_mm,
         thickness,
         surface.glass,
         semi_diameter,
-        conic,
-        coefficients,
+        shape.conic,
+        shape.aspheric,
         surface.is_stop,
-        across=across,
+        across=surface.across and Across(surface.across[0] * draft.unit_mm, surface.across[1]),
         opening=scaled(surface.opening, draft.unit_mm),
         obscuration=scaled(surface.obscuration, draft.unit_mm),
+        odd=shape.odd,
     )
     if made.opening is not None and semi_diameter > conic_extent_mm(made):  # corners that no glass can have
         made = replace(made, semi_diameter_mm=_EDGE_OF_CONIC * conic_extent_mm(made))
     return made
-
-
-def _shape(surface: DraftSurface, draft: Draft) -> tuple[float, float, tuple[float, ...]]:
-    """Radius, conic constant and coefficients of r⁴, r⁶, ... in millimetres."""
-    # sag/unit = a·(r/unit)^p, so a grows by unit^(1 − p)
-    terms = {power: value * draft.unit_mm ** (1 - power) for power, value in surface.terms.items() if value != 0}
-    odd = [power for power in terms if power % 2]
-    if odd:
-        raise _error(surface, draft, f"terms of odd powers (r^{odd[0]}) are not supported")
-    radius, conic, squared = surface.radius * draft.unit_mm, surface.conic, terms.pop(2, 0.0)
-    if squared != 0:
-        if radius != 0:
-            raise _error(surface, draft, "a term of r^2 is supported on a surface without curvature alone")
-        radius, conic = 0.5 / squared, -1.0  # a·r² is the paraboloid of that radius
-    if abs(radius) > _PLANE_RADIUS_MM:
-        radius = 0.0
-    if 0 < abs(radius) < _LEAST_RADIUS_MM:
-        raise _error(surface, draft, f"the radius must be 0 or at least {_LEAST_RADIUS_MM:g} mm, got {radius:g} mm")
-    return radius, conic, tuple(terms.get(power, 0.0) for power in range(4, max(terms, default=2) + 1, 2))
 
 
 def _error(surface: DraftSurface, draft: Draft, what: str) -> InputError:

@@ -91,7 +91,7 @@ def without_negative_gaps(
     before: Glass = AIR
     for place, surface in enumerate(surfaces):
         gap_before = kept[-1].thickness if kept else 0.0
-        is_window = _is_plane(surface) and surface.glass == before == AIR
+        is_window = surface.is_flat and surface.glass == before == AIR
         is_between = is_window and len(kept) > 0 and place < len(surfaces) - 1
         is_before = gap_before < 0 or surface.thickness < 0
         if not (is_between and (is_before or _is_cut(kept[-1], surface, surfaces[place + 1]))):
@@ -129,10 +129,10 @@ def _is_cut(front: DraftSurface, plane: DraftSurface, behind: DraftSurface) -> b
 
 def _shape(surface: DraftSurface) -> Surface:
     """The surface in the file's unit, a little narrower than it is."""
-    powers = range(4, max(surface.terms, default=2) + 1, 2)
-    terms = tuple(surface.terms.get(power, 0.0) for power in powers)
+    highest = max(surface.terms, default=2)
+    even, odd = (tuple(surface.terms.get(power, 0.0) for power in range(i, highest + 1, 2)) for i in (4, 3))
     width = (1 - _ROUNDED) * surface.semi_diameter
-    return Surface(surface.radius, 0.0, semi_diameter_mm=width, conic=surface.conic, aspheric=terms)
+    return Surface(surface.radius, 0.0, semi_diameter_mm=width, conic=surface.conic, aspheric=even, odd=odd)
 
 
 def _without(group: Group, dropped: DraftSurface, front: DraftSurface, behind: DraftSurface) -> Group:
@@ -141,10 +141,6 @@ def _without(group: Group, dropped: DraftSurface, front: DraftSurface, behind: D
         return group
     first, last = group
     return behind if first is dropped else first, front if last is dropped else last
-
-
-def _is_plane(surface: DraftSurface) -> bool:
-    return surface.radius == 0 and surface.across is None and not any(surface.terms.values())
 
 
 def _move_to_glass(front: DraftSurface, stop: DraftSurface, whole: float, unit_mm: float) -> list[str]:

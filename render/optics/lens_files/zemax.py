@@ -5,7 +5,7 @@
     FNUM 2.1 0                          or ENPD, the entrance beam's diameter; FLOA: that of the stop's DIAM
     SURF 4                              0 is the object, the last one the image
       STOP
-      TYPE EVENASPH                     or STANDARD, BICONICX, TOROIDAL (`render.optics.lens_files.zemax_cylinders`)
+      TYPE EVENASPH                     or STANDARD; `zemax_cylinders` and `zemax_aspheres` have the others
       CURV 1.117818019226E-001 0 0 0 0 ""   1/radius
       PARM 2 1.10721E-5                 PARM i: coefficient of r^(2i)
       DISZ 4.25                         thickness
@@ -26,7 +26,7 @@ from dataclasses import replace
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.dispersion.model_glass import deviating_glass
-from render.optics.lens_files import zemax_cylinders
+from render.optics.lens_files import zemax_aspheres, zemax_cylinders
 from render.optics.lens_files.configurations import Quantity, join_gaps
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.drafts import Draft, check_glass, finish, is_object_near
@@ -37,7 +37,7 @@ from render.optics.lens_files.zemax_apertures import APERTURES, ZemaxApertures
 from render.optics.lens_files.zemax_configurations import OPERANDS, SOLVES, ZemaxConfigurations, object_distance
 
 _UNITS_MM = {"MM": 1.0, "CM": 10.0, "IN": 25.4, "INCH": 25.4, "INCHES": 25.4, "M": 1000.0, "METER": 1000.0}
-_TYPES = ("STANDARD", "EVENASPH", *zemax_cylinders.TYPES)
+_TYPES = ("STANDARD", "EVENASPH", *zemax_aspheres.TYPES, *zemax_cylinders.TYPES)
 _PARAMETERS = tuple("12345678")
 _REFUSED_TYPES = {
     "GRAD": "gradient-index glasses",
@@ -85,6 +85,7 @@ class _Reader:
         self._breaks: list[DraftSurface] = []
         self._two_curves = zemax_cylinders.TwoCurves(text)
         self._apertures = ZemaxApertures(text)
+        self._aspheres = zemax_aspheres.ZemaxAspheres(text)
         self._is_asphere = False  # the surface that is being read
         self._of_system: dict[str, Callable[[list[str], str, int], None]] = {
             "MODE": self._mode,
@@ -105,6 +106,7 @@ class _Reader:
             "DIAM": self._semi_diameter,
             "CONI": self._conic,
             "PARM": self._parameter,
+            "XDAT": self._extra_data,
         }
 
     def take(self, command: str, words: list[str], rest: str, line: int) -> None:
@@ -130,6 +132,7 @@ class _Reader:
             got = f"got {len(self._surfaces)}"
             raise self._text.error(f"expected SURF sections for the object, at least one surface and the image, {got}")
         self._two_curves.finish()
+        self._aspheres.finish()
         self._draft.notes += self._apertures.finish(self._surfaces[1:-1])
         draft, image = self._draft, self._surfaces[-1]
         if image.glass != AIR or image.thickness:
@@ -205,6 +208,9 @@ class _Reader:
         for begin, what in _REFUSED_TYPES.items():
             if _first(words).upper().startswith(begin):
                 raise self._error(surface, f"{what} (TYPE {words[0][:20]}) are not supported", line)
+        if zemax_aspheres.is_asphere(_first(words).upper()):
+            self._aspheres.begin(surface, _first(words).upper(), line)
+            return
         if _first(words).upper() not in _TYPES:
             kind = _first(words) or "nothing"
             raise self._error(surface, f"surfaces of TYPE {' and '.join(_TYPES)} are supported, got {kind}", line)
@@ -237,6 +243,9 @@ class _Reader:
             parameter = self._number(surface, words[1], f"parameter (PARM {words[0][:9]})", line)
             self._two_curves.take(surface, words[0], parameter)
             return
+        if self._aspheres.holds(surface):
+            self._aspheres.take(surface, "PARM", list(words), line)
+            return
         if not self._is_asphere:  # a sphere has parameters without meaning
             return
         number, value = _first(words), words[1] if len(words) > 1 else ""
@@ -247,6 +256,11 @@ class _Reader:
             surface.terms[2 * int(number)] = term
         elif term:
             raise self._error(surface, f"PARM {number[:9]} must be 0: an even asphere has those from 1 to 8", line)
+
+    def _extra_data(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
+        """Take extra data (XDAT), which spheres and even aspheres have left over from another type."""
+        if self._aspheres.holds(surface):
+            self._aspheres.take(surface, "XDAT", list(words), line)
 
     def _break(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         """Refuse a decentre (PARM 1 and 2) or a tilt (3 to 5)."""

@@ -72,7 +72,7 @@ def test_a_wrong_row_of_a_pbrt_file(old: str, new: str, expected: str) -> None:
         ("CURV 5.0E-002", "CURV x", r"surface 1: the curvature \(CURV\) must be a number, got 'x'"),
         ("DISZ 5.2", "DISZ", r"surface 2: the thickness \(DISZ\) must be a number, got ''"),
         ("DISZ 5.2", "DISZ INFINITY", "surface 2: the thickness must be at most 100000 mm, got inf"),
-        ("PARM 1 0", "PARM 1 0.1", r"surface 4: a term of r\^2 is supported on a surface without curvature alone"),
+        ("PARM 1 0", "PARM 1 1e9", r"surface 4: its term of r\^2 cannot be told by a conic and even powers"),
         ("PARM 1 0", "PARM one 0", "surface 4: PARM must be followed by its number and by its value"),
         ("PARM 1 0", "PARM 9 0.1", "surface 4: PARM 9 must be 0: an even asphere has those from 1 to 8"),
         ("ENPD 14.2857", "CONI 3", "line 5: CONI stands before the first SURF"),

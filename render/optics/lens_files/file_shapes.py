@@ -58,9 +58,7 @@ def shape_in_mm(surface: DraftSurface, unit_mm: float, text: LensText) -> FileSh
     # sag/unit = a·(r/unit)^p, so a grows by unit^(1 − p)
     terms = {power: value * unit_mm ** (1 - power) for power, value in surface.terms.items() if value != 0}
     radius, conic, forbes = surface.radius * unit_mm, surface.conic, surface.forbes and surface.forbes.scaled(unit_mm)
-    if 0 < abs(radius) < _LEAST_RADIUS_MM:
-        what = f"the radius must be 0 or at least {_LEAST_RADIUS_MM:g} mm, got {radius:g} mm"
-        raise text.error(what, surface.line, surface.label)
+    _check_radius(radius, surface, text)
     if 1 in terms:
         what = "a term of r^1 is not supported: it makes a cone, whose tip has no focal length"
         raise text.error(what, surface.line, surface.label)
@@ -100,9 +98,16 @@ def shape_in_mm(surface: DraftSurface, unit_mm: float, text: LensText) -> FileSh
         elif 2 in terms:
             what = "a term of r^2 is supported on a surface without curvature or with a clear diameter alone"
             raise text.error(what, surface.line, surface.label)
+    _check_radius(radius, surface, text)
     if abs(radius) > _PLANE_RADIUS_MM:
         radius = 0.0
     return FileShape(radius, conic, _from(terms, 4), _from(terms, 3), note)
+
+
+def _check_radius(radius_mm: float, surface: DraftSurface, text: LensText) -> None:
+    if 0 < abs(radius_mm) < _LEAST_RADIUS_MM:
+        what = f"the radius must be 0 or at least {_LEAST_RADIUS_MM:g} mm, got {radius_mm:g} mm"
+        raise text.error(what, surface.line, surface.label)
 
 
 def _reason(terms: dict[int, float], forbes: ForbesTerms | None) -> str:
@@ -134,7 +139,7 @@ class _Fit:
         vertex = self._curvature + 2 * terms.get(2, 0.0) + (forbes.added_curvature() if forbes is not None else 0.0)
         self.radius_mm = 1 / vertex if abs(vertex) > 1 / _PLANE_RADIUS_MM else 0.0
         self._vertex = 1 / self.radius_mm if self.radius_mm else 0.0
-        self.conic = self._bend / self._vertex**2 - 1 if self._vertex else 0.0
+        self.conic = self._bend / (self._vertex * self._vertex) - 1 if self._vertex else 0.0
         end = _EDGE_OF_CONIC / np.sqrt(self._bend) if self._bend > 0 else np.inf
         self.width_mm = float(min(width_mm, end))
         fitted = self._fitted()

@@ -7,12 +7,13 @@
     SO 0.0 0.1e14                       the object: radius and distance
     S 61.47 6.0 NBK7_SCHOTT             a surface: radius, thickness, glass (or a code such as 517642)
       STO; CIR 12.0                     it is the stop; half its clear diameter (`render.optics.lens_files.code_v_apertures`)
-      ASP; K -1.0; A 1e-5; B 2e-8       conic constant, coefficients of r⁴, r⁶, ... (A to J, without I)
+      ASP; K -1.0; A 1e-5; B 2e-8       conic constant, coefficients of r⁴, r⁶, ... (A to J, without I);
+                                        `render.optics.lens_files.code_v_surfaces` has other surfaces
     SI 0.0 -0.4                         the image, and its shift
     GO
 
 A command ends at `;` or at the end of its line, unless that ends in `&`; `!` begins a comment. What is not listed has no say
-in how light goes through a lens, or is refused: mirrors, tilts, toroids, gratings, glass whose index varies within it.
+in how light goes through a lens, or is refused: mirrors, tilts, gratings, glass whose index varies within it.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from typing import Literal
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_apertures import APERTURES, CodeVApertures
 from render.optics.lens_files.code_v_glass import PrivateGlasses
+from render.optics.lens_files.code_v_surfaces import CodeVSurfaces
 from render.optics.lens_files.code_v_zoom import CodeVZoom
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.drafts import Draft, check_glass, finish, is_object_near
@@ -40,7 +42,7 @@ _APERTURES: dict[str, tuple[str, Literal["pupil", "f_number", "image_na"]]] = {
     "FNO": ("f-number", "f_number"),
     "NA": ("numerical aperture", "image_na"),
 }
-_UNSUPPORTED = ("XTO", "YTO", "CYL", "AAS", "SPS", "DIF", "GRT", "HOE", "GRX", "GRY", "SCO")
+_UNSUPPORTED = ("DIF", "GRT", "HOE", "GRX", "GRY")
 _REFUSED = {
     "RMD": "mirrors",
     "GRN": "gradient-index glasses",
@@ -120,6 +122,7 @@ class _Reader:
         self._private = PrivateGlasses(text)
         self._zoom = CodeVZoom(text)
         self._apertures = CodeVApertures(text)
+        self._special = CodeVSurfaces(text)
 
     def take(self, command: _Command) -> None:
         """Read one command; unknown ones are ignored."""
@@ -144,6 +147,7 @@ class _Reader:
             raise self._text.error("it ends before the image surface (SI)")
         if len(self._surfaces) < 3:
             raise self._text.error("there is no surface (S) between the object (SO) and the image (SI)")
+        self._special.finish()
         draft = self._draft
         draft.surfaces = self._surfaces[1:-1]
         draft.notes += self._apertures.finish(draft.surfaces)
@@ -204,6 +208,8 @@ class _Reader:
         if named:
             words = words[1:]
         name, line, label = command.name[:3], command.line, surface.label
+        if self._special.takes(surface, command.name, words, line):
+            return
         if name in _POWERS and words:
             surface.terms[_POWERS[name]] = self._text.number(words[0], f"coefficient {name}", line, label)
         elif name == "K" and words:

@@ -95,7 +95,7 @@ def test_a_wrong_line_of_a_zemax_file(old: str, new: str, expected: str) -> None
         ("NBK7_SCHOTT", "REFL", r"line 10, surface 1: mirrors \(REFL\) are not supported"),
         ("DIM   M", "DIM   Q", "line 4: DIM must be M, C or I, got Q"),
         ("SI    0.0 0.0", "", "it ends before the image surface"),
-        ("  PIM", "  XTO", "line 17, surface 3: XTO is not supported"),
+        ("  PIM", "  DIF", "line 17, surface 3: DIF is not supported"),
         ("  PIM", "  ADE 5.0", r"line 17, surface 3: tilts and decentres \(ADE 5\.0\) are not supported"),
         ("  PIM", "STO S7", "line 17: there is no surface 7"),
         (

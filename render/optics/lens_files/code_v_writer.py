@@ -59,7 +59,11 @@ def _surface(index: int, surface: Surface, private: dict[Glass, str], notes: lis
     yield f"  CIR {number(surface.semi_diameter_mm)}"
     yield from _aperture(surface.opening, "L'OPENING'")
     yield from _aperture(surface.obscuration, "OBS")
-    if surface.aspheric:
+    if surface.odd:
+        yield "  SPS ODD 0.0"
+        yield f"  SCO K {number(surface.conic)}"
+        yield from (f"  SCO AR{power} {number(term)}" for power, term in sorted(surface.aspheric_terms.items()) if term)
+    elif surface.aspheric:
         terms = zip(_LETTERS, surface.aspheric, strict=False)
         yield "  ASP"
         yield f"  K {number(surface.conic)}"
@@ -67,7 +71,7 @@ def _surface(index: int, surface: Surface, private: dict[Glass, str], notes: lis
     elif surface.conic:
         yield "  CON"
         yield f"  K {number(surface.conic)}"
-    if any(surface.aspheric[len(_LETTERS) :]):
+    if any(surface.aspheric[len(_LETTERS) :]) and not surface.odd:
         notes.append(f"Surface {index} has terms beyond r^20, which are not written.")
 
 

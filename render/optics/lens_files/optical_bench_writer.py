@@ -22,17 +22,24 @@ def optical_bench_text(lens: Prescription, notes: list[str]) -> str:
     near = _near(lens, notes)
     moving = _moving(lens, near)
     rows = [row for index in range(len(lens.surfaces)) for row in _rows(lens, index, moving, notes)]
+    odd = max(len(surface.odd) for surface in lens.surfaces)
     aspheric = [
         "\t".join(
-            [str(index), number(s.radius_mm) if s.radius_mm else "Infinity", number(s.conic), *map(number, s.aspheric)]
+            [
+                str(index),
+                number(s.radius_mm) if s.radius_mm else "Infinity",
+                number(s.conic),
+                *map(number, _terms(s, odd)),
+            ]
         )
         for index, s in enumerate(lens.surfaces, 1)
-        if s.conic or s.aspheric
+        if s.conic or s.is_aspheric
     ]
     lines = [
         "[descriptive data]",
         f"title\t{lens.name}",
         "[constants]",
+        *([f"AsphericalOddCount\t{odd}"] if odd else []),
         "[variable distances]",
         *_positions(lens, near, moving),
         "[lens data]",
@@ -40,6 +47,13 @@ def optical_bench_text(lens: Prescription, notes: list[str]) -> str:
         *(["[aspherical data]", *aspheric] if aspheric else []),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _terms(surface: Surface, odd: int) -> list[float]:
+    """Coefficients by rising power: those from r⁴ on, and the given number of odd powers from r³ on among them."""
+    terms = surface.aspheric_terms
+    powers = sorted([*range(3, 3 + 2 * odd, 2), *range(4, max(2 * odd, *terms, 2) + 1, 2)])
+    return [terms.get(power, 0.0) for power in powers]
 
 
 def _near(lens: Prescription, notes: list[str]) -> FocusedLens | None:

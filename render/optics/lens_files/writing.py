@@ -11,7 +11,7 @@ from render.optics.lens_files.written_parts import plain_name
 
 WRITTEN_SUFFIXES = (".zmx", ".seq", ".txt")
 _WRITTEN = frozenset(  # fields of the model that the writers know
-    {"radius_mm", "thickness_mm", "glass", "semi_diameter_mm", "conic", "aspheric", "is_stop", "coating_nm"}
+    {"radius_mm", "thickness_mm", "glass", "semi_diameter_mm", "conic", "aspheric", "is_stop", "coating_nm", "odd"}
     | {"opening", "obscuration"}
     | {"surfaces", "focus_group", "f_stop", "name", "notes", "configurations"}
 )

@@ -12,8 +12,8 @@ from render.optics.lens_files.written_parts import beam_diameter_mm, glass_form,
 from render.optics.prescription.outlines import is_circle, reach_mm
 from render.optics.prescription.paraxial import first_order
 
-_TERMS = 7  # of an even asphere from r⁴ on: PARM 2 to 8
 _SAME = 1e-6
+_HIGHEST_EVEN, _HIGHEST_ODD = 16, 8  # powers of EVENASPH and ODDASPHE; the extended types have all of them
 _NORMAL_LINE = (0.6438, -0.001682)  # of P_gF over V_d, through K7 and F2 (Schott, TIE-29)
 
 
@@ -64,14 +64,12 @@ def _surface(index: int, surface: Surface, makers: list[str], notes: list[str]) 
     yield f"SURF {index}"
     if surface.is_stop:
         yield "  STOP"
-    yield f"  TYPE {'EVENASPH' if surface.aspheric else 'STANDARD'}"
+    shape = list(_asphere(surface))
+    yield f"  TYPE {shape.pop(0)}"
     yield f"  CURV {number(1 / surface.radius_mm if surface.radius_mm else 0.0)}"
     if surface.conic:
         yield f"  CONI {number(surface.conic)}"
-    for place, term in enumerate(surface.aspheric[:_TERMS], 2):
-        yield f"  PARM {place} {number(term)}"
-    if any(surface.aspheric[_TERMS:]):
-        notes.append(f"Surface {index} has terms beyond r^{2 * _TERMS + 2}, which are not written.")
+    yield from shape
     yield f"  DISZ {number(surface.thickness_mm)}"
     glass = _glass(index, surface.glass, makers, notes)
     if glass:
@@ -104,6 +102,22 @@ def _aperture(index: int, surface: Surface, notes: list[str]) -> Iterator[str]:
         yield f"  OBDC {number(written.centre_mm[0])} {number(written.centre_mm[1])}"
     if opening is not None and surface.semi_diameter_mm < reach_mm(opening) * (1 - _SAME):
         notes.append(f"The clear diameter of surface {index} cuts its opening, which is written without that.")
+
+
+def _asphere(surface: Surface) -> Iterator[str]:
+    """The type of a surface, and the lines of its terms."""
+    terms = {power: term for power, term in surface.aspheric_terms.items() if term}
+    step, highest = (1, _HIGHEST_ODD) if surface.odd else (2, _HIGHEST_EVEN)
+    last = max(terms, default=0)
+    if not terms:
+        yield "STANDARD"
+    elif last <= highest:
+        yield "ODDASPHE" if step == 1 else "EVENASPH"
+        yield from (f"  PARM {power // step} {number(term)}" for power, term in sorted(terms.items()))
+    else:
+        yield "XOSPHERE" if step == 1 else "XASPHERE"
+        values = [last // step, 1.0, *(terms.get(power, 0.0) for power in range(step, last + 1, step))]
+        yield from (f'  XDAT {place} {number(value)} 0 0 1.0 0.0 0 ""' for place, value in enumerate(values, 1))
 
 
 def _glass(index: int, glass: Glass, makers: list[str], notes: list[str]) -> str:

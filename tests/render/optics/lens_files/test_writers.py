@@ -156,9 +156,28 @@ def test_what_a_format_cannot_say_is_noted(suffix: str) -> None:
     coated = replace(coated, surfaces=(*coated.surfaces[:6], long))
     notes = write_lens(coated, suffix).notes
     assert "Coatings are not written." in notes
-    assert ("Surface 7 has terms beyond r^16, which are not written." in notes) == (suffix == ".zmx")
     assert ("Surface 7 has terms beyond r^20, which are not written." in notes) == (suffix == ".seq")
     assert ("The group that moves to focus is not written." in notes) == (suffix != ".txt")
+
+
+@pytest.mark.parametrize("suffix", WRITTEN_SUFFIXES)
+@pytest.mark.parametrize(
+    ("aspheric", "odd"),
+    [
+        ((1e-6,), (-2e-5, 3e-8)),
+        ((), (1e-5,)),
+        ((1e-6,), (-2e-5, 3e-8, 0.0, 1e-12)),
+        ((1e-6, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-17), (-2e-5, 0.0, 0.0, 0.0, 0.0, 1e-14)),
+        ((1e-6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2e-19, -1e-21), ()),
+    ],
+)
+def test_odd_and_high_powers_come_back(suffix: str, aspheric: tuple[float, ...], odd: tuple[float, ...]) -> None:
+    lens = _made(_catalogue("N-BK7"), _catalogue("F2"))
+    front = replace(lens.surfaces[0], aspheric=aspheric, odd=odd)
+    again = _again(replace(lens, surfaces=(front, *lens.surfaces[1:])), suffix).surfaces[0]
+    assert again.aspheric == pytest.approx(aspheric, rel=1e-12)
+    assert again.odd == pytest.approx(odd, rel=1e-12)
+    assert again.conic == front.conic
 
 
 def test_the_focus_group_comes_back_in_an_optical_bench_file() -> None:

@@ -1,4 +1,4 @@
-"""Lenses with terms of odd powers on the device against float64 rays."""
+"""Lenses with terms of odd powers, and of Forbes's polynomials, on the device against float64 rays."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pytest
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.model.lens import Across, Glass, Prescription, Surface
+from render.optics.lens_files.forbes import ForbesTerms, qcon_terms
 from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.focusing import focus_lens
 from render.optics.prescription.stop_rays import rays_from_film
@@ -29,11 +30,14 @@ LENS = Prescription(
     f_stop=5.6,
     name="odd",
 )
+FORBES = qcon_terms(ForbesTerms("Qcon", (0.05, -0.02, 0.006, -2e-3, 1e-3, -5e-4, 2e-4, -1e-4, 5e-5), 12.0))
+QCON = replace(LENS.surfaces[0], odd=(), aspheric=tuple(FORBES.values()))
 CYLINDER = replace(LENS.surfaces[0], across=Across(90.0, 0.5))
 
 
-@pytest.mark.parametrize("lens", [LENS, replace(LENS, surfaces=(CYLINDER, *LENS.surfaces[1:]))])
-def test_the_device_traces_odd_powers_as_float64_does(lens: Prescription) -> None:
+@pytest.mark.parametrize("front", [LENS.surfaces[0], CYLINDER, QCON], ids=["odd", "biconic", "qcon"])
+def test_the_device_traces_odd_powers_as_float64_does(front: Surface) -> None:
+    lens = replace(LENS, surfaces=(front, *LENS.surfaces[1:]))
     focused = focus_lens(complete_prescription(lens, image_height_mm=12.0), 4.0, 5.6)
     line = np.linspace(-10, 10, 5)
     films = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)

@@ -123,6 +123,17 @@ def test_optiland_aspheres_model_glass_and_rims() -> None:
     assert lens.f_stop == 5.6
 
 
+def test_odd_aspheres_of_packages_have_every_power() -> None:
+    coefficients = [0.0, 0.0, 1e-5, 2e-6, -3e-8]
+    model = _optiland()
+    model["surface_group"]["surfaces"][1]["geometry"] |= {"type": "OddAsphere", "coefficients": coefficients}
+    other = _rayoptics()
+    profiles = other["optical_model"]["attributes"]["profile_dict"]
+    profiles["1"] = _object("m", "RadialPolynomial", cv=1 / 22.01359, cc=0.0, coefs=coefficients)
+    for surface in (_read(model, "a.json").surfaces[0], _read(other, "a.roa").surfaces[0]):
+        assert (surface.odd, surface.aspheric) == ((1e-5, -3e-8), (2e-6,))
+
+
 def test_optiland_places_give_thicknesses_of_older_files() -> None:
     model = _optiland()
     for surface in model["surface_group"]["surfaces"][1:]:

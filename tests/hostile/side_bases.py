@@ -42,12 +42,14 @@ _TEMPLATES = {
         'MODE SEQ\nNAME "a lens"\nUNIT MM X\nENPD <pupil:14>\nFNUM <fstop:3> 0\nSURF 0\n TYPE STANDARD\n CURV 0\n'
         " DISZ <object:INFINITY>\nSURF 1\n STOP\n TYPE EVENASPH\n CURV <curvature:0.03>\n PARM 2 <asphere:1e-6>\n"
         " CONI <conic:0>\n DISZ <thickness:4>\n GLAS ___BLANK 1 0 <index:1.6> <abbe:60>\n DIAM <diameter:9>\n"
-        "SURF 2\n TYPE STANDARD\n CURV -0.01\n DISZ 45\n DIAM 9\nSURF 3\n TYPE STANDARD\n CURV 0\n DISZ 0\nMNUM 1 1\n"
+        "SURF 2\n TYPE XOSPHERE\n CURV -0.01\n XDAT 1 <terms:4>\n XDAT 2 <norm:10>\n XDAT 4 <squared:0>\n XDAT 5 <odd:1e-3>\n"
+        " DISZ 45\n DIAM 9\nSURF 3\n TYPE STANDARD\n CURV 0\n DISZ 0\nMNUM 1 1\n"
     ),
     CODE_V: (
         "RDM; LEN\nTITLE 'a lens'\nEPD <pupil:25>\nDIM M\nSO 0.0 <object:0.1e14>\n"
         "S <radius:61.47> <thickness:6.0> NBK7_SCHOTT\n STO; CIR <diameter:12>\n ASP; K <conic:0>; A <asphere:1e-9>\n"
-        "S -44.64 2.5 NSF5\nS -129.94 95.9\nSI 0.0 <shift:0.0>\nGO\n"
+        "S -44.64 2.5 NSF5\n SPS QCN <norm:12>; SCO QC4 <forbes:1e-3>\n"
+        "S -129.94 95.9\n SPS QBF 12; SCO QB4 <slope:1e-3>\nSI 0.0 <shift:0.0>\nGO\n"
     ),
     BENCH: (
         "[descriptive data]\ntitle\ta lens\n[constants]\nAsphericalOddCount\t<odd:0>\n[variable distances]\n"

@@ -158,7 +158,7 @@ class _Fit:
         for power, value in self._own_terms.items():
             if power == 2 or power > _HIGHEST_POWER:
                 rest = rest + value * r2 ** (power // 2)
-        return rest if self._forbes is None else rest + self._forbes.departure(r2, self._curvature)
+        return np.asarray(rest if self._forbes is None else rest + self._forbes.departure(r2, self._curvature))
 
     def _fitted(self) -> dict[int, float]:
         """Coefficients by their power: t²·Σ b_k·T_k(2t − 1) for t the square of the distance over the widest."""
@@ -169,4 +169,4 @@ class _Fit:
             return {}
         found, *_ = np.linalg.lstsq(basis, rest, rcond=None)
         powers = Chebyshev(found, domain=[0, 1]).convert(kind=Polynomial).coef
-        return {4 + 2 * i: float(value / self.width_mm ** (4 + 2 * i)) for i, value in enumerate(powers)}
+        return {4 + 2 * i: float(value) / self.width_mm ** (4 + 2 * i) for i, value in enumerate(powers)}

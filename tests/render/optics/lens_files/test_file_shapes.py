@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.special import eval_jacobi
 
 from render.errors import InputError
+from render.model.arrays import DoubleArray
 from render.model.lens import Surface
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.file_shapes import FileShape, shape_in_mm
@@ -16,7 +20,7 @@ from render.optics.prescription.surface_shape import sag_mm
 
 TEXT = LensText("a.zmx", ())
 # Qbfs_0 to Qbfs_4 of x = u² as the paper lists them (Forbes 2007, eq. 15)
-QBFS = (
+QBFS: tuple[Callable[[DoubleArray], DoubleArray], ...] = (
     lambda x: np.ones_like(x),
     lambda x: (13 - 16 * x) / np.sqrt(19),
     lambda x: np.sqrt(2 / 95) * (29 - 4 * x * (25 - 19 * x)),
@@ -25,17 +29,17 @@ QBFS = (
 )
 
 
-def _shape(radius: float, conic: float = 0.0, unit: float = 1.0, width: float = 10.0, **shape: object) -> FileShape:
+def _shape(radius: float, conic: float = 0.0, unit: float = 1.0, width: float = 10.0, **shape: Any) -> FileShape:
     surface = DraftSurface("3", 7, radius=radius, conic=conic, semi_diameter=width, **shape)
     return shape_in_mm(surface, unit, TEXT)
 
 
-def _sag(shape: FileShape, r: np.ndarray) -> np.ndarray:
+def _sag(shape: FileShape, r: DoubleArray) -> DoubleArray:
     return sag_mm(Surface(shape.radius_mm, 0.0, conic=shape.conic, aspheric=shape.aspheric, odd=shape.odd), r**2)
 
 
-def _conic(radius: float, conic: float, r: np.ndarray) -> np.ndarray:
-    return r**2 / radius / (1 + np.sqrt(1 - (1 + conic) * (r / radius) ** 2))
+def _conic(radius: float, conic: float, r: DoubleArray) -> DoubleArray:
+    return np.asarray(r**2 / radius / (1 + np.sqrt(1 - (1 + conic) * (r / radius) ** 2)))
 
 
 def test_qcon_terms_are_even_powers_exactly() -> None:
@@ -112,6 +116,6 @@ def test_powers_beyond_r20_are_fitted() -> None:
         ),
     ],
 )
-def test_shapes_that_the_model_has_not_are_refused(surface: dict, message: str) -> None:
+def test_shapes_that_the_model_has_not_are_refused(surface: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         _shape(**surface)

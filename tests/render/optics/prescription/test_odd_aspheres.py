@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from render.errors import InputError
 from render.lab.reference.lens_shape import SurfaceShape
+from render.model.arrays import DoubleArray
 from render.model.lens import Across, Glass, Prescription, Surface
 from render.optics.prescription.completion import scale_prescription
 from render.optics.prescription.surface_shape import extent_mm, intersect, sag_at, sag_mm, slopes_at
@@ -17,11 +18,11 @@ GLASS = Glass(1.6, 60.0)
 ODD = Surface(40.0, 6.0, GLASS, 12.0, conic=-0.4, aspheric=(2e-6, -1e-9), odd=(3e-5, -4e-7, 1e-9), across=None)
 
 
-def _sag(r: np.ndarray) -> np.ndarray:
+def _sag(r: DoubleArray) -> DoubleArray:
     """Formula of `ODD`, written out."""
     c = 1 / 40
     conic = c * r**2 / (1 + np.sqrt(1 - 0.6 * c**2 * r**2))
-    return conic + 3e-5 * r**3 + 2e-6 * r**4 - 4e-7 * r**5 - 1e-9 * r**6 + 1e-9 * r**7
+    return np.asarray(conic + 3e-5 * r**3 + 2e-6 * r**4 - 4e-7 * r**5 - 1e-9 * r**6 + 1e-9 * r**7)
 
 
 def test_the_sag_is_the_sum_of_its_terms() -> None:
@@ -51,7 +52,7 @@ def test_rays_meet_the_surface_where_bracketing_finds_it() -> None:
     met, hit = intersect(ODD, starts, headings)
     assert hit.all()
 
-    def miss(distance: float, start: np.ndarray, heading: np.ndarray) -> float:
+    def miss(distance: float, start: DoubleArray, heading: DoubleArray) -> float:
         x, y, z = start + distance * heading
         return float(z - _sag(np.hypot(x, y)))
 

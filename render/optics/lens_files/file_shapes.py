@@ -93,7 +93,7 @@ def shape_in_mm(surface: DraftSurface, unit_mm: float, text: LensText) -> FileSh
             radius, conic, terms = fit.radius_mm, fit.conic, fit.terms
             note = (
                 f"Surface {surface.label} is a conic with even powers up to r^{_HIGHEST_POWER} in place of its {reason}:"
-                f" within {fit.worst_mm * 1e6:.2g} nm out to {fit.width_mm:.4g} mm from the axis."
+                f" within {max(fit.worst_mm * 1e6, 0.001):.2g} nm out to {fit.width_mm:.4g} mm from the axis."
             )
         elif 2 in terms:
             what = "a term of r^2 is supported on a surface without curvature or with a clear diameter alone"

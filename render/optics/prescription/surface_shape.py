@@ -6,6 +6,9 @@ sag.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,7 +43,7 @@ def sag_mm(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray
     c = curvature(surface)
     with np.errstate(invalid="ignore"):
         sag = c * r2 / (1 + np.sqrt(1 - (1 + surface.conic) * c * c * r2))
-    return np.asarray(sag + _polynomial(surface, r2))
+    return np.asarray(sag + _aspheric_sag(surface, r2) if surface.is_aspheric else sag)
 
 
 def sag_gradient(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray:
@@ -49,7 +52,37 @@ def sag_gradient(surface: Surface, radius_squared: DoubleArray | float) -> Doubl
     c = curvature(surface)
     with np.errstate(invalid="ignore", divide="ignore"):
         gradient = c / (2 * np.sqrt(1 - (1 + surface.conic) * c * c * r2))
-    return np.asarray(gradient + _polynomial_gradient(surface, r2))
+    return np.asarray(gradient + _aspheric_gradient(surface, r2) if surface.is_aspheric else gradient)
+
+
+def _aspheric_sag(surface: Surface, r2: DoubleArray) -> DoubleArray:
+    """Part of `sag_mm` that the aspheric terms add, by Horner's rule: powers of arrays are slow."""
+    total = np.zeros_like(r2)
+    for coefficient in reversed(surface.aspheric):
+        total = (total + coefficient) * r2
+    total = total * r2
+    if surface.odd:
+        total = total + np.sqrt(r2) * _horner(surface.odd, r2) * r2
+    return total
+
+
+def _aspheric_gradient(surface: Surface, r2: DoubleArray) -> DoubleArray:
+    """Part of `sag_gradient` that the aspheric terms add."""
+    total = np.zeros_like(r2)
+    for power in range(len(surface.aspheric) + 1, 1, -1):
+        total = (total + power * surface.aspheric[power - 2]) * r2
+    if surface.odd:
+        weighed = [(power + 0.5) * term for power, term in enumerate(surface.odd, start=1)]
+        total = total + np.sqrt(r2) * _horner(weighed, r2)
+    return total
+
+
+def _horner(terms: Sequence[float], r2: DoubleArray) -> DoubleArray:
+    """Sum of ``terms[i] * r2**i``."""
+    total = np.zeros_like(r2)
+    for term in reversed(terms):
+        total = total * r2 + term
+    return total
 
 
 def sag_at(surface: Surface, points: DoubleArray) -> DoubleArray:
@@ -60,7 +93,7 @@ def sag_at(surface: Surface, points: DoubleArray) -> DoubleArray:
     curved, bent = _biconic(surface, points)
     with np.errstate(invalid="ignore"):
         sag = curved / (1 + np.sqrt(1 - bent))
-    return np.asarray(sag + _polynomial(surface, r2))
+    return np.asarray(sag + _aspheric_sag(surface, r2) if surface.is_aspheric else sag)
 
 
 def slopes_at(surface: Surface, points: DoubleArray) -> DoubleArray:
@@ -68,32 +101,16 @@ def slopes_at(surface: Surface, points: DoubleArray) -> DoubleArray:
     r2 = (points**2).sum(axis=-1)
     if surface.across is None:
         return np.asarray(2 * points * sag_gradient(surface, r2)[..., None])
-    curved, bent = (part[..., None] for part in _biconic(surface, points))
+    curved, bent = _biconic(surface, points)
     curvatures, bends = _curves(surface)
     with np.errstate(invalid="ignore", divide="ignore"):
         root = np.sqrt(1 - bent)
-        slopes = points * (2 * curvatures / (1 + root) + curved * bends / (root * (1 + root) ** 2))
-    return np.asarray(slopes + 2 * points * _polynomial_gradient(surface, r2)[..., None])
-
-
-def _polynomial(surface: Surface, r2: DoubleArray) -> DoubleArray:
-    """Sum of the aspheric terms at squares of the distance from the axis."""
-    total = np.zeros_like(r2)
-    for power, coefficient in enumerate(surface.aspheric, start=2):
-        total = total + coefficient * r2**power
-    for power, coefficient in enumerate(surface.odd, start=1):
-        total = total + coefficient * r2**power * np.sqrt(r2)
-    return total
-
-
-def _polynomial_gradient(surface: Surface, r2: DoubleArray) -> DoubleArray:
-    """Derivative of `_polynomial` by the square of the distance from the axis."""
-    total = np.zeros_like(r2)
-    for power, coefficient in enumerate(surface.aspheric, start=2):
-        total = total + power * coefficient * r2 ** (power - 1)
-    for power, coefficient in enumerate(surface.odd, start=1):
-        total = total + (power + 0.5) * coefficient * r2 ** (power - 1) * np.sqrt(r2)
-    return total
+        whole, part = 2 / (1 + root), curved / (root * (1 + root) ** 2)
+        ratios = [whole * curvature + part * bend for curvature, bend in zip(curvatures, bends, strict=True)]
+    if surface.is_aspheric:
+        around = 2 * _aspheric_gradient(surface, r2)
+        ratios = [ratio + around for ratio in ratios]
+    return np.asarray(np.stack(ratios).T * points if points.ndim == 2 else np.stack(ratios, axis=-1) * points)
 
 
 def _biconic(surface: Surface, points: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
@@ -144,55 +161,110 @@ def intersect(
     Returns:
         ``(n, 3)`` points and ``(n,)`` whether the ray meets the surface; points of those that do not are meaningless.
     """
+    x, y, z = positions.T
+    right, up, along = directions.T
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        on_plane = positions - (positions[:, 2] / directions[:, 2])[:, None] * directions
+        back = z / along
+        x, y = x - back * right, y - back * up
         if surface.across is not None:
-            distance, hit = _general_distance(surface, on_plane, directions, np.zeros(len(positions)))
-            return on_plane + distance[:, None] * directions, hit
-        distance, hit = _conic_distance(surface, on_plane, directions)
-        if surface.is_aspheric:
-            distance, hit = _general_distance(surface, on_plane, directions, np.where(hit, distance, 0.0))
-        return on_plane + distance[:, None] * directions, hit
+            flat = _flat_meridian(surface)
+            if flat is None:
+                distance, hit = _general_distance(surface, (x, y), (right, up, along), np.zeros(len(x)))
+            else:
+                distance, hit = _cylinder_distance(surface, flat, (x, y), (right, up, along))
+        else:
+            distance, hit = _conic_distance(
+                curvature(surface), surface.conic, x * x + y * y, right * x + up * y, along, 1.0
+            )
+            if surface.is_aspheric:
+                start = np.where(hit, distance, 0.0)
+                distance, hit = _general_distance(surface, (x, y), (right, up, along), start)
+        return np.stack([x + distance * right, y + distance * up, distance * along]).T, hit
 
 
 def _conic_distance(
-    surface: Surface, on_plane: DoubleArray, directions: DoubleArray
+    c: float,
+    conic: float,
+    height_squared: DoubleArray,
+    outward: DoubleArray,
+    along: DoubleArray,
+    length: DoubleArray | float,
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
-    """Distance from the vertex plane to the conic ``c·(x² + y² + (1 + K)·z²) = 2z``; the root nearest to the vertex."""
-    c, along = curvature(surface), directions[:, 2]
-    f = c * (on_plane[:, 0] ** 2 + on_plane[:, 1] ** 2)
-    g = along - c * (directions[:, 0] * on_plane[:, 0] + directions[:, 1] * on_plane[:, 1])
-    inside = g * g - c * (1 + surface.conic * along * along) * f
-    distance = f / (g + np.sign(along) * np.sqrt(np.maximum(inside, 0)))
-    on_sheet = 1 - (1 + surface.conic) * c * distance * along >= 0
+    """Distance from the vertex plane to the conic ``c·(x² + y² + (1 + K)·z²) = 2z``; the root nearest to the vertex.
+
+    Args:
+        c: curvature.
+        conic: constant K.
+        height_squared: ``(n,)`` x² + y² of the rays on the vertex plane.
+        outward: ``(n,)`` product of those points and the rays' directions.
+        along: ``(n,)`` directions' z.
+        length: squared, of the directions: 1 but in a plane that they leave.
+    """
+    if not c:
+        return np.zeros(len(along)), np.isfinite(height_squared)
+    f, g = c * height_squared, along - c * outward
+    bend = length + conic * along * along if conic else length
+    inside = g * g - c * bend * f
+    distance = f / (g + np.copysign(np.sqrt(np.maximum(inside, 0)), along))
+    on_sheet = (1 + conic) * c * distance * along <= 1
     return distance, np.asarray((inside >= 0) & on_sheet & np.isfinite(distance))
 
 
-def _general_distance(
-    surface: Surface, on_plane: DoubleArray, directions: DoubleArray, start: DoubleArray
+def _flat_meridian(surface: Surface) -> int | None:
+    """Axis along which a surface is straight, as a cylinder is: 0 from side to side; None for any other surface."""
+    if surface.is_aspheric:
+        return None
+    if curvature_across(surface) == 0:
+        return 0
+    return 1 if curvature(surface) == 0 else None
+
+
+def _cylinder_distance(
+    surface: Surface, flat: int, on_plane: tuple[DoubleArray, DoubleArray], directions: tuple[DoubleArray, ...]
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
-    """Distance from the vertex plane to the full surface, which goes on flat beyond its extent so that a root always exists."""
+    """Distance from the vertex plane to a cylinder: that to a conic in the plane across it; it ends where others end too."""
+    (x, y), (right, up, along) = on_plane, directions
+    place, heading = (y, up) if flat == 0 else (x, right)
+    across_conic = surface.conic if surface.across is None else surface.across.conic
+    c, conic = (curvature(surface), surface.conic) if flat == 0 else (curvature_across(surface), across_conic)
+    distance, hit = _conic_distance(c, conic, place * place, heading * place, along, heading**2 + along**2)
+    widest = _reach(surface)[0]
+    r2 = (x + distance * right) ** 2 + (y + distance * up) ** 2
+    return distance, np.asarray(hit & (r2 <= widest**2 * (1 + 1e-6)))
+
+
+@lru_cache(maxsize=512)
+def _reach(surface: Surface) -> tuple[float, float, float]:
+    """Radius within which a surface is known, and its least and its largest sag there."""
     widest = min(extent_mm(surface), conic_extent_mm(surface) * (1 - 1e-9))
     radii = np.linspace(0, widest, 257)[:, None]
     sags = np.concatenate([sag_at(surface, radii * way) for way in np.eye(2)])
-    slack = 1 + float(np.ptp(sags))
-    before, behind = (sags.min() - slack) / directions[:, 2], (sags.max() + slack) / directions[:, 2]
+    return widest, float(sags.min()), float(sags.max())
+
+
+def _general_distance(
+    surface: Surface, on_plane: tuple[DoubleArray, DoubleArray], directions: tuple[DoubleArray, ...], start: DoubleArray
+) -> tuple[DoubleArray, NDArray[np.bool_]]:
+    """Distance from the vertex plane to the full surface, which goes on flat beyond its extent so that a root always exists."""
+    (x, y), (right, up, along) = on_plane, directions
+    widest, lowest, highest = _reach(surface)
+    slack = 1 + highest - lowest
+    before, behind = (lowest - slack) / along, (highest + slack) / along
     distance = start
     for _ in range(_NEWTON_STEPS):
-        points = on_plane + distance[:, None] * directions
-        within = (
-            points[:, :2] * np.minimum(widest / np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-300), 1)[:, None]
-        )
-        miss = points[:, 2] - sag_at(surface, within)
-        behind, before = np.where(miss > 0, distance, behind), np.where(miss > 0, before, distance)
+        points = np.stack([x + distance * right, y + distance * up])
+        points *= np.minimum(widest / np.maximum(np.sqrt(points[0] ** 2 + points[1] ** 2), 1e-300), 1)
+        miss = distance * along - sag_at(surface, points.T)
+        beyond = miss > 0
+        behind, before = np.where(beyond, distance, behind), np.where(beyond, before, distance)
         if not (np.abs(miss) > _CONVERGED_MM).any():
             break
-        across = (slopes_at(surface, within) * directions[:, :2]).sum(axis=1)
-        step = distance - miss / (directions[:, 2] - across)
+        slope_right, slope_up = slopes_at(surface, points.T).T
+        step = distance - miss / (along - (slope_right * right + slope_up * up))
         stays = (step - before) * (step - behind) <= 0
         distance = np.where(stays, step, (before + behind) / 2)
-    r2 = (on_plane + distance[:, None] * directions)[:, :2] ** 2
-    return distance, np.asarray(np.isfinite(distance) & (r2.sum(1) <= widest**2 * (1 + 1e-6)))
+    r2 = (x + distance * right) ** 2 + (y + distance * up) ** 2
+    return distance, np.asarray(np.isfinite(distance) & (r2 <= widest**2 * (1 + 1e-6)))
 
 
 def clearance_mm(front: Surface, behind: Surface, thickness_mm: float) -> float:

@@ -122,26 +122,30 @@ def _trace(
     *,
     forward: bool,
 ) -> TracedRays:
-    positions, headings = np.array(points_mm, np.float64), np.array(directions, np.float64)
+    # columns are contiguous: a coordinate of all rays is one run of memory
+    positions, headings = np.array(points_mm, np.float64, order="F"), np.array(directions, np.float64, order="F")
+    order = tuple(order)
     fates = np.zeros(len(positions), np.uint8)
     stopped_by = np.full(len(positions), PASSES)
-    met = []
-    for i in order:
+    met = np.empty((len(order), 3, len(positions)))
+    for found, i in zip(met, order, strict=True):
         surface = prescription.surfaces[i]
         before, behind = _indices_around(prescription, i, wavelength_nm, forward)
-        vertex = np.array([0.0, 0.0, vertices_mm[i]])
-        local, hit = intersect(surface, positions - vertex, headings)
+        positions[:, 2] -= vertices_mm[i]
+        local, hit = intersect(surface, positions, headings)
         rim = _rim_mm(surface, stop_radius_mm) if clip else np.inf
         headings, refracted = refract(surface, local, headings, before / behind)
         fate = _fate(local, hit, refracted, rim)
         if clip and (surface.opening is not None or surface.obscuration is not None):
             fate[hit & (clearance(surface, local[:, :2]) > 0)] = Fate.BLOCKED
         newly = (fate != Fate.PASSES) & (stopped_by == PASSES)
-        stopped_by[newly], fates[newly] = i, fate[newly]
-        headings[newly] = np.nan
-        positions = np.where((hit & (fates != Fate.MISSES))[:, None], local + vertex, np.nan)
-        met.append(positions)
-    return TracedRays(np.array(met).reshape(-1, len(positions), 3), headings, stopped_by, fates)
+        if newly.any():
+            stopped_by[newly], fates[newly] = i, fate[newly]
+            headings[newly] = np.nan
+        local[:, 2] += vertices_mm[i]
+        local[~hit | (fates == Fate.MISSES)] = np.nan
+        positions, found[:] = local, local.T
+    return TracedRays(met.transpose(0, 2, 1), headings, stopped_by, fates)
 
 
 def _rim_mm(surface: Surface, stop_radius_mm: float | None) -> float:
@@ -161,10 +165,12 @@ def _indices_around(
 
 def _fate(local: DoubleArray, hit: NDArray[np.bool_], refracted: NDArray[np.bool_], rim_mm: float) -> NDArray[np.uint8]:
     """A ray that misses a surface which has a rim hits what holds the rim."""
-    outside = local[:, 0] ** 2 + local[:, 1] ** 2 > (rim_mm * _RIM_SLACK) ** 2
     fate = np.where(refracted, np.uint8(Fate.PASSES), np.uint8(Fate.REFLECTED))
-    fate[~hit] = Fate.MISSES
-    fate[outside | (~hit & np.isfinite(rim_mm))] = Fate.BLOCKED
+    if not np.isfinite(rim_mm):
+        fate[~hit] = Fate.MISSES
+        return fate
+    outside = local[:, 0] ** 2 + local[:, 1] ** 2 > (rim_mm * _RIM_SLACK) ** 2
+    fate[outside | ~hit] = Fate.BLOCKED
     return fate
 
 
@@ -182,11 +188,12 @@ def refract(
     Returns:
         ``(n, 3)`` unit vectors, and ``(n,)`` whether the ray is refracted rather than totally reflected.
     """
-    with np.errstate(invalid="ignore", over="ignore"):
-        normal = np.concatenate([-slopes_at(surface, local[:, :2]), np.ones((len(local), 1))], axis=1)
-        normal /= np.sqrt((normal**2).sum(1))[:, None]
-        incidence = (normal * directions).sum(1)
-        ratio = np.broadcast_to(np.asarray(ratio), incidence.shape)
-        squared = 1 - ratio**2 * (1 - incidence**2)
-        bent = np.copysign(np.sqrt(squared), incidence) - ratio * incidence
-        return ratio[:, None] * directions + bent[:, None] * normal, squared >= 0
+    right, up, along = directions.T
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        slope_right, slope_up = slopes_at(surface, local[:, :2]).T
+        shortening = 1 / np.sqrt(1 + slope_right * slope_right + slope_up * slope_up)
+        incidence = shortening * (along - slope_right * right - slope_up * up)
+        squared = 1 - ratio * ratio * (1 - incidence * incidence)
+        bent = shortening * (np.copysign(np.sqrt(squared), incidence) - ratio * incidence)
+        leaving = np.stack([ratio * right - bent * slope_right, ratio * up - bent * slope_up, ratio * along + bent])
+        return leaving.T, squared >= 0

@@ -21,6 +21,10 @@ from render.optics.prescription.tracing import PASSES, TracedRays, trace_backwar
 _RINGS = 32
 _TRIALS = 33
 _ROUNDS = 4
+_EDGE_TRIALS, _EDGE_ROUNDS = (
+    1025,
+    2,
+)  # as fine as four rounds of 33, and a long row of rays costs hardly more than a short one
 _RIM_ROUNDS = 5
 _WIDEST_TRIAL = 1.6  # times the paraxial pupil: the aberrations of a pupil do not reach so far
 _GRAZING = 1 + 1e-6  # the grazing ray is known to that
@@ -78,11 +82,11 @@ class _AxialRays:
             InputError: no ray but the axis itself gets to the iris.
         """
         low, high, at_low, at_high = 0.0, _WIDEST_TRIAL * self.stop_radius_mm * abs(self.magnification), 0.0, np.inf
-        for _ in range(_ROUNDS):
-            heights = np.linspace(low, high, _TRIALS)
+        for _ in range(_EDGE_ROUNDS):
+            heights = np.linspace(low, high, _EDGE_TRIALS)
             met = np.abs(self.trace(heights, self.stop + 1, False).points_mm[self.stop, :, 1])
             inside = met <= self.stop_radius_mm
-            outside = int(np.argmin(inside)) if not inside.all() else _TRIALS - 1
+            outside = int(np.argmin(inside)) if not inside.all() else _EDGE_TRIALS - 1
             before = max(outside - 1, 0)
             low, high = float(heights[before]), float(heights[outside])
             at_low, at_high = float(met[before]), float(met[outside])

@@ -11,6 +11,7 @@ from 0 at infinity upward (`render.optics.prescription.focus_path`). *Nearness* 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -171,8 +172,7 @@ class FocusMechanism:
         if abs(self.film_through_lens(0.0).miss(nearness)) < _SHARP:
             return 0.0
         for end in sorted((low, high), key=abs) if self.path is None else (high, low):
-            shifts = np.linspace(0.0, end, _PLACES)
-            seen = [self.film_through_lens(shift) for shift in shifts]
+            shifts, seen = self._seen_up_to(end)
             misses = np.array([film.miss(nearness) for film in seen])
             for i in np.flatnonzero(misses[:-1] * misses[1:] <= 0):
                 if seen[i].nearness is not None or seen[i + 1].nearness is not None:
@@ -180,6 +180,18 @@ class FocusMechanism:
                     if abs(self.film_through_lens(shift).miss(nearness)) < _NO_POLE:
                         return shift
         raise self._out_of_reach(nearness, low, high)
+
+    def _seen_up_to(self, end: float) -> tuple[DoubleArray, list[FilmThroughLens]]:
+        """Samples of the way to an end of the travel, which are the same for every object."""
+        found = self._sampled.get(end)
+        if found is None:
+            shifts = np.linspace(0.0, end, _PLACES)
+            found = self._sampled[end] = shifts, [self.film_through_lens(float(shift)) for shift in shifts]
+        return found
+
+    @cached_property
+    def _sampled(self) -> dict[float, tuple[DoubleArray, list[FilmThroughLens]]]:
+        return {}
 
     def _bisect(self, nearness: float, start: float, end: float) -> float:
         sign = np.sign(self.film_through_lens(end).miss(nearness))

@@ -7,6 +7,7 @@ Places are z in millimetres along the axis, growing from the scene to the film, 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -61,7 +62,7 @@ class ParaxialSystem:
     vertices_mm: DoubleArray
     indices: DoubleArray
 
-    @property
+    @cached_property
     def powers(self) -> DoubleArray:
         """Power of each surface ``(n,)``, ``(n' − n)·c``, in 1/mm."""
         return np.diff(self.indices) * self.curvatures
@@ -198,16 +199,14 @@ def transfer(
     Returns:
         ``((a, b), (c, d))`` of determinant 1.
     """
-    matrix, z = np.eye(2), float(system.vertices_mm[start])
+    places, powers, indices = (array.tolist() for array in (system.vertices_mm, system.powers, system.indices))
+    a, b, c, d, z = 1.0, 0.0, 0.0, 1.0, places[start]
     for i in range(start, end):
-        matrix = _step(float(system.vertices_mm[i]) - z, system.indices[i]) @ matrix
-        matrix = np.array([[1.0, 0.0], [-system.powers[i], 1.0]]) @ matrix
-        z = float(system.vertices_mm[i])
+        step = (places[i] - z) / indices[i]
+        a, b = a + step * c, b + step * d
+        c, d = c - powers[i] * a, d - powers[i] * b
+        z = places[i]
     if to_mm is not None:
-        matrix = _step(to_mm - z, system.indices[end]) @ matrix
-    (a, b), (c, d) = matrix.tolist()
+        step = (to_mm - z) / indices[end]
+        a, b = a + step * c, b + step * d
     return (a, b), (c, d)
-
-
-def _step(distance_mm: float, index: float) -> DoubleArray:
-    return np.array([[1.0, distance_mm / index], [0.0, 1.0]])

@@ -188,6 +188,8 @@ def refract(
     Returns:
         ``(n, 3)`` unit vectors, and ``(n,)`` whether the ray is refracted rather than totally reflected.
     """
+    if np.ndim(ratio) == 0 and ratio == 1:
+        return directions, np.ones(len(directions), bool)
     right, up, along = directions.T
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         slope_right, slope_up = slopes_at(surface, local[:, :2]).T

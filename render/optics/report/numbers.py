@@ -9,8 +9,9 @@ import numpy as np
 from render.errors import SettingsError
 from render.model.lens import Prescription, SeidelErrors
 from render.optics.glass import D_LINE_NM
+from render.optics.prescription.focus_mechanism import FocusMechanism
 from render.optics.prescription.focus_path import FocusPath, MovingGroup
-from render.optics.prescription.focusing import FocusedLens, focus_lens
+from render.optics.prescription.focusing import FocusedLens, focus_across
 from render.optics.prescription.seidel_sums import seidel_sums
 
 _BISECTIONS = 30
@@ -136,10 +137,14 @@ def nearest_m(lens: FocusedLens, focus_distance_m: float) -> float:
         lens: as focused.
         focus_distance_m: at which it is; infinity or 0 for infinity.
     """
+    mechanism = FocusMechanism.from_prescription(lens.prescription)
 
     def reaches(nearness_per_m: float) -> bool:
+        nearness = nearness_per_m / 1000
         try:
-            focus_lens(lens.prescription, 1 / nearness_per_m, 22.0, by="paraxial")
+            moved_mm = mechanism.shifted_vertices(mechanism.paraxial_shift(nearness))
+            if lens.prescription.focus_group_across is not None:
+                focus_across(mechanism, moved_mm, nearness, lens.stop_radius_mm, by="paraxial")
         except SettingsError:
             return False
         return True

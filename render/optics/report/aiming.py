@@ -29,14 +29,14 @@ class Targets:
         nearness_per_mm: 1 over its depth; 0 is infinity.
         stop_mm: ``(n, 2)`` where they cross the stop.
         pupil_mm: ``(n, 2)`` where the chief ray to that object crosses the plane of the entrance pupil.
-        wavelengths_nm: ``(n,)``.
+        wavelength_nm: of their light.
     """
 
     slopes: DoubleArray
     nearness_per_mm: float
     stop_mm: DoubleArray
     pupil_mm: DoubleArray
-    wavelengths_nm: DoubleArray
+    wavelength_nm: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ def _on_stop(
         lens.prescription,
         points,
         directions,
-        np.tile(targets.wavelengths_nm[of], 3),
+        targets.wavelength_nm,
         vertices_mm=lens.vertices_mm,
         clip=False,
         between=(0, lens.stop + 1),
@@ -145,20 +145,20 @@ def _enter(
     return points, directions / np.sqrt((directions**2).sum(1))[:, None]
 
 
-def trace_aimed(lens: FocusedLens, rays: AimedRays, wavelengths_nm: DoubleArray, *, clip: bool) -> TracedRays:
+def trace_aimed(lens: FocusedLens, rays: AimedRays, wavelength_nm: float, *, clip: bool) -> TracedRays:
     """Trace aimed rays through the whole lens.
 
     Args:
         lens: as focused.
         rays: rays as they enter.
-        wavelengths_nm: ``(n,)``.
+        wavelength_nm: of their light.
         clip: whether rims stop them, and the iris at its edge.
     """
     return trace_forward(
         lens.prescription,
         rays.points_mm,
         rays.directions,
-        wavelengths_nm,
+        wavelength_nm,
         vertices_mm=lens.vertices_mm,
         stop_radius_mm=lens.stop_radius_mm * (1 + 10 * _SOLVED),
         clip=clip,

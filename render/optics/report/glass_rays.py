@@ -71,8 +71,8 @@ class GlassRays:
     ) -> Beams:
         """As `render.optics.report.film_rays.FilmRays.beams`."""
         nearness = self._focus if nearness_per_m is None else nearness_per_m / 1000
-        rays, wavelengths, stretch = self.aim(places_mm, pupil, wavelength_nm, nearness)
-        traced = trace_aimed(self._lens, rays, wavelengths, clip=True)
+        rays, stretch = self.aim(places_mm, pupil, wavelength_nm, nearness)
+        traced = trace_aimed(self._lens, rays, wavelength_nm, clip=True)
         shape = (len(places_mm), len(pupil))
         with np.errstate(invalid="ignore", divide="ignore"):
             slopes = traced.directions[:, :2] / traced.directions[:, 2:]
@@ -91,7 +91,7 @@ class GlassRays:
     def distant_beams(self, places_mm: DoubleArray, side: int, wavelength_nm: float) -> DistantBeams:
         """As `render.optics.report.film_rays.FilmRays.distant_beams`."""
         slopes, _, stretch = self._chiefs(np.asarray(places_mm), 0.0)
-        rays, _, _ = self.aim(places_mm, _nodes(), wavelength_nm, 0.0)
+        rays, _ = self.aim(places_mm, _nodes(), wavelength_nm, 0.0)
         found = []
         for i, (slope, points, solved) in enumerate(
             zip(slopes, *(part.reshape(len(slopes), _NODES, -1) for part in (rays.points_mm, rays.solved)), strict=True)
@@ -171,7 +171,7 @@ class GlassRays:
 
     def aim(
         self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_mm: float
-    ) -> tuple[AimedRays, DoubleArray, DoubleArray]:
+    ) -> tuple[AimedRays, DoubleArray]:
         """Rays as they enter the lens that end at places of the picture; rims are ignored.
 
         Args:
@@ -181,20 +181,19 @@ class GlassRays:
             nearness_per_mm: 1 over the depth of their object.
 
         Returns:
-            The rays, by place and pupil point; their wavelengths; and ``(f,)`` area in slopes over area on the film, 1/mm².
+            The rays, by place and pupil point, and ``(f,)`` area in slopes over area on the film, 1/mm².
         """
         slopes, crossing, stretch = self._chiefs(np.asarray(places_mm), nearness_per_mm)
         places, count = len(places_mm), len(pupil)
         upright = np.sign(self._lens.first.entrance_pupil_magnification)
-        wavelengths = np.full(places * count, wavelength_nm)
         targets = Targets(
             np.repeat(slopes, count, axis=0),
             nearness_per_mm,
             np.tile(upright * self._lens.stop_radius_mm * pupil, (places, 1)),
             np.repeat(crossing, count, axis=0),
-            wavelengths,
+            wavelength_nm,
         )
-        return aim(self._lens, targets), wavelengths, stretch
+        return aim(self._lens, targets), stretch
 
     def _chiefs(self, places_mm: DoubleArray, nearness_per_mm: float) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
         """Slopes ``(f, 2)`` and pupil crossings ``(f, 2)`` of chief rays, and ``(f,)`` area in slopes over area on the film."""

@@ -153,8 +153,8 @@ def _profile(surface: Surface, y_mm: DoubleArray, curved: bool) -> DoubleArray:
 
 def _fans(rays: GlassRays, lens: FocusedLens, heights: DoubleArray, camera: Camera) -> list[tuple[SectionRay, ...]]:
     pupil = np.stack([0 * _FAN, _FAN], axis=1)
-    aimed, wavelengths, _ = rays.aim(radial(rays, heights), pupil, D_LINE_NM, focus_w(camera) / 1000)
-    traced = trace_aimed(lens, aimed, wavelengths, clip=True)
+    aimed, _ = rays.aim(radial(rays, heights), pupil, D_LINE_NM, focus_w(camera) / 1000)
+    traced = trace_aimed(lens, aimed, D_LINE_NM, clip=True)
     before = float(lens.vertices_mm[0]) - _LEAD * (lens.film_mm - float(lens.vertices_mm[0]))
     start = aimed.points_mm + ((before - aimed.points_mm[:, 2]) / aimed.directions[:, 2])[:, None] * aimed.directions
     film = traced.at(lens.film_mm)

@@ -237,11 +237,11 @@ def test_aimed_rays_meet_their_stop_point_even_far_off_the_axis(lens: KnownLens)
     count = len(stop)
     targets = Targets(
         np.tile([0.0, float(slope[0])], (count, 1)), 0.0, stop, np.tile([0.0, float(crossing[0])], (count, 1)),
-        np.full(count, D_LINE_NM),
+        D_LINE_NM,
     )  # fmt: skip
     rays = aim(glass, targets)
     assert rays.solved.all()
-    traced = trace_aimed(glass, rays, targets.wavelengths_nm, clip=False)
+    traced = trace_aimed(glass, rays, targets.wavelength_nm, clip=False)
     np.testing.assert_allclose(traced.points_mm[glass.stop, :, :2], stop, atol=1e-6 * glass.stop_radius_mm)
     assert -traced.at(glass.film_mm)[0, 1] == pytest.approx(height, abs=2e-3)
 

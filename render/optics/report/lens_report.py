@@ -78,7 +78,6 @@ class LensReport:
         third_order: None for a lens without errors.
         spots: over the field, in the plane of focus.
         curves: over the field.
-        bokeh: None for a pinhole.
         notes: values that were computed or left out, one sentence each.
     """
 
@@ -100,7 +99,6 @@ class LensReport:
     third_order: ThirdOrder | None
     spots: tuple[Spot, ...]
     curves: FieldCurves
-    bokeh: BokehSheet | None
     notes: tuple[str, ...]
 
     @property
@@ -132,6 +130,11 @@ class LensReport:
     def colour(self) -> ColourCurves | None:
         """Errors of each colour; None for a pinhole."""
         return measure_colour(film_rays(self.camera), self.corner_mm) if self.f_stop else None
+
+    @cached_property
+    def bokeh(self) -> BokehSheet | None:
+        """Highlights over the frame; None for a pinhole."""
+        return lens_bokeh(self.camera)
 
     @cached_property
     def focus_marks(self) -> tuple[FocusMark, ...]:
@@ -176,7 +179,6 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         third_order=_third_order(camera, lens),
         spots=spots(rays, np.array(SPOT_FIELDS) * corner, camera.iris),
         curves=_curves(rays, camera),
-        bokeh=lens_bokeh(camera),
         notes=(*_notes(camera, lens), *_outline_notes(camera, share), *_dark_corners(circle, corner)),
     )
 

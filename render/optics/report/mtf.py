@@ -58,13 +58,13 @@ def measure_mtf(rays: FilmRays, corner_mm: float, f_stop: float) -> Mtf:
     shifts = np.linspace(-1.0, 1.0, _STEPS) * _REACH * f_stop
     field, geometric = (np.full((len(FREQUENCIES), 2, len(heights)), np.nan) for _ in range(2))
     focus = np.full((len(FREQUENCIES), 2, len(places), len(shifts)), np.nan)
+    at = [int(np.argmin(np.abs(heights - place))) for place in places]  # they are among the heights
     for k, height in enumerate(heights):
-        found = _transfer(rays, float(height), np.zeros(1), f_stop)
-        if found is not None:
-            field[..., k], geometric[..., k] = found[0][..., 0], found[1][..., 0]
-    for p, height in enumerate(places):
-        found = _transfer(rays, float(height), shifts, f_stop)
-        if found is not None:
+        found = _transfer(rays, float(height), shifts if k in at else np.zeros(1), f_stop)
+        if found is None:
+            continue
+        field[..., k], geometric[..., k] = (part[..., part.shape[-1] // 2] for part in found)  # the film's own place
+        for p in (p for p, place in enumerate(at) if place == k):
             focus[:, :, p] = found[0]
     return Mtf(heights, field, geometric, places, shifts, focus, _has_wavefronts(rays))
 

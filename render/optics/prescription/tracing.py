@@ -143,7 +143,9 @@ def _trace(
             stopped_by[newly], fates[newly] = i, fate[newly]
             headings[newly] = np.nan
         local[:, 2] += vertices_mm[i]
-        local[~hit | (fates == Fate.MISSES)] = np.nan
+        lost = ~hit | (fates == Fate.MISSES)
+        if lost.any():
+            local[lost] = np.nan
         positions, found[:] = local, local.T
     return TracedRays(met.transpose(0, 2, 1), headings, stopped_by, fates)
 

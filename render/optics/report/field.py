@@ -160,12 +160,20 @@ def image_circle_mm(rays: FilmRays, farthest_mm: float) -> float:
         farthest_mm: height to look out to.
     """
     heights = np.linspace(0.0, min(farthest_mm, rays.last_height_mm), 25)
-    lit = relative_light(rays, heights) > _DARK
-    if lit.all():
+    on_axis = rays.light(np.zeros(1))[0]
+
+    def is_lit(height_mm: float) -> bool:
+        return bool(rays.light(np.array([height_mm]))[0] / on_axis > _DARK)
+
+    dark = next((i for i, height in enumerate(heights) if not is_lit(height)), None)
+    if dark is None:
         return 2 * rays.last_height_mm if rays.last_height_mm < farthest_mm else float("inf")
-    outer = int(np.argmin(lit))
-    finer = np.linspace(heights[max(outer - 1, 0)], heights[outer], 13)
-    return 2 * float(finer[relative_light(rays, finer) > _DARK][-1])
+    finer = np.linspace(heights[max(dark - 1, 0)], heights[dark], 13)
+    first, last = 0, len(finer) - 1
+    while last - first > 1:
+        middle = (first + last) // 2
+        first, last = (middle, last) if is_lit(finer[middle]) else (first, middle)
+    return 2 * float(finer[first])
 
 
 def radial(rays: FilmRays, heights_mm: DoubleArray) -> DoubleArray:

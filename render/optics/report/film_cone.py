@@ -7,8 +7,10 @@ disc is an even share of the light of a white scene (cos θ dΩ = dl dm).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
 from render.optics.glass import D_LINE_NM
@@ -18,6 +20,8 @@ from render.optics.prescription.tracing import TracedRays, trace_backward
 
 _COARSE, _SIDE = 48, 72
 _ROOM, _GROWTH, _GROWINGS = 1.3, 1.6, 4
+_SAME = 1e-9  # of a box's width: by which its sides differ, for rounding alone
+_Pair = tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +34,7 @@ class FilmCone:
         side: of the grid.
         cover: ``(side·side,)`` share of each cell that stop and rims leave open.
         rays: as they leave the lens toward the scene, in the frame of the lens: the picture's turned around.
+        half: ``(n,)`` the cells of these rays, of which the others are mirror images; None where each cell has its own.
     """
 
     cosines: DoubleArray
@@ -37,6 +42,11 @@ class FilmCone:
     side: int
     cover: DoubleArray
     rays: TracedRays
+    half: NDArray[np.int64] | None
+
+    def of_all(self, values: DoubleArray) -> DoubleArray:
+        """Values ``(side·side,)`` of all cells from those of the rays."""
+        return _whole(values, self.side, self.half).ravel()
 
     @property
     def light(self) -> float:
@@ -93,24 +103,54 @@ def film_cone(
     if found is None:
         return None
     cosines = found.grid(side)
-    rays = _trace(lens, place_mm, cosines, wavelength_nm)
-    cover = _cover(_clearance(lens, rays, rims).reshape(side, side)).ravel()
-    return FilmCone(cosines, found.cell(side), side, cover, rays)
+    half = _mirrored_half(lens, place_mm, found, side)
+    rays = _trace(lens, place_mm, cosines if half is None else cosines[half], wavelength_nm)
+    clearance = _whole(_clearance(lens, rays, rims), side, half)
+    return FilmCone(cosines, found.cell(side), side, _cover(clearance).ravel(), rays, half)
 
 
 def _open_box(lens: FocusedLens, place_mm: DoubleArray, wavelength_nm: float, rims: bool, box: _Box) -> _Box | None:
     """Box around what is open within a box, which grows where that reaches its edge; None where nothing is open."""
     found = None
     for _ in range(_GROWINGS):
-        cosines = box.grid(_COARSE)
-        is_open = _clearance(lens, _trace(lens, place_mm, cosines, wavelength_nm), rims) <= 0
+        ends = (tuple(part.tolist()) for part in (place_mm, box.low, box.high))
+        is_open = _coarse_clearances(lens, *ends, wavelength_nm)[0 if rims else 1] <= 0
         if not is_open.any():
             return found
-        found = box.around(cosines[is_open], _COARSE)
+        found = box.around(box.grid(_COARSE)[is_open], _COARSE)
         if (found.low > box.low).all() and (found.high < box.high).all():
             break
         box = box.grown()
     return found
+
+
+@lru_cache(maxsize=128)
+def _coarse_clearances(
+    lens: FocusedLens, place_mm: _Pair, low: _Pair, high: _Pair, wavelength_nm: float
+) -> tuple[DoubleArray, DoubleArray]:
+    """Clearances of a coarse grid over a box, with the rims and of the stop alone: light with and without rims needs both."""
+    place, box = np.array(place_mm), _Box(np.array(low), np.array(high))
+    half = _mirrored_half(lens, place, box, _COARSE)
+    cosines = box.grid(_COARSE)
+    rays = _trace(lens, place, cosines if half is None else cosines[half], wavelength_nm)
+    clearances = [_whole(_clearance(lens, rays, rims), _COARSE, half).ravel() for rims in (True, False)]
+    return clearances[0], clearances[1]
+
+
+def _mirrored_half(lens: FocusedLens, place_mm: DoubleArray, box: _Box, side: int) -> NDArray[np.int64] | None:
+    """Indices of the grid's right half where the left half is its mirror image; None where it is not."""
+    width = box.high[0] - box.low[0]
+    if place_mm[0] or lens.prescription.is_anamorphic or abs(box.low[0] + box.high[0]) > _SAME * width:
+        return None
+    return np.arange(side * side).reshape(side, side)[:, side // 2 :].ravel()
+
+
+def _whole(values: DoubleArray, side: int, half: NDArray[np.int64] | None) -> DoubleArray:
+    """Values ``(side, side)`` of a grid from those of its right half."""
+    if half is None:
+        return values.reshape(side, side)
+    right = values.reshape(side, -1)
+    return np.concatenate([right[:, ::-1], right], axis=1)
 
 
 def _boxes(lens: FocusedLens, place_mm: DoubleArray) -> list[_Box]:

@@ -133,7 +133,8 @@ class GlassRays:
         if cone is None or cone.light <= 0:
             return None
         slopes, _, _ = self._chiefs(height_mm * UPWARD[None], self._focus)
-        return fit_wavefront(cone, self._path_mm(cone.rays, height_mm, slopes[0], wavelength_nm), wavelength_nm)
+        path = self._path_mm(cone.rays, height_mm, slopes[0], wavelength_nm)
+        return fit_wavefront(cone, cone.of_all(path), wavelength_nm)
 
     def _path_mm(self, rays: TracedRays, height_mm: float, slope: DoubleArray, wavelength_nm: float) -> DoubleArray:
         """Optical path ``(n,)`` from the object to the film, less that of all; rays go from film to scene."""

@@ -6,6 +6,7 @@ import pytest
 
 from render.cli.main import main
 from render.optics.lens_files import read_lens_file
+from render.optics.prescription.paraxial import first_order
 from tests.render.kits.lens_files import TRIPLET_ZMX
 
 
@@ -24,6 +25,23 @@ def test_a_lens_file_is_written_as_another(tmp_path) -> None:
     source.write_text(TRIPLET_ZMX)
     assert main(["lenses", "export", str(source), str(target)]) == 0
     assert len(read_lens_file(target).surfaces) == 6
+
+
+def test_a_zoom_is_written_at_a_focal_length(tmp_path, capsys) -> None:
+    path = tmp_path / "tele.zmx"
+    assert main(["lenses", "export", "tele_zoom_70_200", str(path), "--focal-length", "135"]) == 0
+    assert first_order(read_lens_file(path)).focal_length_mm == pytest.approx(135, rel=1e-4)
+    assert "the first is written" not in "".join(capsys.readouterr())
+
+
+@pytest.mark.parametrize(
+    ("lens", "said"), [("tele_zoom_70_200", "zooms from 72.09 to 194 mm, got 300"), ("planar_50", "is no zoom")]
+)
+def test_a_focal_length_that_it_has_not_is_not_written(tmp_path, capsys, lens: str, said: str) -> None:
+    path = tmp_path / "lens.zmx"
+    assert main(["lenses", "export", lens, str(path), "--focal-length", "300"]) != 0
+    assert said in capsys.readouterr().err
+    assert not path.exists()
 
 
 @pytest.mark.parametrize(

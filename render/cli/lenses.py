@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from rich import box
@@ -11,7 +13,7 @@ from rich.table import Table
 from render.cli import lens_measurements
 from render.cli.console import print_json, print_message
 from render.cli.options import shared
-from render.cli.options.lens_search import add_lens_search, found_lenses
+from render.cli.options.lens_search import add_lens_search, found_lenses, search_options
 from render.cli.options.shared import add_unknown_glass, glass_advice
 from render.cli.rich_output import print_result
 from render.cli.tables.comparison import comparison_json, comparison_table
@@ -26,9 +28,10 @@ from render.optics.lens_files import UNKNOWN_GLASS, data_sheet_text, is_data_she
 from render.optics.lens_files.writing import target_suffix, write_lens
 from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.mounting import PRESCRIBED
+from render.optics.prescription.zooming import set_focal_length
 from render.optics.report import LensReport, lens_report
 from render.shot.lens.comparison import compared_lens
-from render.shot.lens.lens_alone import LensAlone, lens_alone
+from render.shot.lens.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
 from render.shot.lens.measured_lens import measured_lens
 
 
@@ -67,6 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     export.set_defaults(run=run_export)
     export.add_argument("lens", metavar="NAME|FILE", help="of the library, or a lens file; it must have surfaces")
     export.add_argument("path", metavar="PATH", type=Path, help="Zemax .zmx, CODE V .seq or Optical Bench .txt")
+    export.add_argument("--focal-length", metavar="MM", type=float, help="of a zoom; without it its first position")
     add_unknown_glass(export)
     fit = actions.add_parser("fit", help="a data sheet from an MTF chart, calibrated distortion, an STMap, bokeh")
     lens_measurements.add_fit(fit)
@@ -88,6 +92,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "glass", metavar="NAME", help="such as N-BK7, or with its maker NBK7_SCHOTT, or a code such as 517642"
     )
     _add_json(glass)
+    for name, action in actions.choices.items():
+        action.set_defaults(run=partial(_run_action, name, action.get_default("run")))
+
+
+def _run_action(name: str, run: Callable[[argparse.Namespace], None], arguments: argparse.Namespace) -> None:
+    """Run an action, which no search goes before."""
+    searched = search_options(arguments)
+    if searched:
+        raise SettingsError(f"{searched[0]} before {name} searches the library, and {name} lists none: leave it out")
+    run(arguments)
 
 
 def _add_setting(parser: argparse.ArgumentParser) -> None:
@@ -200,7 +214,8 @@ def run_compare(arguments: argparse.Namespace) -> None:
     first, second = (_read_lens(name, arguments) for name in (arguments.lens, arguments.other))
     named = f"{first.name}_and_{second.name}"
     target = None if arguments.out is None else resolve_sheet_path(arguments.out, named)
-    reports = [_report(lens, arguments) for lens in (first, second)]
+    zooms = any(lens.is_zoom for lens in (first, second))  # a lens beside a zoom keeps the focal length that it has
+    reports = [_report(lens, arguments, keeps_focal_length=zooms and not lens.is_zoom) for lens in (first, second)]
     sides = (
         compared_lens(first, reports[0], _picture_error_mm(reports[0])),
         compared_lens(second, reports[1], _picture_error_mm(reports[1])),
@@ -223,7 +238,8 @@ def run_export(arguments: argparse.Namespace) -> None:
         arguments: as `add_arguments` declares them.
 
     Raises:
-        SettingsError: the library has no such lens, the lens has no surfaces, or no lens file has that suffix.
+        SettingsError: the library has no such lens, the lens has no surfaces or no such focal length, or no lens file has that
+            suffix.
         InputError: the file has no usable lens.
         OutputError: the file cannot be written.
     """
@@ -233,10 +249,14 @@ def run_export(arguments: argparse.Namespace) -> None:
     lens = alone.camera.lens
     if lens.model not in PRESCRIBED or lens.prescription is None:
         raise SettingsError(f"{alone.name} has no surfaces to write: its model is {lens.model}")
-    written = write_lens(complete_prescription(lens.prescription), suffix)
+    glass, which = lens.prescription, "zoom and focus the first"
+    if arguments.focal_length is not None:
+        alone.set_to(None, None, FULL_FRAME_MM, focal_length_mm=arguments.focal_length)  # refuses what it has not
+        glass, which = set_focal_length(glass, arguments.focal_length), "focus that at infinity"
+    written = write_lens(complete_prescription(glass), suffix)
     notes = list(written.notes)
-    if lens.prescription.configurations:
-        notes.append("Of its positions of zoom and focus the first is written.")
+    if glass.configurations:
+        notes.append(f"Of its positions of {which} is written.")
     if lens.height_field is not None:
         notes.append("The heights that are added to its surfaces are not written.")
     if lens.squeeze != 1:
@@ -262,9 +282,10 @@ def _camera(arguments: argparse.Namespace) -> Camera:
     return _set_to(lens, arguments)
 
 
-def _set_to(lens: LensAlone, arguments: argparse.Namespace) -> Camera:
+def _set_to(lens: LensAlone, arguments: argparse.Namespace, *, keeps_focal_length: bool = False) -> Camera:
+    focal_length_mm = None if keeps_focal_length else arguments.focal_length
     gate_mm = shared.read_gate(arguments.gate)
-    return lens.set_to(arguments.f_stop, arguments.focus, gate_mm, focal_length_mm=arguments.focal_length)
+    return lens.set_to(arguments.f_stop, arguments.focus, gate_mm, focal_length_mm=focal_length_mm)
 
 
 def run_glass(arguments: argparse.Namespace) -> None:
@@ -288,8 +309,8 @@ def run_glass(arguments: argparse.Namespace) -> None:
         print_result(glass_table(medium, found))
 
 
-def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
-    camera = _set_to(lens, arguments)
+def _report(lens: LensAlone, arguments: argparse.Namespace, *, keeps_focal_length: bool = False) -> LensReport:
+    camera = _set_to(lens, arguments, keeps_focal_length=keeps_focal_length)
     try:
         return lens_report(camera, lens.f_stop)
     except SettingsError as error:

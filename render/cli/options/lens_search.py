@@ -39,6 +39,18 @@ def add_lens_search(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def search_options(arguments: argparse.Namespace) -> list[str]:
+    """Options of a search that are given."""
+    given = {
+        "--focal-length": arguments.focal_lengths is not None,
+        "--faster-than": arguments.faster_than != math.inf,
+        "--family": arguments.family != "",
+        "--year": arguments.year is not None,
+        "--search": arguments.search != "",
+    }
+    return [option for option, is_given in given.items() if is_given]
+
+
 def found_lenses(arguments: argparse.Namespace) -> list[LibraryLens]:
     """Lenses of the library that are searched for, in its order.
 

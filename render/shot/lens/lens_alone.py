@@ -88,6 +88,16 @@ class LensAlone:
             vertical_aperture_mm=gate_mm[1],
         )
 
+    @property
+    def is_zoom(self) -> bool:
+        """Whether it has more than one focal length.
+
+        Raises:
+            InputError: no lens has such configurations.
+        """
+        prescription = self.camera.lens.prescription
+        return prescription is not None and zoom_of(prescription) is not None
+
     def _zoomed(self, focal_length_mm: float) -> LensAlone:
         """The lens at another focal length, wide open."""
         prescription = self.camera.lens.prescription

@@ -39,6 +39,13 @@ def test_a_lens_against_itself_differs_in_nothing(pullfocus: Command) -> None:
     assert one == other
 
 
+def test_a_zoom_is_compared_at_a_focal_length_with_a_prime(pullfocus: Command) -> None:
+    zoom, prime = compared(pullfocus, "tele_zoom_70_200", "thin_50", "--focal-length", "135")
+    assert (zoom["focalLengthMm"], prime["focalLengthMm"]) == (pytest.approx(135), pytest.approx(50))
+    ended = pullfocus("lenses", "compare", "thin_50", "thin_50", "--focal-length", "135")
+    assert (ended.status, "is no zoom" in ended.err) == (2, True)
+
+
 def test_stopping_down_raises_contrast_and_keeps_breathing(pullfocus: Command) -> None:
     [wide, _] = compared(pullfocus, "planar_50", "thin_50")
     [stopped, thin] = compared(pullfocus, "planar_50", "thin_50", "--f-stop", "5.6")

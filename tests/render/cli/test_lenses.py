@@ -98,6 +98,22 @@ def test_a_search_for_what_cannot_be_is_one_error(search: tuple[str, ...], said:
     assert said in ended.err
 
 
+@pytest.mark.parametrize(
+    ("search", "action"),
+    [
+        (("--focal-length", "50"), ("show", "thin_50")),
+        (("--family", "petzval"), ("compare", "thin_50", "thin_50")),
+        (("--year", "1950-"), ("glass", "N-BK7")),
+    ],
+)
+def test_a_search_before_an_action_is_refused(
+    search: tuple[str, ...], action: tuple[str, ...], pullfocus: Command
+) -> None:
+    ended = pullfocus("lenses", *search, *action)
+    assert (ended.status, ended.out, ended.err.count("\n")) == (2, "", 1)
+    assert f"{search[0]} before {action[0]} searches the library" in ended.err
+
+
 def test_the_numbers_of_a_lens_are_reported_with_their_units(pullfocus: Command) -> None:
     output = pullfocus("lenses", "show", "planar_50").out
     for words in (

@@ -34,7 +34,9 @@ def add_fit(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--focal-length", metavar="MM", type=float, default=0.0, help="of the lens")
     parser.add_argument("--f-stop", metavar="N", type=float, default=0.0, help="f-number of the measurements")
     parser.add_argument("--close-focus", metavar="M", type=float, default=0.0, help="marked on the lens, from the film")
-    parser.add_argument("--gate", metavar="WxH", help="film gate that distortion was measured on, mm; without it 36x24")
+    parser.add_argument(
+        "--gate", metavar="WxH", help="film gate that distortion was measured on, mm; without it the file's, else 36x24"
+    )
     parser.add_argument("--base", metavar="FILE.lens", type=Path, help="data sheet to complete")
     parser.add_argument("--mtf", metavar="CSV", type=Path, help="chart: height_mm, lp_mm, sagittal, tangential")
     parser.add_argument(
@@ -78,8 +80,8 @@ def run_fit(arguments: argparse.Namespace) -> None:
         value = getattr(arguments, option.removeprefix("--").replace("-", "_"))
         if not 0 <= value <= most:
             raise SettingsError(f"{option} takes a number above 0 and up to {most:g}, got {value:g}")
-    gate = shared.read_gate(arguments.gate)
-    if not all(0.1 <= side <= 1000 for side in gate):
+    gate = None if arguments.gate is None else shared.read_gate(arguments.gate)
+    if gate is not None and not all(0.1 <= side <= 1000 for side in gate):
         raise SettingsError(f"--gate takes sides from 0.1 to 1000 mm, got {gate[0]:g} x {gate[1]:g}")
     check_writable(out)
     iris = None if arguments.bokeh is None else read_iris(arguments.bokeh)

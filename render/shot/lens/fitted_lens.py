@@ -13,6 +13,7 @@ from render.errors import InputError, SettingsError
 from render.model.arrays import DoubleArray
 from render.model.lens import DataSheet
 from render.optics.data_sheet import at_heights
+from render.optics.framing import FULL_FRAME_MM
 from render.optics.lens_files import MeasuredLens
 from render.optics.lens_files.lens_text import decode
 from render.optics.measured.bokeh_photo import MeasuredIris, measure_iris
@@ -41,7 +42,7 @@ class Measurements:
         focal_length_mm: 0 where the calibration is to say it.
         f_stop: of the measurements, and wide open.
         close_focus_m: from the film; 0 where none is marked.
-        gate_mm: width and height of the gate on which distortion was measured.
+        gate_mm: width and height of the gate on which distortion was measured; None for what its file says, else 36 by 24.
         known: a lens by its data sheet, which the measurements complete and replace.
         mtf: CSV file of an MTF chart.
         has_diffraction: whether the chart has diffraction in it.
@@ -53,7 +54,7 @@ class Measurements:
     focal_length_mm: float
     f_stop: float
     close_focus_m: float
-    gate_mm: tuple[float, float]
+    gate_mm: tuple[float, float] | None
     known: MeasuredLens | None = None
     mtf: Path | None = None
     has_diffraction: bool = True
@@ -154,11 +155,11 @@ def _distortion(
     path: Path, focal_length_mm: float, given: Measurements, notes: list[str]
 ) -> tuple[float, RadialDistortion]:
     """Focal length and distortion by a calibration or an STMap; what is to be said of them is added to the notes."""
-    corner = math.hypot(*given.gate_mm) / 2
+    gate_mm = given.gate_mm or FULL_FRAME_MM
     if path.suffix.lower() in MAP_SUFFIXES:
         stmap = read_stmap(path)
-        found = fit_radial(*stmap_pairs_mm(stmap, given.direction, given.gate_mm, path.name), path.name)
-        px_per_mm = stmap.size[0] / given.gate_mm[0]
+        found = fit_radial(*stmap_pairs_mm(stmap, given.direction, gate_mm, path.name), path.name)
+        px_per_mm = stmap.size[0] / gate_mm[0]
         if abs(found.centre_scale - 1) > 1e-3:
             notes.append(
                 f"The map changes the size of the picture's middle by {100 * (found.centre_scale - 1):+.2f} %, which counts as "
@@ -166,7 +167,13 @@ def _distortion(
             )
     else:
         calibration = parse_calibration(read_small(path), path.name)
-        pinhole = calibration.pinhole_mm(given.gate_mm)
+        if given.gate_mm is None and any(calibration.gate_mm):
+            gate_mm = calibration.gate_mm
+            if not all(0.1 <= side <= 1000 for side in gate_mm):
+                what = f"its sensor must have sides from 0.1 to 1000 mm, got {gate_mm[0]:g} x {gate_mm[1]:g}"
+                raise InputError(f"{path.name}: {what}", code="bad_calibration", path=path.name)
+            notes.append(f"The gate is {gate_mm[0]:g} x {gate_mm[1]:g} mm by {path.name}.")
+        pinhole = calibration.pinhole_mm(gate_mm)
         if not focal_length_mm and pinhole:
             focal_length_mm = round(pinhole, 4)
             notes.append(f"The focal length is {focal_length_mm:g} mm by {path.name}.")
@@ -174,9 +181,9 @@ def _distortion(
             notes.append(f"{path.name} says a focal length of {pinhole:.4g} mm; {focal_length_mm:g} mm count.")
         if not focal_length_mm:
             raise SettingsError(f"{path.name} does not say its focal length in mm: state it with --focal-length")
-        found = fit_radial(*calibration.pairs_mm(focal_length_mm, corner), path.name)
-        px_per_mm = calibration.size_px[0] / given.gate_mm[0]
-        notes.extend(_centre_notes(calibration, given.gate_mm))
+        found = fit_radial(*calibration.pairs_mm(focal_length_mm, math.hypot(*gate_mm) / 2), path.name)
+        px_per_mm = calibration.size_px[0] / gate_mm[0]
+        notes.extend(_centre_notes(calibration, gate_mm))
     off = f"{1000 * found.rms_mm:.1f} µm rms on the film are left, at most {1000 * found.worst_mm:.1f} µm"
     pixels = f" ({found.worst_mm * px_per_mm:.2f} pixels)" if px_per_mm else ""
     notes.append(f"Distortion: {off}{pixels}: what is not the same all around the axis.")
@@ -240,10 +247,11 @@ def iris_layer(iris: MeasuredIris, mask_name: str) -> str:
         mask_name: file name of its mask, beside the layer.
     """
     weights = ", ".join(f"{weight:g}" for weight in iris.weights)
+    ends, escaped = ("@@@", mask_name.replace("@@@", "\\@@@")) if "@" in mask_name else ("@", mask_name)
     return (
         '#usda 1.0\n(\n    defaultPrim = "Iris"\n)\n\n'
         'over "Iris" (\n    prepend apiSchemas = ["ApertureAPI"]\n)\n{\n'
-        f"    asset aperture:mask = @./{mask_name}@\n    double[] aperture:radialWeights = [{weights}]\n}}\n"
+        f"    asset aperture:mask = {ends}./{escaped}{ends}\n    double[] aperture:radialWeights = [{weights}]\n}}\n"
     )
 
 

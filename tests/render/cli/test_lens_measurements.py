@@ -10,15 +10,18 @@ import numpy as np
 import OpenEXR
 import OpenImageIO as oiio
 import pytest
+from pxr import Sdf
 
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.lens import IrisShape
 from render.optics.distortion import distort_positions
 from render.optics.iris import transmission
 from render.optics.lens_files import read_measured_lens
+from render.optics.measured.bokeh_photo import MeasuredIris
 from render.optics.measured.stmap import StMap, make_stmap, stmap_pairs_mm
 from render.optics.view import PinholeView
 from render.shot import Shot
+from render.shot.lens.fitted_lens import iris_layer
 from render.shot.lens.lens_alone import lens_alone
 from render.stage import read_camera
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, write_shot
@@ -127,6 +130,39 @@ def test_opentrackio_read_again_is_the_lens(pullfocus: Command, tmp_path: Path) 
     measured = replace(lens_alone(str(sheet)).camera, f_stop=2.0, focus_distance_m=3.0)
     np.testing.assert_allclose(distort_positions(view, measured, grid), distort_positions(view, camera, grid), atol=0.1)
     assert pullfocus("lenses", "opentrackio", "anamorphic_50_2x").status == 1
+
+
+def tracked(tmp_path: Path, width: float) -> Path:
+    sensor = {"activeSensorPhysicalDimensions": {"width": width, "height": 16.0}}
+    lens = {"pinholeFocalLength": 35.0, "distortion": [{"model": "Brown-Conrady D-U", "radial": [1e-5, 0.0]}]}
+    path = tmp_path / "tracked.json"
+    path.write_text(json.dumps({"static": {"camera": sensor}, "lens": lens}))
+    return path
+
+
+def test_the_sensor_of_a_tracked_lens_is_its_gate(pullfocus: Command, tmp_path: Path) -> None:
+    sample, out = tracked(tmp_path, 30.0), tmp_path / "out.lens"
+    ended = pullfocus("lenses", "fit", out, "--distortion", sample)
+    assert ended.status == 0, ended.err
+    assert "The gate is 30 x 16 mm by tracked.json." in ended.err
+    by_sensor = read_measured_lens(out)
+    assert pullfocus("lenses", "fit", out, "--distortion", sample, "--gate", "30x16").status == 0
+    assert read_measured_lens(out).sheet == by_sensor.sheet
+    assert pullfocus("lenses", "fit", out, "--distortion", sample, "--gate", "36x24").status == 0
+    assert read_measured_lens(out).sheet != by_sensor.sheet
+
+
+def test_a_sensor_of_no_size_is_refused(pullfocus: Command, tmp_path: Path) -> None:
+    ended = pullfocus("lenses", "fit", tmp_path / "out.lens", "--distortion", tracked(tmp_path, -1.0))
+    assert (ended.status, ended.err.count("\n")) == (1, 1)
+    assert "sides from 0.1 to 1000 mm, got -1 x 16" in ended.err
+
+
+@pytest.mark.parametrize("name", ["lens_iris.exr", "a@b.exr", "a@@@b.exr"])
+def test_a_mask_of_any_name_is_found_from_its_layer(name: str) -> None:
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    layer.ImportFromString(iris_layer(MeasuredIris((1.0, 0.5), np.ones((4, 4)), (1.5, 1.5), 2.0, ()), name))
+    assert layer.GetAttributeAtPath("/Iris.aperture:mask").default.path == f"./{name}"
 
 
 def test_opentrackio_refuses_a_fisheye_that_it_cannot_describe(pullfocus: Command) -> None:

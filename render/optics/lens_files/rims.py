@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.lens import AIR, Glass, Prescription, Surface
+from render.model.lens import AIR, Across, Glass, Prescription, Surface
 from render.optics.lens_files.configurations import DraftConfigurations, join_gaps
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.prescription.clear_diameters import meeting_mm
@@ -132,7 +132,10 @@ def _shape(surface: DraftSurface) -> Surface:
     highest = max(surface.terms, default=2)
     even, odd = (tuple(surface.terms.get(power, 0.0) for power in range(i, highest + 1, 2)) for i in (4, 3))
     width = (1 - _ROUNDED) * surface.semi_diameter
-    return Surface(surface.radius, 0.0, semi_diameter_mm=width, conic=surface.conic, aspheric=even, odd=odd)
+    across = surface.across and Across(*surface.across)
+    return Surface(
+        surface.radius, 0.0, semi_diameter_mm=width, conic=surface.conic, aspheric=even, across=across, odd=odd
+    )
 
 
 def _without(group: Group, dropped: DraftSurface, front: DraftSurface, behind: DraftSurface) -> Group:

@@ -90,3 +90,13 @@ def test_the_planes_of_a_biconic_have_its_curves() -> None:
 def test_other_surfaces_are_refused(kind: str, parameters: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         read(kind, 0.02, **parameters)
+
+
+def test_a_plane_of_air_that_a_cylinder_bulges_through_is_left_out() -> None:
+    text = FILE.format(kind="TOROIDAL", curvature=0, conic=0, parameters="  PARM 1 -50\n")
+    element = "SURF 0.{0}\n  TYPE STANDARD\n  CURV {1}\n  DISZ {2}\n{3}  DIAM 8\n"
+    glass = "  GLAS N-BK7 0 0 1.5168 64.17\n"
+    before = element.format(1, 0.02, 3, glass) + element.format(2, 0, 2, "") + element.format(3, 0, 0.02, "")
+    lens = parse_lens_file(text.replace("SURF 1\n", before + "SURF 1\n").encode(), "cylinders.zmx")
+    assert [surface.thickness_mm for surface in lens.surfaces[:3]] == pytest.approx([3, 2.02, 5])
+    assert any("a plane of air, is cut by the glass beside it; it is left out" in note for note in lens.notes)

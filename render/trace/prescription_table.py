@@ -31,6 +31,7 @@ from render.trace.lens_fit import (
     slope_errors,
 )
 from render.trace.lens_table import BOUND, LIGHT, REGION, SLOPE_T, WEIGHT, PolynomialTable
+from render.trace.open_pupil import clearances
 
 if TYPE_CHECKING:  # so that a process without GL can ask where a lens is sharpest
     from render.trace.surface_tracer import SurfaceTracer, TracedLens
@@ -250,18 +251,16 @@ def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray)
     line = np.linspace(-1, 1, _GRID)
     square = np.stack(np.meshgrid(line, line[_GRID // 2 :], indexing="ij"), axis=-1)
     on_disc = np.hypot(*np.moveaxis(square, -1, 0)) <= 1 + 1e-9
-    disc = square[on_disc]
-    traced = _trace(tracer, lens, np.repeat(slopes, len(disc)), np.tile(disc, (len(slopes), 1)), (D_LINE_NM,))
-    clearance = np.where(traced.passed & _drawable(traced), np.maximum(traced.front, traced.rear), np.nan)
-    regions = []
-    for values in clearance[0].reshape(len(slopes), len(disc)):
-        if (values <= 0).all():
-            regions.append(Region())
-            continue
-        over_square = np.full(square.shape[:2], np.nan)
-        over_square[on_disc] = values
-        regions.append(enclosing_region(_open_points(square, over_square), -1, _PADDING))
-    return regions
+    stops = square.reshape(-1, 2)
+
+    def clearance(heights: NDArray[np.int64], points: NDArray[np.int64]) -> DoubleArray:
+        traced = _trace(tracer, lens, slopes[heights], stops[points], (D_LINE_NM,))
+        return np.asarray(np.where(traced.passed & _drawable(traced), np.maximum(traced.front, traced.rear), np.nan)[0])
+
+    return [
+        Region() if (values[on_disc] <= 0).all() else enclosing_region(_open_points(square, values), -1, _PADDING)
+        for values in clearances(clearance, len(slopes), on_disc)
+    ]
 
 
 def _open_points(square: DoubleArray, clearance: DoubleArray) -> DoubleArray:

@@ -28,6 +28,7 @@ from render.trace.lens_fit import (
     Region,
     mean_light,
     pupil_nodes,
+    row_length,
     slope_errors,
 )
 from render.trace.lens_table import BOUND, LIGHT, REGION, SLOPE_T, WEIGHT, PolynomialTable
@@ -124,7 +125,7 @@ class _TableMaker:
         self._tracer, self._lens, self._last_slope = tracer, lens, last_slope
         self._focus_w, self._wavelengths_nm = focus_w, wavelengths_nm
         self._regions: dict[int, list[Region]] = {}
-        self._kept: dict[tuple[object, ...], tuple[list[Region], list[list[NodeRays]]]] = {}
+        self._kept: dict[tuple[object, ...], dict[int, tuple[NodeRays, ...]]] = {}
 
     def refined(self) -> tuple[PupilFit, int, DoubleArray, float]:
         """Fit, number of heights, rows and error on the film, refined where it pays until the error is small enough.
@@ -143,10 +144,9 @@ class _TableMaker:
                 other, more = PupilFit(pupil_nodes(*_FINE_NODES), Degrees(degree, fit.degrees.pupil)), count
             else:
                 break
-            tried = self.rows(other, more)
-            left_mm = self.film_error_mm(tried, other.degrees)
+            left_mm = self.film_error_mm(self._rows_to_check(other, more), other.degrees)
             if left_mm < _PAYS * error_mm:
-                fit, count, rows, error_mm = other, more, tried, left_mm
+                fit, count, rows, error_mm = other, more, self.rows(other, more), left_mm
             elif other is fit:
                 may_double = False
             else:
@@ -187,11 +187,9 @@ class _TableMaker:
         """Largest error on the film between the fit's nodes and half way between its heights, where both neighbours are lit."""
         count = rows.shape[1]
         slopes = np.linspace(0.0, self._last_slope, count)
-        lit = np.flatnonzero(rows[0, :, REGION + 1] > 1.01 * _PADDING)  # others are open nowhere
-        between = np.intersect1d(lit, lit - 1)
-        if not len(between):
+        places = _places_to_check(rows[0, :, REGION : REGION + 3])
+        if not len(places):
             return 0.0
-        places = _places_to_check(rows[0, :, REGION : REGION + 3], between)
         heights = (slopes[places] + slopes[places + 1]) / 2
         blended = (rows[:, places] + rows[:, places + 1]) / 2
         nodes = pupil_nodes(*_CHECKED_NODES)
@@ -210,24 +208,60 @@ class _TableMaker:
             worst = max(worst, float(np.hypot(off[..., 0], off[..., 1])[is_open].max(initial=0.0)))
         return worst * self._lens.image_scale_mm
 
+    def _rows_to_check(self, fit: PupilFit, count: int) -> DoubleArray:
+        """Rows ``(wavelengths, count, n)`` of which those are fitted that `film_error_mm` reads; others have their region alone.
+
+        A refinement that does not pay needs no more.
+        """
+        regions = self._open(count)
+        shapes = np.array([[region.centre, region.along, region.across] for region in regions])
+        places = _places_to_check(shapes)
+        read = np.unique(np.clip(places + np.arange(-1, 3)[:, None], 0, count - 1))  # and the slopes beside them
+        rows = np.full((len(self._wavelengths_nm), count, row_length(fit.degrees.slope)), np.nan)
+        rows[..., REGION : REGION + 3] = shapes
+        for k, part in enumerate(self._traced_at(count, fit.nodes, read)):
+            for h, rays in zip(read, part, strict=True):
+                rows[k, h] = fit.row(rays, regions[h])
+        is_dark = rows[0, np.union1d(places, places + 1), REGION + 1] == 0  # few rays get through what is open
+        return self.rows(fit, count) if is_dark.any() else rows
+
+    def _open(self, count: int) -> list[Region]:
+        """Open regions of field heights."""
+        if count not in self._regions:
+            slopes = np.linspace(0.0, self._last_slope, count)
+            self._regions[count] = _open_regions(self._tracer, self._lens, slopes)
+        return self._regions[count]
+
     def _traced(
         self, count: int, nodes: DoubleArray, more_nm: Sequence[float] = ()
     ) -> tuple[list[Region], list[list[NodeRays]]]:
-        key = count, len(nodes), tuple(more_nm)
-        if key not in self._kept:
-            slopes = np.linspace(0.0, self._last_slope, count)
-            if count not in self._regions:
-                self._regions[count] = _open_regions(self._tracer, self._lens, slopes)
-            regions = self._regions[count]
+        return self._open(count), self._traced_at(count, nodes, np.arange(count), more_nm)
+
+    def _traced_at(
+        self, count: int, nodes: DoubleArray, heights: NDArray[np.int64], more_nm: Sequence[float] = ()
+    ) -> list[list[NodeRays]]:
+        """Rays by wavelength, at some of the heights; each is traced once."""
+        kept = self._kept.setdefault((count, len(nodes), tuple(more_nm)), {})
+        missing = [int(h) for h in heights if int(h) not in kept]
+        if missing:
+            slopes = np.linspace(0.0, self._last_slope, count)[missing]
+            regions = [self._open(count)[h] for h in missing]
             wavelengths = (*self._wavelengths_nm, *more_nm)
             traced = _trace_nodes(self._tracer, self._lens, slopes, regions, nodes, wavelengths)
             rays = _node_rays(traced, slopes, regions, self._focus_w, self._lens.stop_radius_mm**2)
-            self._kept[key] = regions, rays
-        return self._kept[key]
+            kept.update(zip(missing, zip(*rays, strict=True), strict=True))
+        return [list(part) for part in zip(*(kept[int(h)] for h in heights), strict=True)]
 
 
-def _places_to_check(regions: DoubleArray, between: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Rows to look behind: some evenly spaced, and those where the open region ``(heights, 3)`` changes most."""
+def _places_to_check(regions: DoubleArray) -> NDArray[np.int64]:
+    """Rows to look behind: some evenly spaced, and those where the open region ``(heights, 3)`` changes most.
+
+    They are among those that are lit and have a lit one behind.
+    """
+    lit = np.flatnonzero(regions[:, 1] > 1.01 * _PADDING)  # others are open nowhere
+    between = np.intersect1d(lit, lit - 1)
+    if not len(between):
+        return between
     even = between[np.linspace(0, len(between) - 1, _CHECKED_HEIGHTS).round().astype(int)]
     change = np.abs(regions[between + 1] - regions[between]).sum(axis=1)
     return np.union1d(even, between[np.argsort(change)[-_CHECKED_CHANGES:]])

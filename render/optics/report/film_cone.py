@@ -42,7 +42,7 @@ class FilmCone:
     side: int
     cover: DoubleArray
     rays: TracedRays
-    half: NDArray[np.int64] | None
+    half: NDArray[np.int64] | None = None
 
     def of_all(self, values: DoubleArray) -> DoubleArray:
         """Values ``(side·side,)`` of all cells from those of the rays."""

@@ -202,7 +202,9 @@ def _outline_notes(camera: Camera, share: float) -> tuple[str, ...]:
     outlines = camera.lens.prescription.outlines if camera.lens.prescription else ()
     is_round = all(is_circle(outline) and outline.centre_mm == (0.0, 0.0) for outline in outlines)
     if not is_round and not camera.lens.has_cylinders:
-        notes.append("They are not round: what is shown over the image height is that straight up from the middle.")
+        notes.append(
+            "They are not the same all around: what is shown over the image height is that straight up from the middle."
+        )
     if camera.lens.ghosts > 0 and not camera.lens.has_cylinders:
         notes.append("Its ghosts are drawn as if it had none.")
     return tuple(notes)

@@ -46,6 +46,15 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
     stops = [index for index, surface in enumerate(surfaces) if surface.is_stop]
     has_sellmeier = any(surface.glass.sellmeier_b for surface in surfaces)
     nothing = (0.0, 0.0, 0.0)
+    more: dict[str, Any] = {
+        **_across(prescription),
+        **_outlines(prescription, "opening"),
+        **_outlines(prescription, "obscuration"),
+        **{
+            field: _unless_zero(surface.aspheric_terms.get(power, 0.0) for surface in surfaces)
+            for power, field in (*zip(count(4, 2), ASPHERIC), *zip(count(3, 2), ODD))
+        },
+    }
     data = PrescriptionData(
         radius=tuple(surface.radius_mm for surface in surfaces),
         thickness=tuple(surface.thickness_mm for surface in surfaces),
@@ -60,13 +69,7 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         stop_surface=stops[0] if stops else -1,
         focus_group=prescription.focus_group or (-1, -1),
         focus_group_across=prescription.focus_group_across or (-1, -1),
-        **_across(prescription),
-        **_outlines(prescription, "opening"),
-        **_outlines(prescription, "obscuration"),
-        **{
-            field: _unless_zero(surface.aspheric_terms.get(power, 0.0) for surface in surfaces)
-            for power, field in (*zip(count(4, 2), ASPHERIC), *zip(count(3, 2), ODD))
-        },
+        **more,
     )
     return LensData(
         model="prescription",

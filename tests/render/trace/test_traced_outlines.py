@@ -124,7 +124,7 @@ def test_a_ring_makes_a_doughnut(renderer: FrameRenderer) -> None:
 
 
 def test_bokeh_has_the_shape_of_an_opening(renderer: FrameRenderer) -> None:
-    """Of a rectangle standard deviations are its widths over √12; spherical aberration bends that by a few per cent."""
+    """Standard deviations of a rectangle are its widths over √12; spherical aberration bends that by a few per cent."""
     rectangle, plain = (bokeh(renderer, outlined(each)) for each in (Outline("rectangle", (4.0, 2.0)), None))
     _, _, across, upright = spot_size(np.repeat(rectangle[..., None], 4, axis=-1))
     _, _, disc, _ = spot_size(np.repeat(plain[..., None], 4, axis=-1))

@@ -73,7 +73,7 @@ def test_a_ring_leaves_the_f_number_as_it_was() -> None:
 
 
 def test_a_ring_is_focused_for_the_rays_that_pass() -> None:
-    """Of a lens with spherical aberration: nearer than the whole beam, whose middle focuses longest."""
+    """Spherical aberration brings them together nearer than the whole beam, whose middle focuses longest."""
     plain, narrow, beside = (
         best_focus_mm(lens(obscuration=each), -np.inf, RADIUS)
         for each in (

@@ -140,7 +140,8 @@ def _coarse_clearances(
 def _mirrored_half(lens: FocusedLens, place_mm: DoubleArray, box: _Box, side: int) -> NDArray[np.int64] | None:
     """Indices of the grid's right half where the left half is its mirror image; None where it is not."""
     width = box.high[0] - box.low[0]
-    if place_mm[0] or lens.prescription.is_anamorphic or abs(box.low[0] + box.high[0]) > _SAME * width:
+    is_aside = any(outline.centre_mm[0] for outline in lens.prescription.outlines)
+    if place_mm[0] or is_aside or lens.prescription.is_anamorphic or abs(box.low[0] + box.high[0]) > _SAME * width:
         return None
     return np.arange(side * side).reshape(side, side)[:, side // 2 :].ravel()
 

@@ -27,6 +27,7 @@ _LINES_NM = np.array([H_LINE_NM, G_LINE_NM, F_LINE_NM, C_LINE_NM, R_LINE_NM])
 # Distances that count as 1: differences between glasses of one type by several makers.
 _INDEX_STEP, _ABBE_STEP = 1e-3, 0.1
 _SCHOTTS_LINE = (0.6438, -0.001682)  # of P_gF over V_d, through K7 and F2 (Schott, TIE-29)
+_FARTHEST = 1e6
 _SAME = 0.001  # squared distance below which glasses are the same
 _REFERENCE, _REFERENCE_WEIGHT = (
     "Schott",
@@ -54,7 +55,8 @@ def model_index(index: float, abbe: float, wavelengths_nm: DoubleArray) -> Doubl
 def partial_dispersions(index: float, abbe: float) -> DoubleArray:
     """Relative partial dispersions ``(4,)`` of a model glass: P_hg, P_gF, P_Fd and P_Cr."""
     glasses, deviations, lines, weight = _partials()
-    squared = np.square((np.array([index, abbe]) - glasses) / (_INDEX_STEP, _ABBE_STEP)).sum(axis=1)
+    place = np.clip([index, abbe], -_FARTHEST, _FARTHEST)  # beyond, all glasses are equally far away
+    squared = np.square((place - glasses) / (_INDEX_STEP, _ABBE_STEP)).sum(axis=1)
     weights = weight * (squared + _SAME) ** -2.0
     return np.asarray(np.array([1.0, abbe]) @ lines + weights @ deviations / weights.sum())
 

@@ -98,7 +98,7 @@ class StageReader:
 
     @property
     def complexity(self) -> str:
-        """How finely subdivision surfaces are refined, one of `render.stage.options.COMPLEXITIES`."""
+        """Refinement of subdivision surfaces, one of `render.stage.options.COMPLEXITIES`."""
         return self._options.complexity
 
     @property

@@ -12,8 +12,10 @@ from render.stage.anchors.anchors import AnchorReader
 from render.stage.assembly import subdivision_levels
 from render.stage.options import StageOptions
 from tests.render.kits.stages import T, add_mesh, new_stage, only_batch, set_primvar, world_points
-from tests.render.stage.anchors.test_anchors import point
-from tests.render.stage.geometry.test_mesh import CUBE_CORNERS, CUBE_POINTS
+from usd_schemas import FocusPoint
+
+CUBE_POINTS = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
+CUBE_CORNERS = [0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6]
 
 
 def add_cube(stage: Usd.Stage, path: str = "/cube", scheme: str = "catmullClark") -> UsdGeom.Mesh:
@@ -136,7 +138,10 @@ def test_a_place_that_is_clicked_is_where_the_point_is() -> None:
     anchors = AnchorReader(stage, "veryhigh")
     for triangle, own, fan, share in zip(triangles, weights, fans, shares, strict=True):
         drawn = own @ geometry.positions[geometry.triangles[triangle]]
-        focus = point("/cube", face=int(geometry.face_ids[triangle]), fan_triangle=int(fan), barycentric=tuple(share))
+        face = int(geometry.face_ids[triangle])
+        focus = FocusPoint(
+            name="p", target=("/cube",), face=face, fan_triangle=int(fan), barycentric=(share[0], share[1], share[2])
+        )
         np.testing.assert_allclose(anchors.position(focus, 0), drawn, atol=2e-5)
 
 

@@ -54,7 +54,7 @@ def grid(n: int, cells: bool = True) -> tuple[DoubleArray, list[list[int]]]:
 
 @pytest.mark.parametrize("levels", [1, 2, 4])
 def test_a_grid_of_quads_is_a_bicubic_spline(levels: int) -> None:
-    """Of control values x²y a uniform cubic B-spline makes (x² + 1/3) y; a straight border stays where it is."""
+    """A uniform cubic B-spline makes (x² + 1/3) y of control values x²y; a straight border stays where it is."""
     flat, faces = grid(8)
     heights = flat[:, 0] ** 2 * flat[:, 1]
     refined = Refinement(Cage(), polygons_of(np.column_stack([flat, heights]), faces), levels).refine()
@@ -67,7 +67,7 @@ def test_a_grid_of_quads_is_a_bicubic_spline(levels: int) -> None:
 
 
 def test_triangles_of_loop_are_a_box_spline() -> None:
-    """Of control values x² a quartic box spline makes x² + c, with the second moment c of its weights: 1/2 and six times 1/12."""
+    """A quartic box spline makes x² + c of control values x², with the second moment c of its weights: 1/2 and six times 1/12."""
     flat, faces = grid(10, cells=False)
     refined = Refinement(Cage("loop"), polygons_of(np.column_stack([flat, flat[:, 0] ** 2]), faces), 3).refine()
     check(refined)

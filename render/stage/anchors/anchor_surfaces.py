@@ -69,7 +69,9 @@ class AnchorSurface:
             )
         weights = np.array(point.barycentric, np.float64)
         if self._limit is not None:
-            return self._limit.weights(face, place_in_fan(fan, weights, int(counts[face])))
+            found = self._limit.weights(face, place_in_fan(fan, weights, int(counts[face])))
+            if found is not None:
+                return found
         return np.asarray(corners[starts[face] + np.array([0, fan + 1, fan + 2])], np.int64), weights
 
     def points(self, rows: LongArray, time: Usd.TimeCode) -> DoubleArray:

@@ -12,6 +12,8 @@ from render.stage.geometry.subdivision.topology import part_of
 
 LEVELS = 3
 """Steps of refinement by which places are found; between the points of the limit surface they are on flat triangles."""
+MOST_POINTS = 256
+"""Points around a face whose places are found: the weights of each at each refined point are in memory at once."""
 
 
 class LimitPlaces:
@@ -30,20 +32,32 @@ class LimitPlaces:
     def __init__(self, cage: Cage, polygons: Polygons) -> None:
         self._cage = cage
         self._kept, self._topology = control_topology(cage, polygons)
+        self._found: dict[tuple[int, float, float], tuple[LongArray, DoubleArray] | None] = {}
 
-    def weights(self, face: int, place: DoubleArray) -> tuple[LongArray, DoubleArray]:
+    def weights(self, face: int, place: DoubleArray) -> tuple[LongArray, DoubleArray] | None:
         """Points of the control mesh and their weights, ``(n,)`` each, that give a place on the limit surface of a face.
 
         Args:
             face: of the control mesh, with at least three corners.
             place: ``(2,)`` on it (`render.model.face_places`).
+
+        Returns:
+            Points and weights; None where more than `MOST_POINTS` are around the face.
         """
+        key = face, float(place[0]), float(place[1])
+        if key not in self._found:
+            self._found[key] = self._weights(face, place)
+        return self._found[key]
+
+    def _weights(self, face: int, place: DoubleArray) -> tuple[LongArray, DoubleArray] | None:
         topology, own = self._topology, int(np.searchsorted(self._kept, face))
         start, count = int(topology.starts[own]), int(topology.counts[own])
         is_near = np.zeros(topology.points, bool)
         is_near[topology.corners[start : start + count]] = True
         faces = np.unique(topology.face_of_corner[is_near[topology.corners]])
         part, points = part_of(topology, faces)
+        if len(points) > MOST_POINTS:
+            return None
         steps = Steps(self._cage, part, LEVELS)
         here = np.flatnonzero(steps.faces() == np.searchsorted(faces, own))
         corners = 3 if self._cage.scheme == "loop" else 4

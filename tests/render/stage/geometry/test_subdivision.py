@@ -260,7 +260,9 @@ def test_places_lead_from_refined_faces_to_fans_and_back(scheme: str) -> None:
         size = int(polygons.counts[face])
         (fan,), (weights,) = fans_of_places(place[None], size)
         np.testing.assert_allclose(place_in_fan(int(fan), weights, size), place, atol=1e-7)
-        rows, shares = limit.weights(face, place)
+        found = limit.weights(face, place)
+        assert found is not None
+        rows, shares = found
         np.testing.assert_allclose(shares.sum(), 1, atol=1e-9)
         np.testing.assert_allclose(shares @ polygons.points[rows], refined.points[refined.corners[corner]], atol=1e-5)
 
@@ -280,3 +282,14 @@ def test_degenerate_faces_give_finite_points() -> None:
     refined = Refinement(Cage(), polygons_of(np.random.default_rng(0).normal(size=(8, 3)), faces), 2).refine()
     check(refined)
     assert 0 not in np.unique(refined.authored.faces if refined.authored else [])
+
+
+def test_a_face_with_very_many_neighbours_has_no_limit_places() -> None:
+    """A cone of 300 triangles: its tip has more neighbours than places are looked for among; its base has, too."""
+    count = 300
+    turn = 2 * np.pi * np.arange(count) / count
+    points = np.concatenate([[[0, 0, 1]], np.stack([np.cos(turn), np.sin(turn), 0 * turn], 1)])
+    sides = [[0, 1 + i, 1 + (i + 1) % count] for i in range(count)]
+    cone = polygons_of(points, [*sides, list(range(count, 0, -1))])
+    assert LimitPlaces(Cage(), cone).weights(count, np.zeros(2)) is None
+    check(Refinement(Cage(), cone, 2).refine())

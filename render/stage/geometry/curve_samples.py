@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.model.arrays import BoolArray, DoubleArray, IntArray, LongArray
+from render.stage.geometry.nurbs import knot_places, spline_at
 from render.stage.geometry.polygons import BadGeometry
 from render.stage.geometry.sampling import Blend
 
@@ -193,38 +194,16 @@ def sample_nurbs_curves(
     return CurveSamples(positions, _chords(positions, starts), vertex, varying, curve, starts, closed)
 
 
-def even_knots(counts: IntArray, orders: IntArray) -> DoubleArray:
-    """Knots at even steps, repeated at the ends so that curves begin at their first point and end at their last."""
-    own = [
-        np.clip(np.arange(count + order) - (order - 1.0), 0.0, max(count - order + 1.0, 0.0))
-        for count, order in zip(counts.tolist(), orders.tolist(), strict=True)
-    ]
-    return np.concatenate(own) if own else np.zeros(0)
-
-
 def _nurbs_rows(
     knots: DoubleArray, count: int, order: int, low: float, high: float, widest: int, first: int, steps: int
 ) -> tuple[LongArray, DoubleArray, LongArray, DoubleArray]:
     """Point indices and basis ``(n, widest)`` of one curve's samples, and the span and the share of it where each lies."""
-    inner = np.unique(knots[order - 1 : count + 1])
-    bounds = np.unique(np.concatenate([[low], inner[(inner > low) & (inner < high)], [high]])) if high > low else [low]
-    places = np.interp(np.arange((len(bounds) - 1) * steps + 1) / steps, np.arange(len(bounds)), bounds)
-    span = np.clip(np.searchsorted(knots, places, side="right") - 1, order - 1, count - 1)
+    places = knot_places(knots, count, order, low, high, steps)
+    spline = spline_at(knots, count, order, places)
+    index = np.minimum(spline.index[:, :1] + np.arange(widest), count - 1)  # those past the order weigh nothing
     basis = np.zeros((len(places), widest))
-    basis[:, 0] = 1.0
-    for degree in range(1, order):
-        saved = np.zeros(len(places))
-        for j in range(degree):
-            right, left = knots[span + j + 1], knots[span + j + 1 - degree]
-            width = right - left
-            term = np.divide(basis[:, j], width, out=np.zeros(len(places)), where=width > 0)
-            basis[:, j] = saved + (right - places) * term
-            saved = (places - left) * term
-        basis[:, degree] = saved
-    index = np.minimum(span[:, None] - (order - 1) + np.arange(widest), count - 1)  # those past the order weigh nothing
-    width = knots[span + 1] - knots[span]
-    share = np.divide(places - knots[span], width, out=np.zeros(len(places)), where=width > 0)
-    return first + index, basis, span - (order - 1), share
+    basis[:, :order] = spline.basis
+    return first + index, basis, spline.span, spline.share
 
 
 def _chords(positions: DoubleArray, starts: LongArray) -> DoubleArray:

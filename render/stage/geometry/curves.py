@@ -9,11 +9,11 @@ from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.curve_samples import (
     CurveSamples,
-    even_knots,
     sample_basis_curves,
     sample_hermite_curves,
     sample_nurbs_curves,
 )
+from render.stage.geometry.nurbs import even_knots
 from render.stage.geometry.points_data import authored_normals, authored_widths, read_points, whole_numbers
 from render.stage.geometry.polygons import BadGeometry, Polygons, check_finite
 from render.stage.geometry.primvars import as_rows

@@ -1,4 +1,4 @@
-"""Polygons that are made from prims other than meshes: implicit shapes, curves, points and tetrahedra.
+"""Polygons that are made from prims other than meshes: implicit shapes, curves, points, tetrahedra and patches.
 
 They are cut by what the prim holds alone, never by the view, so that a face number is as good an anchor here as on a mesh.
 """
@@ -8,13 +8,14 @@ from __future__ import annotations
 from pxr import Usd
 
 from render.stage.findings import FindingLog
-from render.stage.geometry import curves, implicit, particles, tetrahedra
+from render.stage.geometry import curves, implicit, particles, patches, tetrahedra
 from render.stage.geometry.polygons import Polygons
 from render.stage.values import schema_type
 
 _ATTRIBUTES = dict.fromkeys(curves.KINDS, curves.ATTRIBUTES) | {
     "Points": particles.ATTRIBUTES,
     "TetMesh": tetrahedra.ATTRIBUTES,
+    "NurbsPatch": patches.ATTRIBUTES,
 }
 
 
@@ -55,5 +56,7 @@ def generated_polygons(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> P
             return particles.point_polygons(prim, time, log)
         case "TetMesh":
             return tetrahedra.tetrahedra_polygons(prim, time)
+        case "NurbsPatch":
+            return patches.patch_polygons(prim, time, log)
         case _:
             return implicit.implicit_polygons(prim, time)

@@ -122,6 +122,10 @@ RULES = {
     "BasisCurves": Rules("basis type wrap"),
     "Curves": Rules("curveVertexCounts widths"),
     "NurbsCurves": Rules("knots order pointWeights ranges"),
+    "NurbsPatch": Rules(
+        "pointWeights uForm uKnots uOrder uRange uVertexCount vForm vKnots vOrder vRange vVertexCount trimCurve:counts "
+        "trimCurve:knots trimCurve:orders trimCurve:points trimCurve:ranges trimCurve:vertexCounts"
+    ),
     "HermiteCurves": Rules("tangents"),
     "Points": Rules("widths", neutral={"ids": "names of points for programs that follow them"}),
     "TetMesh": Rules("orientation surfaceFaceVertexIndices tetVertexIndices"),

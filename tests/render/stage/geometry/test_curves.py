@@ -9,11 +9,11 @@ from pxr import Gf, Usd, UsdGeom, Vt
 from render import colour
 from render.stage import StageReader
 from render.stage.geometry.curve_samples import (
-    even_knots,
     sample_basis_curves,
     sample_hermite_curves,
     sample_nurbs_curves,
 )
+from render.stage.geometry.nurbs import even_knots
 from render.stage.geometry.tubes import make_tubes
 from tests.render.kits.stages import T, codes, new_stage, only_batch, read, set_primvar, world_points
 

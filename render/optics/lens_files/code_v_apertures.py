@@ -49,7 +49,7 @@ class CodeVApertures:
 
     def __init__(self, text: LensText) -> None:
         self._text = text
-        self._read: list[_Aperture] = []
+        self._read: dict[tuple[int, bool, str], _Aperture] = {}  # by the id of the surface, which lives as long
         self._notes: dict[str, None] = {}
 
     def take(self, command: str, surface: DraftSurface, words: Sequence[str], line: int) -> None:
@@ -83,17 +83,17 @@ class CodeVApertures:
         Raises:
             InputError: there is no such aperture.
         """
-        for aperture in self._read:
-            if any(aperture.surface is each for each in surfaces):
+        known = {id(surface) for surface in surfaces}
+        for aperture in self._read.values():
+            if id(aperture.surface) in known:
                 self._set(aperture)
         return list(self._notes)
 
     def _find(self, surface: DraftSurface, is_obscuration: bool, name: str, line: int) -> _Aperture:
-        for known in self._read:
-            if known.surface is surface and (known.is_obscuration, known.name) == (is_obscuration, name):
-                return known
-        self._read.append(_Aperture(surface, is_obscuration, name, line))
-        return self._read[-1]
+        key = id(surface), is_obscuration, name
+        if key not in self._read:
+            self._read[key] = _Aperture(surface, is_obscuration, name, line)
+        return self._read[key]
 
     def _set(self, aperture: _Aperture) -> None:
         outlines, surface = [*self._outlines(aperture)], aperture.surface

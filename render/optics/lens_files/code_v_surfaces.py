@@ -45,7 +45,7 @@ class CodeVSurfaces:
 
     def __init__(self, text: LensText) -> None:
         self._text = text
-        self._read: list[_Read] = []
+        self._read: dict[int, _Read] = {}  # by the id of the surface, which lives as long
 
     def takes(self, surface: DraftSurface, name: str, words: Sequence[str], line: int) -> bool:
         """Take a command about a surface, if it is one of these.
@@ -58,8 +58,7 @@ class CodeVSurfaces:
         elif name == "SCO":
             self._coefficients(surface, words, line)
         elif name in _CURVES:
-            self._read = [each for each in self._read if each.surface is not surface]
-            self._read.append(_Read(surface, name, line))
+            self._read[id(surface)] = _Read(surface, name, line)
         else:
             return self._takes_curve(surface, name, words, line)
         return True
@@ -70,7 +69,7 @@ class CodeVSurfaces:
         Raises:
             InputError: a surface has values that its type has not, or lacks one that it needs.
         """
-        for each in self._read:
+        for each in self._read.values():
             if each.kind in _CURVES:
                 self._finish_curves(each)
                 continue
@@ -87,8 +86,7 @@ class CodeVSurfaces:
             what = f"special surfaces of the kinds {', '.join(_SPECIAL)} are supported (SPS), got {kind[:20]}"
             raise self._text.error(what, line, surface.label)
         radius = self._text.number(words[1], "normalisation radius (SPS)", line, surface.label) if words[1:] else 0.0
-        self._read = [each for each in self._read if each.surface is not surface]
-        self._read.append(_Read(surface, kind, line, {_RADIUS: radius}))
+        self._read[id(surface)] = _Read(surface, kind, line, {_RADIUS: radius})
 
     def _coefficients(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         """Take pairs of a coefficient's name and its value."""
@@ -200,7 +198,7 @@ class CodeVSurfaces:
         return 0.0
 
     def _find(self, surface: DraftSurface) -> _Read | None:
-        return next((each for each in self._read if each.surface is surface), None)
+        return self._read.get(id(surface))
 
     def _error(self, each: _Read, what: str) -> InputError:
         return self._text.error(what, each.line, each.surface.label)

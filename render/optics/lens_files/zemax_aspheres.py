@@ -48,15 +48,15 @@ class ZemaxAspheres:
 
     def __init__(self, text: LensText) -> None:
         self._text = text
-        self._read: list[_Read] = []
+        self._read: dict[int, _Read] = {}  # by the id of the surface, which lives as long
 
     def begin(self, surface: DraftSurface, kind: str, line: int) -> None:
         """Take a surface for whose TYPE `is_asphere` holds."""
-        self._read.append(_Read(surface, kind, line))
+        self._read[id(surface)] = _Read(surface, kind, line)
 
     def holds(self, surface: DraftSurface) -> bool:
         """Whether a surface is one of these."""
-        return any(each.surface is surface for each in self._read)
+        return id(surface) in self._read
 
     def take(self, surface: DraftSurface, command: str, words: list[str], line: int) -> None:
         """Take PARM or XDAT, followed by its number and its value.
@@ -72,9 +72,9 @@ class ZemaxAspheres:
         if int(number) > most:
             raise self._text.error(f"{command} has numbers up to {most}, got {number}", line, surface.label)
         term = self._text.number(value, f"value of {command} {number}", line, surface.label)
-        for each in self._read:
-            if each.surface is surface:
-                (each.extra if command == "XDAT" else each.parameters)[int(number)] = term
+        each = self._read.get(id(surface))
+        if each is not None:
+            (each.extra if command == "XDAT" else each.parameters)[int(number)] = term
 
     def finish(self) -> None:
         """Set the terms of all surfaces.
@@ -82,7 +82,7 @@ class ZemaxAspheres:
         Raises:
             InputError: a surface has values that its type has not, or lacks its normalisation radius.
         """
-        for each in self._read:
+        for each in self._read.values():
             if each.kind == "ODDASPHE":
                 self._refuse_others(each, range(_LAST_ODD + 1))
                 each.surface.terms = {power: value for power, value in each.parameters.items() if power}

@@ -151,13 +151,17 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
 
     Raises:
         InputError: the prescription is not a lens.
-        SettingsError: it does not reach the focus distance.
+        SettingsError: it does not reach the focus distance, or openings and obscurations stop all light on the axis at this stop.
     """
     lens, set_f_stop = mount_lens(camera) if has_surfaces(camera) else None, camera.f_stop
     if lens is None and camera.f_stop:
         camera = replace(camera, f_stop=max(camera.f_stop, wide_open))
     rays, corner = film_rays(camera), corner_mm(camera)
     f_stop = lens.f_stop if lens else camera.f_stop
+    if lens and lens.prescription.outlines and not rays.light(np.zeros(1))[0] > 0:
+        name = camera.lens.name or "the lens"
+        what = "its openings and obscurations stop all light on the axis: open the iris"
+        raise SettingsError(f"{name} is dark in the middle of the picture at f/{f_stop:.3g}, where {what}")
     circle = image_circle_mm(rays, _FARTHEST * corner) if lens else float("inf")
     share = _open_share(lens) if lens else 1.0
     return LensReport(

@@ -17,7 +17,9 @@ from render.shot.lens.measured_lens import measured_lens
 GLASS, STOP_MM = Glass(1.6, 60.0), 6.0
 
 
-def report_of(opening: Outline | None = None, obscuration: Outline | None = None, ghosts: float = 0.0) -> LensReport:
+def report_of(
+    opening: Outline | None = None, obscuration: Outline | None = None, ghosts: float = 0.0, f_stop: float | None = None
+) -> LensReport:
     prescription = complete_prescription(
         Prescription(
             (
@@ -31,7 +33,9 @@ def report_of(opening: Outline | None = None, obscuration: Outline | None = None
         image_height_mm=14.0,
     )
     lens = Lens("prescription", "outlined", prescription, ghosts=ghosts)
-    return lens_report(Camera(np.eye(4), 50.0, 12.0, 8.0, f_stop=prescription.f_stop, focus_distance_m=0.5, lens=lens))
+    return lens_report(
+        Camera(np.eye(4), 50.0, 12.0, 8.0, f_stop=f_stop or prescription.f_stop, focus_distance_m=0.5, lens=lens)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -79,3 +83,9 @@ def test_a_data_sheet_cannot_describe_it(ring: LensReport) -> None:
     alone = LensAlone("ring", "ring", "", 4.0, ring.camera)
     with pytest.raises(SettingsError, match="ring has openings or obscurations: a data sheet knows no shape"):
         measured_lens(alone, ring)
+
+
+def test_a_ring_that_is_stopped_down_is_dark() -> None:
+    """The obscuration hides the whole iris."""
+    with pytest.raises(SettingsError, match=r"dark in the middle of the picture at f/22.* open the iris"):
+        report_of(obscuration=Outline("ellipse", (3.0, 3.0)), f_stop=22.0)

@@ -261,6 +261,6 @@ def _light(
     clearance = np.where(passes, clearance, 1.0)
     weight = traced.weight[: len(passes)].reshape(passes.shape)
     light = np.where(clearance[0] <= 0, weight[0], 0.0)[:, _on_disc(stops)].mean(axis=-1)
-    on_axis = max(light[axis], 1e-300)
+    on_axis = max(light[axis] or whole or 0.0, 1e-300)  # an obscuration may darken the axis alone
     kept = np.maximum(light / on_axis, 1e-6) ** (vignetting - 1) / max(whole or on_axis, 1e-300)
     return np.stack([weight * kept[:, None], clearance], axis=-1)

@@ -105,7 +105,10 @@ def bake(photometry: Photometry, angle_scale: float, *, normalize: bool) -> Floa
     mean = photometry.mean() if normalize else 1.0
     if mean <= 0:
         raise ProfileError("is dark")
-    return np.asarray(photometry.at(polar, azimuth) / mean, np.float32)
+    table = photometry.at(polar, azimuth) / max(mean, 1 / _MOST)
+    if not (table <= _MOST).all():
+        raise ProfileError("is too bright where it shines, for its mean")
+    return np.asarray(table, np.float32)
 
 
 def parse(text: str) -> Photometry:

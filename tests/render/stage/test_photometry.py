@@ -140,3 +140,9 @@ def test_a_profile_outside_of_its_shot_is_not_read(tmp_path: Path, monkeypatch: 
     assert [finding.message for finding in reader.findings] == [
         f"IES file {outside} lies outside what was given; light /l shines as without it"
     ]
+
+
+def test_a_profile_too_bright_for_its_mean_is_refused() -> None:
+    text = photometric_file("0 0.1 180\n0\n1e9 1e-300 1e-300")
+    with pytest.raises(ProfileError, match="too bright"):
+        bake(parse(text), 0.0, normalize=True)

@@ -49,12 +49,15 @@ class LightReader:
         textures: reads dome textures.
         skeletons: bend meshes that shine.
         log: receives requests that are not honoured.
+        complexity: of surfaces that shine (`render.stage.options.StageOptions`).
     """
 
-    def __init__(self, stage: Usd.Stage, textures: TextureCache, skeletons: Skeletons, log: FindingLog) -> None:
+    def __init__(
+        self, stage: Usd.Stage, textures: TextureCache, skeletons: Skeletons, log: FindingLog, complexity: str
+    ) -> None:
         self._stage, self._textures, self._log = stage, textures, log
         self._world = world_from_stage(stage)
-        self._skeletons = skeletons
+        self._skeletons, self._complexity = skeletons, complexity
         self._profiles: dict[tuple[str, float, bool], FloatArray] = {}
         self._confined_to = confinement(stage)
         self._metres_per_unit = float(np.linalg.norm(self._world[:3, 0]))
@@ -225,7 +228,7 @@ class LightReader:
     def _mesh(self, prim: Usd.Prim, pose: DoubleArray, transforms: UsdGeom.XformCache) -> Light | None:
         time, path = transforms.GetTime(), prim.GetPath()
         placed = [(shining, world_pose(shining, transforms, self._world)) for shining in shining_prims(prim)]
-        triangles = shining_triangles(placed, time, self._skeletons, self._log)
+        triangles = shining_triangles(placed, time, self._skeletons, self._log, self._complexity)
         middles = triangles.mean(1)
         areas = (
             np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1) / 2

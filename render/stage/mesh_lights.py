@@ -11,7 +11,10 @@ from render.model.arrays import DoubleArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import check, fan
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.subdivision.reading import is_refined
 from render.stage.geometry.surface import is_drawable, read_surface
+
+_LEVEL = 2  # steps of refinement of subdivision surfaces that shine, whatever the camera
 
 
 def shining_prims(prim: Usd.Prim) -> list[Usd.Prim]:
@@ -25,7 +28,11 @@ def shining_prims(prim: Usd.Prim) -> list[Usd.Prim]:
 
 
 def shining_triangles(
-    placed: Iterable[tuple[Usd.Prim, DoubleArray]], time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog
+    placed: Iterable[tuple[Usd.Prim, DoubleArray]],
+    time: Usd.TimeCode,
+    skeletons: Skeletons,
+    log: FindingLog,
+    complexity: str,
 ) -> DoubleArray:
     """Triangles ``(m, 3, 3)`` of surfaces: corners in the world, metres, counter-clockwise seen from outside.
 
@@ -34,13 +41,14 @@ def shining_triangles(
         time: when.
         skeletons: bend meshes.
         log: for findings.
+        complexity: of the surfaces (`render.stage.options.StageOptions`).
 
     Raises:
         BadGeometry: a surface's values contradict each other.
     """
     found = [np.zeros((0, 3, 3))]
     for prim, pose in placed:
-        polygons = read_surface(prim, time, skeletons, log)
+        polygons = read_surface(prim, time, skeletons, log, _LEVEL if is_refined(prim, complexity) else 0)
         check(polygons)
         points = polygons.points.astype(np.float64) @ pose[:3, :3].T + pose[:3, 3]
         triangles = points[polygons.corners[fan(polygons).corners]]

@@ -11,6 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 from render import colour
 from render.model.scene import Light
 from render.stage import StageReader, find_not_honoured
+from render.stage.options import StageOptions
 from tests.render.kits.stages import add_mesh, codes, new_stage, read, write_picture
 
 
@@ -324,3 +325,19 @@ def test_the_pole_of_a_dome_on_a_z_up_stage(kind: str, top: list[int]) -> None:
     found = read(stage).dome
     assert found is not None
     np.testing.assert_allclose(found.pose[:3, :3] @ [0, 1, 0], top, atol=1e-9)
+
+
+def test_a_subdivision_surface_shines_from_its_limit() -> None:
+    """A cube of 2 units shrinks to a ball of about a third of its area (9.2 of 24), whatever the camera."""
+    stage = new_stage()
+    mesh = UsdGeom.Mesh.Define(stage, "/cube")
+    mesh.CreatePointsAttr([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
+    mesh.CreateFaceVertexCountsAttr([4] * 6)
+    mesh.CreateFaceVertexIndicesAttr([0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6])
+    UsdLux.MeshLightAPI.Apply(mesh.GetPrim())
+    for complexity, area in (("low", 24.0), ("auto", 9.2)):
+        (light,) = StageReader(stage, StageOptions(complexity=complexity)).read(0).lights
+        assert light.triangles is not None
+        first, second, third = (light.triangles[:, corner] for corner in range(3))
+        found = np.linalg.norm(np.cross(second - first, third - first), axis=1).sum() / 2
+        assert found == pytest.approx(area, rel=0.05)

@@ -203,7 +203,7 @@ class StageReader:
         cutter = PieceCutter(looks, skeletons, purposes, shapes, self._options.cull_backfaces, self._log)
         groups = plan_groups(surfaces, cutter, self._log)
         self._note_up_axis()
-        lights = LightReader(self._stage, self._textures, skeletons, self._log)
+        lights = LightReader(self._stage, self._textures, skeletons, self._log, self._options.complexity)
         levels = LevelChooser(self._stage, inventory.level_roots, self._log)
         subdivision = SubdivisionChooser(surfaces, self._options.complexity, self._log)
         return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), levels, subdivision, purposes)
@@ -250,7 +250,8 @@ class StageReader:
             self._changes += 1
         elif self._plan.follows_camera and any(map(may_change_levels, paths)):
             self._key = None
-            self._changes += 1
+            if self._plan.inventory.level_roots:  # levels of subdivision show the same surface
+                self._changes += 1
 
     def _is_only_a_camera(self, path: Sdf.Path) -> bool:
         """Whether what changed is a camera that stays with, or without, back plates."""

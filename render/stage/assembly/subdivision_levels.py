@@ -10,13 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
-from render.model.arrays import DoubleArray
+from render.model.arrays import DoubleArray, IntArray
 from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.poses import InstanceReader, instance_poses, world_pose
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry, Polygons, check, unit
 from render.stage.geometry.subdivision.reading import is_refined, read_cage
-from render.stage.geometry.subdivision.refinement import control_topology
+from render.stage.geometry.subdivision.refinement import (
+    MOST_TRIANGLES,
+    control_topology,
+    fitting_level,
+    triangles_at,
+)
 from render.stage.geometry.subdivision.rules import point_rules, sum_rows
 from render.stage.geometry.subdivision.topology import Topology
 from render.stage.geometry.surface import mesh_faces, resting_points
@@ -29,12 +34,11 @@ SCREEN_PX = 1920
 """Width of the picture for whose pixels automatic levels are chosen: pictures of all sizes show the same surface."""
 _MOST_AUTO_LEVEL = 5
 _MOST_AUTO_TRIANGLES = 400_000
-MOST_IN_ALL = 4_000_000
-"""Triangles of all surfaces together that are refined automatically."""
-MOST_TRIANGLES = 2_000_000
-"""Triangles of one refined surface."""
+MOST_IN_ALL, MOST_IN_ALL_AUTO = 20_000_000, 4_000_000
+"""Triangles of all refined surfaces together, and of those that are refined automatically."""
 _BENT_SHARE = 0.99
 """Share of a control mesh's edges that bend no more than what its level is chosen for."""
+_MOST_SAMPLES = 100  # in which the first faces are looked for
 _LEAST_DISTANCE = 0.1
 """Least distance from a surface, in radii of its sphere, that levels are chosen for."""
 
@@ -48,14 +52,14 @@ class _ControlMesh:
 
     Attributes:
         places: places in which it stands.
-        triangles: number after one step of refinement.
-        bend: distance of neighbours from the planes of points; `_BENT_SHARE` of all are no farther.
+        corners: number of its faces' corners.
+        bend: distance of neighbours from the planes of points; `_BENT_SHARE` of all are no farther. Of automatic levels alone.
         centre: ``(3,)`` of its sphere.
         radius: of its sphere.
     """
 
     places: tuple[Occurrence, ...]
-    triangles: int
+    corners: int
     bend: float
     centre: DoubleArray
     radius: float
@@ -80,8 +84,8 @@ class SubdivisionChooser:
         for surface in surfaces:
             if is_refined(surface.prim, complexity):
                 by_source[surface.source].append(surface)
-        most = _MOST_AUTO_TRIANGLES if self._level is None else MOST_TRIANGLES
-        found = ((source, _describe(tuple(places), most, log)) for source, places in by_source.items())
+        is_auto = self._level is None
+        found = ((source, _describe(tuple(places), log, is_auto=is_auto)) for source, places in by_source.items())
         self._meshes = {source: mesh for source, mesh in found if mesh is not None}
 
     @property
@@ -104,10 +108,14 @@ class SubdivisionChooser:
             instances: reads instancers, at the same time.
             world: world from stage.
         """
-        if self._level is not None:
-            return {source: self._limited(source, mesh, self._level) for source, mesh in self._meshes.items()}
         if not self._meshes:
             return {}
+        if self._level is not None:
+            fitting = {source: fitting_level(mesh.corners, self._level) for source, mesh in self._meshes.items()}
+            for source, level in fitting.items():
+                if level < self._level:
+                    self._note_size(source, level)
+            return self._fit(fitting, MOST_IN_ALL)
         spheres = {source: _spheres(mesh, transforms, instances, world) for source, mesh in self._meshes.items()}
         standing = {source: found for source, found in spheres.items() if found is not None}
         if not standing:
@@ -117,33 +125,31 @@ class SubdivisionChooser:
         for source, found in standing.items():
             mesh = self._meshes[source]
             levels[source] = _auto_level(mesh, eye.pixels(found.scale * mesh.bend, found.centres, found.radius_m))
+        return self._fit(levels, MOST_IN_ALL_AUTO)
+
+    def _fit(self, levels: Levels, most_triangles: int) -> Levels:
+        """Levels at which all surfaces together have at most so many triangles; a finding where they are lower than given."""
         wanted = count = self._count(levels)
-        while count > MOST_IN_ALL and any(levels.values()):
+        while count > most_triangles and any(levels.values()):
             levels = {source: max(0, level - 1) for source, level in levels.items()}
             count = self._count(levels)
         if count < wanted:
             message = (
-                f"subdivision surfaces are refined less than their size on screen asks for, to {count:,} triangles"
+                f"subdivision surfaces are refined less than is wanted, to {count:,} triangles in place of {wanted:,}"
             )
-            self._log.add("subdivision", "/", f"{message} in place of {wanted:,}")
+            self._log.add("subdivision", "/", message)
         return levels
 
     def _count(self, levels: Levels) -> int:
         """Triangles of all refined surfaces."""
         refined = ((self._meshes[source], level) for source, level in levels.items() if level > 0)
-        return sum(len(mesh.places) * mesh.triangles * 4 ** (level - 1) for mesh, level in refined)
+        return sum(len(mesh.places) * triangles_at(mesh.corners, level) for mesh, level in refined)
 
-    def _limited(self, source: Sdf.Path, mesh: _ControlMesh, wanted: int) -> int:
-        level = wanted
-        while level > 0 and mesh.triangles * 4 ** (level - 1) > MOST_TRIANGLES:
-            level -= 1
-        if level < wanted:
-            message = (
-                f"{source} is refined in {level} steps, not {wanted}: it would have "
-                f"{mesh.triangles * 4 ** (wanted - 1):,} triangles, and up to {MOST_TRIANGLES:,} are drawn"
-            )
-            self._log.add("subdivision", source, message)
-        return level
+    def _note_size(self, source: Sdf.Path, level: int) -> None:
+        wanted = self._level or 0
+        count = triangles_at(self._meshes[source].corners, wanted)
+        message = f"{source} is refined in {level} steps, not {wanted}: it would have {count:,} triangles"
+        self._log.add("subdivision", source, f"{message}, and up to {MOST_TRIANGLES:,} are drawn")
 
 
 class _Eye:
@@ -200,17 +206,21 @@ class _Spheres:
     scale: DoubleArray
 
 
-def _describe(places: tuple[Occurrence, ...], most_triangles: int, log: FindingLog) -> _ControlMesh | None:
-    """Facts of a control mesh at its earliest time; None where it cannot be drawn, or is too large to be refined."""
-    prim, time = places[0].prim, Usd.TimeCode.EarliestTime()
+def _describe(places: tuple[Occurrence, ...], log: FindingLog, *, is_auto: bool) -> _ControlMesh | None:
+    """Facts of a control mesh at the earliest time at which it has faces; None where it cannot be drawn, or is so large that
+    automatic refinement leaves it alone.
+    """
+    prim = places[0].prim
     try:
-        counts, corners = mesh_faces(prim, time)
-        if not 0 < 2 * len(corners) <= most_triangles:
+        time, counts, corners = _first_faces(prim)
+        if not len(corners) or (is_auto and not fitting_level(len(corners), 1, _MOST_AUTO_TRIANGLES)):
             return None
         polygons = Polygons(np.array(resting_points(prim, time), np.float32), counts, corners)
         check(polygons)
     except BadGeometry:
         return None  # it is named where it is read
+    if not is_auto:
+        return _ControlMesh(places, len(corners), 0.0, np.zeros(3), 0.0)
     try:
         _, topology = control_topology(read_cage(prim, time), polygons)
     except UNREADABLE as problem:
@@ -220,7 +230,18 @@ def _describe(places: tuple[Occurrence, ...], most_triangles: int, log: FindingL
     points = polygons.points.astype(np.float64)
     low, high = points[corners].min(axis=0), points[corners].max(axis=0)
     radius = float(np.linalg.norm(high - low)) / 2
-    return _ControlMesh(places, 2 * len(corners), _bend(topology, points), (low + high) / 2, radius)
+    return _ControlMesh(places, len(corners), _bend(topology, points), (low + high) / 2, radius)
+
+
+def _first_faces(prim: Usd.Prim) -> tuple[Usd.TimeCode, IntArray, IntArray]:
+    """Earliest time at which a mesh has faces, their counts and their corners. Raises `BadGeometry` where they contradict."""
+    samples = UsdGeom.Mesh(prim).GetFaceVertexCountsAttr().GetTimeSamples()[:_MOST_SAMPLES]
+    times = [Usd.TimeCode.EarliestTime(), *map(Usd.TimeCode, samples)]
+    for time in times:
+        counts, corners = mesh_faces(prim, time)
+        if len(corners):
+            return time, counts, corners
+    return times[0], counts, corners
 
 
 def _bend(topology: Topology, points: DoubleArray) -> float:
@@ -259,6 +280,4 @@ def _spheres(
 def _auto_level(mesh: _ControlMesh, bend_px: float) -> int:
     """Steps that keep edges within a quarter of a pixel of the surface, as far as the limits allow."""
     level = int(np.clip(np.ceil(np.log(max(bend_px, 1e-30)) / np.log(4)), 0, _MOST_AUTO_LEVEL))
-    while level > 0 and mesh.triangles * 4 ** (level - 1) > _MOST_AUTO_TRIANGLES:
-        level -= 1
-    return level
+    return fitting_level(mesh.corners, level, _MOST_AUTO_TRIANGLES)

@@ -17,7 +17,7 @@ from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.subdivision.limit_places import LimitPlaces
 from render.stage.geometry.subdivision.reading import ATTRIBUTES as SUBDIVISION
 from render.stage.geometry.subdivision.reading import read_cage
-from render.stage.geometry.subdivision.refinement import Refinement
+from render.stage.geometry.subdivision.refinement import MOST_TRIANGLES, Refinement, fitting_level
 from render.stage.values import UNREADABLE, why_unreadable
 
 _FACES = ("faceVertexCounts", "faceVertexIndices")
@@ -78,9 +78,11 @@ def limit_places(prim: Usd.Prim, time: Usd.TimeCode) -> LimitPlaces:
     """Places on the limit surface of a mesh with a subdivision scheme.
 
     Raises:
-        BadGeometry: its faces or its rules cannot be used.
+        BadGeometry: its faces or its rules cannot be used, or it is too large to be refined.
     """
     counts, corners = mesh_faces(prim, time)
+    if not fitting_level(len(corners), 1):
+        raise BadGeometry(f"it has more than {MOST_TRIANGLES:,} triangles once it is refined")
     polygons = Polygons(np.zeros((len(resting_points(prim, time)), 3), np.float32), counts, corners)
     check(polygons)
     with _translate_errors():
@@ -165,6 +167,9 @@ def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log
 def _refine(prim: Usd.Prim, polygons: Polygons, level: int, time: Usd.TimeCode, log: FindingLog) -> Polygons:
     """Polygons on the limit surface; the control mesh, and a finding, where its rules cannot be used."""
     check(polygons)
+    level = fitting_level(len(polygons.corners), level)  # chosen for the faces of another time
+    if not level:
+        return polygons
     try:
         return Refinement(read_cage(prim, time), polygons, level).refine()
     except UNREADABLE as problem:

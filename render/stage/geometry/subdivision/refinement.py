@@ -19,6 +19,27 @@ from render.stage.geometry.subdivision.topology import (
     split,
 )
 
+MOST_TRIANGLES = 2_000_000
+"""Triangles of one refined surface."""
+
+
+def fitting_level(corners: int, level: int, most_triangles: int = MOST_TRIANGLES) -> int:
+    """Steps of refinement that leave at most so many triangles.
+
+    Args:
+        corners: of the control mesh.
+        level: steps that are wanted.
+        most_triangles: of the refined surface.
+    """
+    while level > 0 and triangles_at(corners, level) > most_triangles:
+        level -= 1
+    return level
+
+
+def triangles_at(corners: int, level: int) -> int:
+    """Triangles of a control mesh that is refined in some steps, at least one."""
+    return int(2 * corners * 4 ** (level - 1))
+
 
 @dataclass(frozen=True, eq=False)
 class Cage:

@@ -170,6 +170,8 @@ class Step:
 
 _STEPS_AT_ENDS = 20
 """Steps by which the limit position of a crease's end is found: each halves what is left."""
+MOST_UNSETTLED = 20_000
+"""Points without a closed form whose limit is found; of more, as of a mesh that is all creases, sharp is sharp for ever."""
 
 
 def limit(scheme: Scheme, topology: Topology, values: DoubleArray) -> DoubleArray:
@@ -187,7 +189,7 @@ def limit(scheme: Scheme, topology: Topology, values: DoubleArray) -> DoubleArra
         return values
     found = _limit_by_rules(scheme, topology, values)
     unsettled = _unsettled(topology)
-    if unsettled.any():
+    if 0 < np.count_nonzero(unsettled) <= MOST_UNSETTLED:
         points = np.flatnonzero(unsettled)
         found[points] = _limit_by_steps(scheme, topology, values, points)
     return found

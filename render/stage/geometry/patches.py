@@ -18,15 +18,27 @@ from render.stage.geometry.sampling import Blend, Sampling
 from render.stage.geometry.trims import trim
 from render.stage.values import number
 
-_DIRECTION = ("VertexCount", "Order", "Knots", "Range", "Form")
-_TRIM = ("counts", "orders", "vertexCounts", "knots", "ranges", "points")
 ATTRIBUTES = (
     "points",
     "pointWeights",
     "normals",
     "primvars:normals",
-    *(f"{direction}{name}" for direction in "uv" for name in _DIRECTION),
-    *(f"trimCurve:{name}" for name in _TRIM),
+    "uVertexCount",
+    "uOrder",
+    "uKnots",
+    "uRange",
+    "uForm",
+    "vVertexCount",
+    "vOrder",
+    "vKnots",
+    "vRange",
+    "vForm",
+    "trimCurve:counts",
+    "trimCurve:orders",
+    "trimCurve:vertexCounts",
+    "trimCurve:knots",
+    "trimCurve:ranges",
+    "trimCurve:points",
 )
 """Attributes that the shape of a patch follows, and may follow over time."""
 MOST_ORDER = 16

@@ -15,7 +15,7 @@ _AT_A_TIME = 1 << 22
 
 @dataclass(frozen=True, eq=False)
 class Trimmed:
-    """What is left of triangles.
+    """Rest of triangles that are trimmed.
 
     Attributes:
         places: ``(n, 2)`` those of the whole triangles, then those at which edges are cut.

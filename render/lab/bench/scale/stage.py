@@ -8,13 +8,15 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, Vt
 
 from render.lab.bench.scale.plan import SceneSize
-from render.model.arrays import DoubleArray
+from render.model.arrays import DoubleArray, FloatArray
+from render.stage.geometry.polygons import Polygons, compute_normals, fan
 
 CAMERA = "/World/camera"
 FRAMES = (1.0, 24.0)
 _FIELD_M, _MATERIALS = 60.0, 8
 _MESH_ATTRIBUTES = (
     ("points", Sdf.ValueTypeNames.Point3fArray),
+    ("normals", Sdf.ValueTypeNames.Normal3fArray),
     ("faceVertexCounts", Sdf.ValueTypeNames.IntArray),
     ("faceVertexIndices", Sdf.ValueTypeNames.IntArray),
 )
@@ -78,6 +80,7 @@ def _write_floor(stage: Usd.Stage) -> None:
     floor.CreatePointsAttr([Gf.Vec3f(x, 0, z) for x, z in ((-half, half), (half, half), (half, -half), (-half, -half))])
     floor.CreateFaceVertexCountsAttr([4])
     floor.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    floor.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
 
 
 def _write_meshes(
@@ -98,11 +101,25 @@ def _write_meshes(
             points = _ball(around, along, radius_m, random) + np.array([x, radius_m, z])
             mesh = Sdf.PrimSpec(parent, f"mesh{i}", Sdf.SpecifierDef, "Mesh")
             mesh.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=["MaterialBindingAPI"]))
-            values = Vt.Vec3fArray.FromNumpy(points.astype(np.float32)), counts, faces
+            Sdf.AttributeSpec(
+                mesh, "subdivisionScheme", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform
+            ).default = "none"
+            values = (
+                *map(Vt.Vec3fArray.FromNumpy, (points.astype(np.float32), _normals(points, faces))),
+                counts,
+                faces,
+            )
             for (name, kind), value in zip(_MESH_ATTRIBUTES, values, strict=True):
                 Sdf.AttributeSpec(mesh, name, kind).default = value
             binding = Sdf.RelationshipSpec(mesh, "material:binding", custom=False)
             binding.targetPathList.explicitItems = [looks[i % len(looks)].GetPath()]
+
+
+def _normals(points: DoubleArray, faces: Vt.IntArray) -> FloatArray:
+    """Smooth normals ``(n, 3)`` of quads."""
+    corners = np.array(faces, np.int32)
+    polygons = Polygons(points.astype(np.float32), np.full(len(corners) // 4, 4, np.int32), corners, smooth=True)
+    return compute_normals(polygons, fan(polygons)).values
 
 
 def _ball(around: int, along: int, radius_m: float, random: np.random.Generator) -> DoubleArray:

@@ -52,6 +52,7 @@ def _write_floor(stage: Usd.Stage) -> None:
     floor.CreatePointsAttr([Gf.Vec3f(x, 0, z) for x, z in ((-6, 2), (6, 2), (6, -14), (-6, -14))])
     floor.CreateFaceVertexCountsAttr([4])
     floor.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    floor.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     floor.CreateDoubleSidedAttr(True)
     floor.CreateDisplayColorAttr([Gf.Vec3f(0.5, 0.5, 0.55)])
 

@@ -101,9 +101,7 @@ def _write_meshes(
             points = _ball(around, along, radius_m, random) + np.array([x, radius_m, z])
             mesh = Sdf.PrimSpec(parent, f"mesh{i}", Sdf.SpecifierDef, "Mesh")
             mesh.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=["MaterialBindingAPI"]))
-            Sdf.AttributeSpec(
-                mesh, "subdivisionScheme", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform
-            ).default = "none"
+            _set_plain(mesh)
             values = (
                 *map(Vt.Vec3fArray.FromNumpy, (points.astype(np.float32), _normals(points, faces))),
                 counts,
@@ -192,11 +190,19 @@ def _write_movers(stage: Usd.Stage, count: int, random: np.random.Generator) -> 
     with Sdf.ChangeBlock():
         for number, (place, speed) in enumerate(zip(_scatter(count, random), random.uniform(0, 1, count), strict=True)):
             mesh = Sdf.PrimSpec(parent, f"blade{number}", Sdf.SpecifierDef, "Mesh")
+            _set_plain(mesh)
             for name, kind in _MESH_ATTRIBUTES:
-                Sdf.AttributeSpec(mesh, name, kind).default = values[name]
+                if values[name] is not None:
+                    Sdf.AttributeSpec(mesh, name, kind).default = values[name]
             track = _translate(mesh).path
             for time, height in zip(FRAMES, (0.0, speed), strict=True):
                 stage.GetRootLayer().SetTimeSample(track, time, Gf.Vec3d(place[0], height, place[2]))
+
+
+def _set_plain(mesh: Sdf.PrimSpec) -> None:
+    """Have a mesh drawn by its own faces, so that its triangles are those that were asked for."""
+    scheme = Sdf.AttributeSpec(mesh, "subdivisionScheme", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
+    scheme.default = "none"
 
 
 def _group(stage: Usd.Stage, path: str) -> Sdf.PrimSpec:

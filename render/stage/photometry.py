@@ -19,6 +19,7 @@ from render.stage.materials.textures import as_file, require_inside
 
 _MAX_BYTES = 4 * 2**20
 _MAX_ANGLES = 100_000
+_MAX_AROUND = 1000  # horizontal angles; the table of a light has far fewer
 _MOST = 1e9
 _FIXED = 13  # numbers before the angles
 _BLANKS = re.compile(r"[\s,]+")
@@ -130,7 +131,7 @@ def parse(text: str) -> Photometry:
     kind = numbers.take(_FIXED - 5)
     if kind[0] != 1:
         raise ProfileError(f"has the photometric type {kind[0]:g}: only 1, type C, is read")
-    if vertical_count * horizontal_count > 2**20:
+    if horizontal_count > _MAX_AROUND or vertical_count * horizontal_count > 2**20:
         raise ProfileError(f"has {vertical_count} times {horizontal_count} angles, which are too many")
     vertical, horizontal = numbers.take(vertical_count), numbers.take(horizontal_count)
     candela = numbers.take(vertical_count * horizontal_count).reshape(horizontal_count, vertical_count)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from render.model.arrays import DoubleArray, FloatArray, IntArray
+from render.model.arrays import DoubleArray, IntArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.curve_samples import (
     CurveSamples,
@@ -14,7 +14,13 @@ from render.stage.geometry.curve_samples import (
     sample_nurbs_curves,
 )
 from render.stage.geometry.nurbs import even_knots
-from render.stage.geometry.points_data import authored_normals, authored_widths, read_points, whole_numbers
+from render.stage.geometry.points_data import (
+    authored_normals,
+    authored_widths,
+    read_points,
+    real_numbers,
+    whole_numbers,
+)
 from render.stage.geometry.polygons import BadGeometry, Polygons, check_finite
 from render.stage.geometry.primvars import as_rows
 from render.stage.geometry.sampling import Sampling, sample_widths
@@ -86,12 +92,12 @@ def _samples(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> CurveSample
 
 def _nurbs(prim: Usd.Prim, points: DoubleArray, counts: IntArray, time: Usd.TimeCode, log: FindingLog) -> CurveSamples:
     curves = UsdGeom.NurbsCurves(prim)
-    orders, knots = whole_numbers(curves.GetOrderAttr(), time), _numbers(curves.GetKnotsAttr(), time)
+    orders, knots = whole_numbers(curves.GetOrderAttr(), time), real_numbers(curves.GetKnotsAttr(), time)
     if not len(knots) and len(orders) == len(counts):
         path = prim.GetPath()
         log.add("no_knots", path, f"{path} has no knots: even ones from the first to the last point are used")
         knots = even_knots(counts, orders)
-    weights = _numbers(curves.GetPointWeightsAttr(), time)
+    weights = real_numbers(curves.GetPointWeightsAttr(), time)
     ranges = as_rows(curves.GetRangesAttr().Get(time), 2)
     return sample_nurbs_curves(
         points,
@@ -101,8 +107,3 @@ def _nurbs(prim: Usd.Prim, points: DoubleArray, counts: IntArray, time: Usd.Time
         knots,
         np.asarray(ranges if ranges is not None else np.zeros((0, 2)), np.float64),
     )
-
-
-def _numbers(attribute: Usd.Attribute, time: Usd.TimeCode) -> DoubleArray:
-    rows: FloatArray | None = as_rows(attribute.Get(time), 1)
-    return np.zeros(0) if rows is None else rows[:, 0].astype(np.float64)

@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom
 from render.model.arrays import DoubleArray, FloatArray, LongArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.nurbs import SplineBasis, even_knots, knot_places, spline_at
-from render.stage.geometry.points_data import authored_normals, read_points, whole_numbers
+from render.stage.geometry.points_data import authored_normals, read_points, real_numbers, whole_numbers
 from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check_finite, merge_duplicates, sum_at, unit
 from render.stage.geometry.primvars import as_rows
 from render.stage.geometry.sampling import Blend, Sampling
@@ -95,7 +95,7 @@ def patch_polygons(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> Polyg
     if across < 1 or along < 1 or across * along != len(points):
         raise BadGeometry(f"it has {across} by {along} control points, but {len(points)} points")
     u, v = _direction(prim, "u", across, time, log), _direction(prim, "v", along, time, log)
-    weights = _numbers(patch.GetPointWeightsAttr(), time)
+    weights = real_numbers(patch.GetPointWeightsAttr(), time)
     if len(weights) not in (0, len(points)) or not (np.isfinite(weights).all() and (weights > 0).all()):
         raise BadGeometry("its pointWeights must be one for each point, finite and above 0")
     weights = weights if len(weights) else np.ones(len(points))
@@ -119,7 +119,7 @@ def _direction(prim: Usd.Prim, name: str, count: int, time: Usd.TimeCode, log: F
     if not 2 <= order <= MOST_ORDER or count < order:
         most = f"at most {name}VertexCount"
         raise BadGeometry(f"its {name}Order must be from 2 to {MOST_ORDER} and {most}, got {order} and {count}")
-    knots = _numbers(prim.GetAttribute(f"{name}Knots"), time)
+    knots = real_numbers(prim.GetAttribute(f"{name}Knots"), time)
     if not len(knots):
         path = prim.GetPath()
         log.add("no_knots", path, f"{path} has no {name}Knots: even ones from the first to the last point are used")
@@ -230,7 +230,7 @@ def _loops(prim: Usd.Prim, time: Usd.TimeCode) -> list[DoubleArray]:
     )
     if not len(loops):
         return []
-    knots = _numbers(patch.GetTrimCurveKnotsAttr(), time)
+    knots = real_numbers(patch.GetTrimCurveKnotsAttr(), time)
     points = as_rows(patch.GetTrimCurvePointsAttr().Get(time), 3)
     ranges = as_rows(patch.GetTrimCurveRangesAttr().Get(time), 2)
     curves = int(loops.sum())
@@ -257,8 +257,3 @@ def _loops(prim: Usd.Prim, time: Usd.TimeCode) -> list[DoubleArray]:
         raise BadGeometry(f"its trim curves have more than {_MOST_LOOP_CORNERS} steps")
     bounds = np.cumsum([0, *loops.tolist()])
     return [np.concatenate(sampled[bounds[i] : bounds[i + 1]]) for i in range(len(loops))]
-
-
-def _numbers(attribute: Usd.Attribute, time: Usd.TimeCode) -> DoubleArray:
-    rows = as_rows(attribute.Get(time), 1)
-    return np.zeros(0) if rows is None else rows[:, 0].astype(np.float64)

@@ -7,7 +7,7 @@ from collections.abc import Sized
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from render.model.arrays import FloatArray, IntArray
+from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry, Values
 from render.stage.geometry.primvars import as_rows
@@ -53,6 +53,12 @@ def whole_numbers(attribute: Usd.Attribute, time: Usd.TimeCode) -> IntArray:
     if numbers.ndim != 1 or (len(numbers) and numbers.dtype.kind != "i"):
         raise BadGeometry(f"its {attribute.GetName()} must be a list of whole numbers, got {format_value(value)}")
     return numbers.astype(np.int32)
+
+
+def real_numbers(attribute: Usd.Attribute, time: Usd.TimeCode) -> DoubleArray:
+    """``(n,)`` an attribute's list of numbers; an empty one where it has no value, or none of single numbers."""
+    rows = as_rows(attribute.Get(time), 1)
+    return np.zeros(0) if rows is None else rows[:, 0].astype(np.float64)
 
 
 def authored_normals(prim: Usd.Prim, time: Usd.TimeCode) -> Values | None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from render.model.arrays import DoubleArray, LongArray
-from render.stage.geometry.points_data import whole_numbers
+from render.model.arrays import LongArray
+from render.stage.geometry.points_data import real_numbers, whole_numbers
 from render.stage.geometry.polygons import BadGeometry
 from render.stage.geometry.subdivision.refinement import Cage
 from render.stage.geometry.subdivision.topology import Sharpness
@@ -53,16 +53,16 @@ def read_cage(prim: Usd.Prim, time: Usd.TimeCode) -> Cage:
 
 
 def _read_sharpness(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> Sharpness | None:
-    indices, lengths = (
-        _whole(attribute, time) for attribute in (mesh.GetCreaseIndicesAttr(), mesh.GetCreaseLengthsAttr())
-    )
-    points, of_points = _whole(mesh.GetCornerIndicesAttr(), time), _numbers(mesh.GetCornerSharpnessesAttr(), time)
+    indices = whole_numbers(mesh.GetCreaseIndicesAttr(), time).astype(np.int64)
+    lengths = whole_numbers(mesh.GetCreaseLengthsAttr(), time).astype(np.int64)
+    points = whole_numbers(mesh.GetCornerIndicesAttr(), time).astype(np.int64)
+    of_points = real_numbers(mesh.GetCornerSharpnessesAttr(), time)
     if not len(indices) and not len(points):
         return None
     if len(points) != len(of_points):
         raise BadGeometry(f"it has {len(points)} cornerIndices and {len(of_points)} cornerSharpnesses")
     creases, crease = _crease_edges(indices, lengths)
-    stated = _numbers(mesh.GetCreaseSharpnessesAttr(), time)
+    stated = real_numbers(mesh.GetCreaseSharpnessesAttr(), time)
     if len(stated) == len(lengths):
         stated = stated[crease]
     elif len(stated) != len(creases):
@@ -82,13 +82,3 @@ def _crease_edges(indices: LongArray, lengths: LongArray) -> tuple[LongArray, Lo
     ends = np.stack([indices[:-1], indices[1:]], axis=1)
     inside = crease[:-1] == crease[1:]
     return ends[inside], crease[:-1][inside]
-
-
-def _whole(attribute: Usd.Attribute, time: Usd.TimeCode) -> LongArray:
-    found = whole_numbers(attribute, time)
-    return np.zeros(0, np.int64) if found is None else found.astype(np.int64)
-
-
-def _numbers(attribute: Usd.Attribute, time: Usd.TimeCode) -> DoubleArray:
-    value = attribute.Get(time)
-    return np.zeros(0) if value is None else np.array(value, np.float64).reshape(-1)

@@ -159,7 +159,7 @@ class SceneIndex:
                 self._faded[id(batch.geometry)] = (batch.geometry, bool((colors[:, 3] < 1).any()))
             if self._faded[id(batch.geometry)][1]:
                 return True
-        return m.opacity < 1 or m.opacity_threshold > 0 or "opacity" in m.lookups
+        return m.may_be_transparent
 
     def _set_poses(self, node: pyrender.Node, poses: DoubleArray) -> None:
         """Set the poses of a node's instances.

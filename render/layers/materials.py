@@ -20,6 +20,8 @@ _WRAPS: dict[Wrap, int] = {
 }
 _GL_TEXTURE_MAX_ANISOTROPY = 0x84FE
 _TEXEL_BYTES = 8
+GRAPH_ROWS = 10
+"""Rows of the block of `layers/graph.glsl` before the numbers of the network."""
 
 
 class HalfTexture(pyrender.Texture):  # type: ignore[misc]
@@ -111,7 +113,7 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
 
 
 class PreviewSurface(pyrender.Material):  # type: ignore[misc]
-    """UsdPreviewSurface for ``layers/material.glsl``: its uniform block, its textures and its shader defines."""
+    """Material for ``layers/material.glsl``: its uniform block, textures, shader defines, and the functions of its network."""
 
     def __init__(self, material: Material, textures: dict[str, HalfTexture]) -> None:
         """``textures`` holds one texture for each entry of ``material.lookups``."""
@@ -119,10 +121,19 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
         self.source = material
         self.maps = textures
         self.defines: dict[str, int] = {}
+        self.block: bytes
+        self.functions = ""
+        if material.graph is not None:
+            self.defines |= {"GRAPH": 1, "GRAPH_NUMBERS": len(material.graph.numbers) // 4 - GRAPH_ROWS}
+            if material.graph.reads_place:
+                self.defines["GRAPH_OBJECT_SPACE"] = 1
+            self.functions = material.graph.functions
+            self.block = np.array(material.graph.numbers, np.float32).tobytes()
+            return
         for name in textures:
             self.defines[f"HAS_{name.upper()}"] = 1
             self.defines[f"LOOKUP_{name.upper()}"] = INPUTS.index(name)
-        self.block: bytes = _pack(material)
+        self.block = _pack(material)
 
     @property
     def textures(self) -> set[HalfTexture]:

@@ -39,24 +39,32 @@ DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materi
 _PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT, _REST_UNIT = 8, 11, 12, 13, 14, 15
 
 
+def material_unit(number: int) -> int:
+    """Texture unit of a material's texture: below those that the shaders bind by themselves, or behind them."""
+    return number if number < 8 else number + 8
+
+
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
     """pyrender's shader program with sources from our loader (includes, defines); uniform locations are cached."""
 
-    def __init__(self, fragment: str, defines: dict[str, object], maps: tuple[str, ...]) -> None:
-        """Compile a program; ``maps`` are the names of the material's samplers, in the order of their texture units."""
+    def __init__(self, fragment: str, defines: dict[str, object], maps: tuple[str, ...], functions: str = "") -> None:
+        """Compile a program; ``maps`` are the names of the material's samplers, in the order of their texture units, and
+        ``functions`` those of its network."""
+        self._functions = functions
         super().__init__(str(SHADER_DIR / "layers/surface.vert"), str(SHADER_DIR / fragment), defines=defines)
         self.maps = maps
         self._locations: dict[str, int] = {}
         self._add_to_context()
 
     def _load(self, shader_filename: str) -> str:
-        return load_source(Path(shader_filename).relative_to(SHADER_DIR).as_posix(), self.defines)
+        source = load_source(Path(shader_filename).relative_to(SHADER_DIR).as_posix(), self.defines)
+        return source.replace("\n#pragma surface_graph\n", f"\n{self._functions}\n", 1)
 
     def _add_to_context(self) -> None:
         super()._add_to_context()
         GL.glUseProgram(self._program_id)
         for unit, name in enumerate(self.maps):
-            GL.glUniform1i(self.location(name), unit)
+            GL.glUniform1i(self.location(name), material_unit(unit))
 
     def location(self, name: str) -> int:
         """Uniform location, -1 where the program has no such uniform (which GL ignores)."""
@@ -307,6 +315,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glUniformMatrix4fv(program.location("clip_from_camera"), 1, GL.GL_TRUE, space.clip.astype(np.float32))
         GL.glUniform2f(program.location("w_of_depth"), *space.w_of_depth)
         GL.glUniform1f(program.location("eye_z"), space.eye[2])
+        if draw.batch.material.graph is not None:
+            world = np.linalg.inv(space.from_world).astype(np.float32)
+            GL.glUniformMatrix4fv(program.location("world_from_camera"), 1, GL.GL_TRUE, world)
         self._instance_colors.bind(draw)
         if space.clip_planes:
             planes = np.array(space.clip_planes, np.float32)
@@ -337,7 +348,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._bound_material = material
         _fill_uniform_buffer(self._material_block, material.block, _MATERIAL_BINDING)
         for unit, texture in enumerate(material.maps.values()):
-            GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
+            GL.glActiveTexture(GL.GL_TEXTURE0 + material_unit(unit))
             texture._bind()
 
     def _depth_program(
@@ -394,6 +405,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         key: tuple[object, ...] = (
             fragment,
             maps,
+            material.functions,
             primitive.texcoord_0 is None,
             primitive.color_0 is None,
         )
@@ -407,7 +419,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             constants = {"OPAQUE": OPAQUE, "MAX_HALF": MOST_RADIANCE}
             places = {name: place for place, name in enumerate(attributes, start=1)}
             all_defines = {**constants, **places, **material.defines, **defines}
-            self._programs[key] = SourceProgram(fragment, all_defines, maps)
+            self._programs[key] = SourceProgram(fragment, all_defines, maps, material.functions)
         return self._programs[key]
 
     def _begin(self, width: int, height: int, clip_planes: int = 0) -> None:

@@ -65,6 +65,23 @@ class TextureLookup:
     channel: int = -1
 
 
+@dataclass(frozen=True)
+class SurfaceGraph:
+    """Network of nodes that gives a surface, as GLSL for ``layers/graph.glsl``.
+
+    Attributes:
+        functions: its functions.
+        numbers: for the block that they read, four for each row.
+        reads_place: whether geometries hold the place in the prim's own space where they hold colours otherwise.
+        may_be_transparent: whether a fragment may be wholly or partly transparent.
+    """
+
+    functions: str
+    numbers: tuple[float, ...]
+    reads_place: bool = False
+    may_be_transparent: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Material:
     """A UsdPreviewSurface. Textures, where present in ``lookups``, replace the constant of the same name.
@@ -84,7 +101,10 @@ class Material:
         uses_display_color: multiply base_color and opacity by the mesh's displayColor and displayOpacity
             (a mesh with no material bound has a white material with this set).
         unlit: show ``emissive`` alone, whatever the lights and the shading, and cast no shadow.
-        lookups: textures by input name: base_color, emissive, metallic, roughness, specular, opacity, normal, occlusion.
+        lookups: textures by input name: base_color, emissive, metallic, roughness, specular, opacity, normal, occlusion; of a
+            graph by the name of the sampler.
+        graph: the network that gives the surface in place of all inputs but ``clearcoat``, which says whether there is a clear
+            coat at all; or None.
     """
 
     name: str = ""
@@ -101,6 +121,13 @@ class Material:
     uses_display_color: bool = False
     unlit: bool = False
     lookups: dict[str, TextureLookup] = field(default_factory=dict)
+    graph: SurfaceGraph | None = None
+
+    @property
+    def may_be_transparent(self) -> bool:
+        """Whether it may be wholly or partly transparent somewhere, whatever the colours of a geometry."""
+        is_clear = self.graph is not None and self.graph.may_be_transparent
+        return is_clear or self.opacity < 1 or self.opacity_threshold > 0 or "opacity" in self.lookups
 
 
 @dataclass(frozen=True, eq=False)

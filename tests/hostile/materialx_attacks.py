@@ -1,6 +1,6 @@
 """Shots whose materials are MaterialX documents that lead elsewhere, have no end, or are none.
 
-The installed usd-core has no file format for ``.mtlx``: a reference to one stays empty, and ``render.stage.materials.materialx``
+The installed usd-core has no file format for ``.mtlx``: a reference to one stays empty, and ``render.stage.materials.mtlx``
 reads the document by itself where a prim is bound to a material below that reference.
 """
 

@@ -12,7 +12,7 @@ from render.focus.files import Rates, read_curve
 from render.optics.lens_files import parse_lens_file, parse_measured_lens
 from render.optics.prescription.completion import complete_prescription
 from render.stage.findings import FindingLog
-from render.stage.materials.materialx import MaterialXFiles
+from render.stage.materials.mtlx.looks import MaterialXLooks
 from render.stage.materials.textures import TextureCache
 from tests.hostile.materialx_attacks import materialx_attacks
 from tests.hostile.side_uploads import side_uploads
@@ -59,7 +59,9 @@ def test_hostile_materialx_files_give_a_look_or_none(tmp_path: Path) -> None:
             target.write_bytes(content.encode() if isinstance(content, str) else content)
         stage = Usd.Stage.Open(str(folder / "room.usda"))
         textures = TextureCache(2048, confined_to=folder)
-        looks.append(MaterialXFiles(stage, textures, FindingLog()).look("/World/Looks/Materials/M"))
+        looks.append(
+            MaterialXLooks(stage, textures, FindingLog()).of_document("/World/Looks/Materials/M", Usd.TimeCode(1.0))
+        )
     assert len(looks) > 60
     assert any(look is not None for look in looks)
     assert any(look is None for look in looks)

@@ -22,6 +22,7 @@ struct Lookup {
     vec4 rows[4];
 };
 
+#ifndef GRAPH
 layout(std140, binding = 1) uniform MaterialBlock {
     vec4 base_color_opacity;
     vec4 emissive_metallic;
@@ -30,6 +31,7 @@ layout(std140, binding = 1) uniform MaterialBlock {
     vec4 clearcoat_amount_roughness; // amount, roughness
     Lookup lookups[8];
 } material;
+#endif
 
 uniform float eye_z;       // of the eye in the space of positions, m: 0 but for a camera that stands far back
 uniform bool double_sided; // turn the normals of back faces towards the eye
@@ -113,6 +115,19 @@ float filtered_roughness(float roughness, vec3 n, float shortening)
     return sqrt(sqrt(min(alpha * alpha + kernel, 1.0)));
 }
 
+// Unit normal; turned towards the eye on back faces of what is double-sided. One of length 0, as of a flattened instance, is
+// replaced by the triangle's own.
+vec3 facing_normal(vec3 position, vec3 normal, bool front)
+{
+    vec3 facet = cross(dFdx(position), dFdy(position));
+    facet = dot(facet, position - vec3(0.0, 0.0, eye_z)) > 0.0 ? -facet : facet;
+    vec3 n = dot(normal, normal) > 1e-20 ? normalize(normal) : (front ? 1.0 : -1.0) * facet * inversesqrt(max(dot(facet, facet), 1e-30));
+    return front || !double_sided ? n : -n;
+}
+
+#ifdef GRAPH
+#include "layers/graph.glsl"
+#else
 Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool front)
 {
     Surface s;
@@ -161,12 +176,8 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
         s.metallic = clamp(s.metallic, 0.0, 1.0);
         s.f0 = mix(vec3(r * r), s.base_color, s.metallic);
     }
-    // a normal of length 0, as of a flattened instance, is replaced by the triangle's own
-    vec3 facet = cross(dFdx(position), dFdy(position));
-    facet = dot(facet, position - vec3(0.0, 0.0, eye_z)) > 0.0 ? -facet : facet;
-    vec3 n = dot(normal, normal) > 1e-20 ? normalize(normal) : (front ? 1.0 : -1.0) * facet * inversesqrt(max(dot(facet, facet), 1e-30));
     float shortening = 0.0;
-    s.normal = front || !double_sided ? n : -n;
+    s.normal = facing_normal(position, normal, front);
 #ifdef HAS_NORMAL
     vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, uv).xyz;
     shortening = max(1.0 - length(tangent), 0.0);
@@ -179,3 +190,4 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     s.clearcoat_roughness = filtered_roughness(clamp(s.clearcoat_roughness, 0.03, 1.0), s.normal, shortening);
     return s;
 }
+#endif

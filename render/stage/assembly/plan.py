@@ -116,7 +116,7 @@ class PieceCutter:
         """Whether a material hides what is behind it at all times, wherever it covers the surface."""
         look = self.looks.look(material, self.shapes.time)
         m, name = look.material, look.primvars.opacity
-        if look.varies or m.opacity < 1 or m.opacity_threshold > 0 or "opacity" in m.lookups:
+        if look.varies or m.may_be_transparent:
             return False
         return name is None or (
             find_primvar(surface.prim, name) is None and not inherited_by(surface, look.primvars).opacity

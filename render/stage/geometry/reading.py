@@ -111,6 +111,8 @@ def _make_shapes(surfaces: Sequence[_Surface], log: FindingLog) -> list[Shape | 
     shapes: list[Shape | None] = []
     for surface, built in zip(surfaces, build_shapes(pack, fields, judged, seams), strict=True):
         shape = _on_authored_faces(built, surface.polygons)
+        if surface.source.primvars.place:
+            shape = replace(shape, colors=np.pad(shape.positions, ((0, 0), (0, 1)), constant_values=1))
         shapes.append(shape if len(shape.triangles) else None)
         if not len(shape.triangles):
             _note_no_faces(surface.source.prim, log)

@@ -32,6 +32,7 @@ class PrimvarNames:
         opacity: name of the opacity that multiplies the material's, or None.
         color_fallback: linear Rec. 709 colour where the mesh has no such primvar.
         opacity_fallback: opacity where the mesh has no such primvar.
+        place: whether it reads the place in the prim's own space, in its units, which is held in place of the colours.
     """
 
     uv: str | None = "st"
@@ -39,6 +40,7 @@ class PrimvarNames:
     opacity: str | None = None
     color_fallback: tuple[float, float, float] = FALLBACK_DISPLAY_COLOR
     opacity_fallback: float = 1.0
+    place: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from pxr import Usd, UsdShade
 
 from render.model.scene import TextureLookup
 from render.stage.findings import FindingLog
 from render.stage.materials.material import DEFAULT_LOOK, BoundMaterial, preview_surface_look
-from render.stage.materials.materialx import MaterialXFiles
 from render.stage.materials.texture_nodes import TextureNodes
 from render.stage.materials.textures import TextureCache
 
+if TYPE_CHECKING:
+    from render.stage.materials.mtlx.looks import MaterialXLooks
+
 _NO_PATH = ""
+_CONTEXT = "mtlx"  # of outputs:mtlx:surface
+_MATERIALX = "ND_"  # beginning of the identifiers of its nodes
 
 
 class LookReader:
@@ -27,9 +32,9 @@ class LookReader:
     """
 
     def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
-        self._stage, self._log = stage, log
+        self._stage, self._textures, self._log = stage, textures, log
         self._nodes = TextureNodes(textures, log)
-        self._materialx = MaterialXFiles(stage, textures, log)
+        self._materialx: MaterialXLooks | None = None
         self._looks: dict[str, BoundMaterial] = {_NO_PATH: DEFAULT_LOOK}
         self._representatives: dict[Hashable, str] = {_signature(DEFAULT_LOOK): _NO_PATH}
         self._representative_of: dict[str, str] = {}
@@ -60,15 +65,37 @@ class LookReader:
     def _read(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
         material = UsdShade.Material(self._stage.GetPrimAtPath(path))
         if not material:
-            return self._materialx.look(path) or self._unread(path, "does not exist")
+            return self._of_materialx().of_document(path, time) or self._unread(path, "does not exist")
         shader = material.ComputeSurfaceSource()[0]
         if shader and self._nodes.kind(shader) == "UsdPreviewSurface":
             return preview_surface_look(material, shader, time, self._nodes, self._log)
         kind = self._nodes.kind(shader) if shader else ""
+        if not kind.startswith(_MATERIALX):
+            shader, kind = self._of_context(material, shader, kind)
+        if kind.startswith(_MATERIALX):
+            look = self._of_materialx().of_shader(material, shader, time)
+            if look is not None:
+                return look
         return self._unread(path, f"has a surface of {kind}" if kind else "has no surface that can be read")
 
+    def _of_context(
+        self, material: UsdShade.Material, shader: UsdShade.Shader, kind: str
+    ) -> tuple[UsdShade.Shader, str]:
+        """The surface for MaterialX where there is one, and its kind; else what is given."""
+        own = material.ComputeSurfaceSource(_CONTEXT)[0]
+        own_kind = self._nodes.kind(own) if own else ""
+        return (own, own_kind) if own_kind.startswith(_MATERIALX) else (shader, kind)
+
+    def _of_materialx(self) -> MaterialXLooks:
+        """Reader of materials by MaterialX, whose library is loaded where one is met."""
+        if self._materialx is None:
+            from render.stage.materials.mtlx.looks import MaterialXLooks
+
+            self._materialx = MaterialXLooks(self._stage, self._textures, self._log)
+        return self._materialx
+
     def _unread(self, path: str, why: str) -> BoundMaterial:
-        message = f"material {path} {why}: only UsdPreviewSurface is honoured, so displayColor is drawn instead"
+        message = f"material {path} {why}: only UsdPreviewSurface and MaterialX are honoured, so displayColor is drawn instead"
         self._log.add("material_unread", path, message)
         return replace(DEFAULT_LOOK, material=replace(DEFAULT_LOOK.material, name=path))
 

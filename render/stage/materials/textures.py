@@ -38,6 +38,11 @@ class TextureCache:
         self._max_size, self._confined_to, self._most = max_size, confined_to, most
         self._images: dict[tuple[object, ...], Image] = {}
 
+    @property
+    def confined_to(self) -> Path | None:
+        """The folder that every file must lie in, or None."""
+        return self._confined_to
+
     def image(
         self,
         resolved_path: str,

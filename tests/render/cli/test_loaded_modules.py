@@ -20,6 +20,7 @@ NOT_NEEDED = (
     "imageio",
     "importlib.metadata",
     "jinja2",
+    "MaterialX",
     "matplotlib",
     "networkx.classes",
     "numpy.ma",

@@ -1,0 +1,98 @@
+// Surface that a network of MaterialX gives at a fragment.
+// The network's functions stand where `#pragma surface_graph` is; they are written by render/stage/materials/mtlx/generation.py:
+// samplers, `graph.numbers` by name, the geometry that the network reads, and `evaluate_nodes`, which sets `graph_surface`.
+// Colours in a network are linear Rec. 709; its world is the stage's, in the stage's units.
+
+layout(std140, binding = 1) uniform GraphBlock {
+    vec4 working_from_rec709[3];  // columns
+    vec4 rec709_from_working[3];
+    vec4 stage_from_world[4];
+    vec4 numbers[GRAPH_NUMBERS];
+} graph;
+
+uniform mat4 world_from_camera;
+
+Surface graph_surface;
+float graph_transmission;       // share of what is not reflected that comes from behind
+vec2 graph_uv;
+vec4 graph_color;               // display colour, or the place in the prim's own space
+vec3 graph_position;            // in the stage's world, as are the next three
+vec3 graph_normal;
+vec3 graph_tangent;
+vec3 graph_bitangent;
+vec3 graph_eye;
+float graph_lod_bias;
+
+vec4 graph_texture(sampler2D map, vec2 uv)
+{
+    return texture(map, uv, graph_lod_bias);
+}
+
+#include "layers/graph_surfaces.glsl"
+
+#pragma surface_graph
+
+// Directions in which texture coordinates grow (Mikkelsen 2020, section 3.3), of unit length; any across the normal where there
+// are none.
+void set_tangents(vec3 n, vec3 p, vec2 uv)
+{
+    vec3 dpx = dFdx(p), dpy = dFdy(p);
+    vec2 dux = dFdx(uv), duy = dFdy(uv);
+    vec3 r1 = cross(dpy, n), r2 = cross(n, dpx);
+    float flip = dot(dpx, r1) < 0.0 ? -1.0 : 1.0;
+    vec3 t = flip * (r1 * dux.x + r2 * duy.x), b = flip * (r1 * dux.y + r2 * duy.y);
+    vec3 across = normalize(abs(n.x) < 0.9 ? cross(n, vec3(1.0, 0.0, 0.0)) : cross(n, vec3(0.0, 1.0, 0.0)));
+    graph_tangent = dot(t, t) > 1e-30 ? normalize(t) : across;
+    graph_bitangent = dot(b, b) > 1e-30 ? normalize(b) : cross(n, graph_tangent);
+}
+
+Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool front)
+{
+    mat4 stage_from_world = mat4(graph.stage_from_world[0], graph.stage_from_world[1], graph.stage_from_world[2],
+                                 graph.stage_from_world[3]);
+    mat4 stage_from_camera = stage_from_world * world_from_camera;
+    mat3 turned = mat3(normalize(stage_from_camera[0].xyz), normalize(stage_from_camera[1].xyz),
+                       normalize(stage_from_camera[2].xyz));
+    mat3 working = mat3(graph.working_from_rec709[0].xyz, graph.working_from_rec709[1].xyz, graph.working_from_rec709[2].xyz);
+    vec3 n = facing_normal(position, normal, front);
+    float patch_px = patch_px_m * (fragment_w() - focus.x - dot(focus.yz, gl_FragCoord.xy));
+    graph_lod_bias = 0.5 * log2(patch_px * patch_px + 1.0 / (detail * detail));
+    graph_uv = uv;
+#ifdef GRAPH_OBJECT_SPACE
+    graph_color = color;
+#else
+    graph_color = vec4(mat3(graph.rec709_from_working[0].xyz, graph.rec709_from_working[1].xyz, graph.rec709_from_working[2].xyz)
+                           * color.rgb, color.a);
+#endif
+    graph_position = (stage_from_camera * vec4(position, 1.0)).xyz;
+    graph_eye = (stage_from_camera * vec4(0.0, 0.0, eye_z, 1.0)).xyz;
+    graph_normal = turned * n;
+    set_tangents(graph_normal, graph_position, uv);
+    graph_transmission = 0.0;
+    graph_surface = Surface(vec3(0.0), vec3(0.0), vec3(0.04), 0.0, 0.5, 1.0, 1.0, 0.0, 0.03, graph_normal);
+    evaluate_nodes();
+
+    Surface s = graph_surface;
+    s.base_color = working * s.base_color;
+    s.emissive = working * s.emissive;
+    s.f0 = working * s.f0;
+    bool is_mapped = dot(s.normal, s.normal) > 1e-12;
+    s.normal = is_mapped ? normalize(s.normal * turned) : n;  // times the transposed: back to the camera
+    s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, 0.0);
+    s.clearcoat_roughness = filtered_roughness(clamp(s.clearcoat_roughness, 0.03, 1.0), s.normal, 0.0);
+    s.clearcoat = clamp(s.clearcoat, 0.0, 1.0);
+    s.opacity = clamp(s.opacity, 0.0, 1.0);
+    float through = clamp(graph_transmission, 0.0, 1.0);
+    if (through > 0.0) {
+        // what is reflected is not weakened by what comes from behind: the surface is as opaque as it reflects, and more
+        vec3 v = normalize(vec3(0.0, 0.0, eye_z) - position);
+        float grazing = pow(1.0 - clamp(abs(dot(s.normal, v)), 0.0, 1.0), 5.0);
+        float mirrored = clamp(mix(max(s.f0.r, max(s.f0.g, s.f0.b)), 1.0, grazing), 1e-3, 1.0);
+        float opacity = 1.0 - through * (1.0 - mirrored);
+        s.base_color /= opacity;
+        s.f0 /= opacity;
+        s.emissive /= opacity;
+        s.opacity *= opacity;
+    }
+    return s;
+}

@@ -1,0 +1,127 @@
+// Surface shaders of MaterialX as the lobes that surfaces have here. Each sets `graph_surface`, linear Rec. 709, and returns
+// nothing of use; render/stage/materials/mtlx/surfaces.py gives the order of the arguments.
+// standard_surface: Georgiev et al. 2019, "Autodesk Standard Surface". open_pbr_surface: Andersson et al. 2024, "OpenPBR Surface".
+
+float reflectance_of(float ior)
+{
+    float r = (1.0 - ior) / (1.0 + ior);
+    return r * r;
+}
+
+// Amount of a clear coat of refractive index 1.5 that reflects as much.
+float coat_of(float amount, float ior)
+{
+    return clamp(amount * reflectance_of(ior) / 0.04, 0.0, 1.0);
+}
+
+// What goes through does so by its mean, since surfaces have one opacity. What is kept back is shown as light that the body
+// scatters.
+vec3 let_through(float transmission, vec3 color, float metallic, vec3 diffuse)
+{
+    float mean = clamp(dot(color, vec3(1.0 / 3.0)), 0.0, 1.0);
+    graph_transmission = transmission * mean * (1.0 - metallic);
+    return (1.0 - transmission) * diffuse + transmission * (1.0 - mean) * color;
+}
+
+void set_surface(vec3 base_color, float metallic, vec3 f0, float roughness, vec3 normal)
+{
+    graph_surface.base_color = base_color;
+    graph_surface.metallic = clamp(metallic, 0.0, 1.0);
+    graph_surface.f0 = f0;
+    graph_surface.roughness = roughness;
+    graph_surface.normal = normal;
+}
+
+void surface_standard_surface(
+    float base, vec3 base_color, float metalness, float specular, vec3 specular_color, float specular_roughness,
+    float specular_ior, float transmission, vec3 transmission_color, float subsurface, vec3 subsurface_color,
+    float coat, vec3 coat_color, float coat_roughness, float coat_ior, float coat_affect_color, float emission,
+    vec3 emission_color, vec3 opacity, vec3 normal, out float result)
+{
+    vec3 tint = mix(vec3(1.0), coat_color, coat);
+    vec3 diffuse = mix(base * base_color, subsurface_color, subsurface);
+    diffuse = pow(max(diffuse, 0.0), vec3(1.0 + clamp(coat, 0.0, 1.0) * coat_affect_color));
+    vec3 f0 = mix(reflectance_of(specular_ior) * specular * specular_color, base * base_color, metalness);
+    diffuse = let_through(transmission, transmission_color, metalness, diffuse);
+    set_surface(diffuse * tint, metalness, f0 * tint, specular_roughness, normal);
+    graph_surface.emissive = emission * emission_color * tint;
+    graph_surface.clearcoat = coat_of(coat, coat_ior);
+    graph_surface.clearcoat_roughness = coat_roughness;
+    graph_surface.opacity = dot(opacity, vec3(1.0 / 3.0));
+    result = 0.0;
+}
+
+void surface_open_pbr_surface(
+    float base_weight, vec3 base_color, float metalness, float specular_weight, vec3 specular_color,
+    float specular_roughness, float specular_ior, float transmission, vec3 transmission_color, float subsurface,
+    vec3 subsurface_color, float coat, vec3 coat_color, float coat_roughness, float coat_ior, float emission_luminance,
+    vec3 emission_color, float opacity, vec3 normal, out float result)
+{
+    vec3 tint = mix(vec3(1.0), coat_color, coat);
+    vec3 base = base_weight * base_color, diffuse = mix(base, subsurface_color, subsurface);
+    vec3 f0 = mix(reflectance_of(specular_ior) * specular_color, base, metalness) * specular_weight;
+    diffuse = let_through(transmission, transmission_color, metalness, diffuse);
+    set_surface(diffuse * tint, metalness, f0 * tint, specular_roughness, normal);
+    graph_surface.emissive = emission_luminance * emission_color * tint;
+    graph_surface.clearcoat = coat_of(coat, coat_ior);
+    graph_surface.clearcoat_roughness = coat_roughness;
+    graph_surface.opacity = opacity;
+    result = 0.0;
+}
+
+void surface_gltf_pbr(
+    vec3 base_color, float metallic, float roughness, vec3 normal, float occlusion, float transmission, float specular,
+    vec3 specular_color, float ior, float alpha, int alpha_mode, float alpha_cutoff, float clearcoat,
+    float clearcoat_roughness, vec3 emissive, float emissive_strength, out float result)
+{
+    vec3 f0 = mix(min(reflectance_of(ior) * specular_color, 1.0) * specular, base_color, metallic);
+    set_surface(let_through(transmission, base_color, metallic, base_color), metallic, f0, roughness, normal);
+    graph_surface.occlusion = occlusion;
+    graph_surface.emissive = emissive * emissive_strength;
+    graph_surface.clearcoat = clearcoat;
+    graph_surface.clearcoat_roughness = clearcoat_roughness;
+    graph_surface.opacity = alpha_mode == 0 ? 1.0 : alpha_mode == 1 ? step(alpha_cutoff, alpha) : alpha;
+    result = 0.0;
+}
+
+void surface_UsdPreviewSurface(
+    vec3 diffuse_color, vec3 emissive_color, int use_specular_workflow, vec3 specular_color, float metallic,
+    float roughness, float clearcoat, float clearcoat_roughness, float opacity, float opacity_threshold, float ior,
+    vec3 normal, float occlusion, out float result)
+{
+    float metal = use_specular_workflow == 1 ? 0.0 : clamp(metallic, 0.0, 1.0);
+    vec3 f0 = use_specular_workflow == 1 ? specular_color : mix(vec3(reflectance_of(ior)), diffuse_color, metal);
+    vec3 tangent = dot(normal, normal) > 1e-12 ? normal : vec3(0.0, 0.0, 1.0);
+    normal = graph_tangent * tangent.x + graph_bitangent * tangent.y + graph_normal * tangent.z;
+    set_surface(diffuse_color, metal, f0, roughness, normal);
+    graph_surface.occlusion = occlusion;
+    graph_surface.emissive = emissive_color;
+    graph_surface.clearcoat = clearcoat;
+    graph_surface.clearcoat_roughness = clearcoat_roughness;
+    graph_surface.opacity = opacity_threshold > 0.0 ? step(opacity_threshold, opacity) : opacity;
+    result = 0.0;
+}
+
+// Burley 2012, "Physically based shading at Disney": specular 1 reflects 8 % at normal incidence.
+void surface_disney_principled(
+    vec3 base_color, float metallic, float roughness, float specular, float specular_tint, float clearcoat,
+    float clearcoat_gloss, float transmission, out float result)
+{
+    float luminance = dot(base_color, vec3(0.2126, 0.7152, 0.0722));
+    vec3 tint = luminance > 0.0 ? base_color / luminance : vec3(1.0);
+    vec3 f0 = mix(0.08 * specular * mix(vec3(1.0), tint, specular_tint), base_color, metallic);
+    set_surface(let_through(transmission, base_color, metallic, base_color), metallic, f0, roughness, graph_normal);
+    graph_surface.clearcoat = 0.25 * clearcoat;
+    graph_surface.clearcoat_roughness = sqrt(mix(0.1, 0.001, clearcoat_gloss));
+    result = 0.0;
+}
+
+void surface_surface_unlit(
+    float emission, vec3 emission_color, float transmission, vec3 transmission_color, float opacity, out float result)
+{
+    set_surface(vec3(0.0), 0.0, vec3(0.0), 1.0, graph_normal);
+    graph_surface.emissive = emission * emission_color;
+    let_through(transmission, transmission_color, 0.0, vec3(0.0));
+    graph_surface.opacity = opacity;
+    result = 0.0;
+}

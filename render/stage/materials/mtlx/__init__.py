@@ -1,0 +1,1 @@
+"""MaterialX: documents and networks of its nodes, as GLSL that peeling runs for each fragment."""

@@ -1,0 +1,231 @@
+"""Networks of the materials of MaterialX documents.
+
+References are followed as the specification has them (MaterialX 1.39, "Node Graph Elements"): a node by ``nodename``, a graph's
+output by ``nodegraph`` and ``output``, and an input of the graph by ``interfacename``. Surfaces that a document defines by
+other surfaces are taken apart; other nodes that it defines are left whole.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass, field
+
+from render.stage.materials.mtlx.documents import Document
+from render.stage.materials.mtlx.network import (
+    IDENTIFIER,
+    MOST_DEPTH,
+    MOST_NODES,
+    Input,
+    Link,
+    Network,
+    NetworkError,
+    Node,
+)
+from render.stage.materials.mtlx.surfaces import SURFACES
+
+_NOT_NODES = ("input", "output", "nodedef", "nodegraph", "implementation", "token", "geominfo", "look", "collection")
+
+
+@dataclass(eq=False)
+class _Scope:
+    """Place that names are looked up in: a document, or one of its graphs.
+
+    Attributes:
+        element: of the document or graph.
+        document: that it stands in.
+        interface: inputs of the graph as the node that stands for it gives them; None for the graph's own.
+        children: elements by tag and name.
+        nodes: those that were read, by name.
+    """
+
+    element: ET.Element
+    document: Document
+    prefix: str = ""
+    color_space: str = ""
+    interface: dict[str, Input] | None = None
+    children: dict[tuple[str, str | None], ET.Element] = field(default_factory=dict)
+    nodes: dict[str, Node] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.prefix += self.element.get("fileprefix") or ""
+        self.color_space = self.element.get("colorspace") or self.color_space
+        for child in self.element:
+            self.children.setdefault((child.tag, child.get("name")), child)
+            if child.tag not in _NOT_NODES:
+                self.children.setdefault(("*", child.get("name")), child)
+
+    def find(self, tag: str, name: str | None) -> ET.Element | None:
+        """Child of a tag, or a node for ``*``, with a name; None where there is none."""
+        return None if name is None else self.children.get((tag, name))
+
+
+class DocumentNetworks:
+    """Reads the materials of a document.
+
+    Args:
+        document: it.
+    """
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self._definitions = tuple(_definitions(document))
+        self._own = _own_surfaces(document)
+
+    def material(self, name: str) -> Network | None:
+        """Network of the material of a name; None where there is none, or none with a surface.
+
+        Raises:
+            NetworkError: its nodes have no end, or there are too many.
+        """
+        for document in (self._document, *_all_included(self._document)):
+            reader = _Reader(document, self._own)
+            surface = reader.surface_of(name)
+            if surface is not None:
+                return Network(surface, self._definitions, document.version, document.folder)
+        return None
+
+
+def _all_included(document: Document) -> list[Document]:
+    found: list[Document] = []
+    for each in document.included:
+        found += [each, *_all_included(each)]
+    return found
+
+
+class _Reader:
+    def __init__(self, document: Document, own: dict[str, tuple[ET.Element, ET.Element, Document]]) -> None:
+        self._root = _Scope(document.root, document)
+        self._graphs: dict[str, _Scope] = {}
+        self._own = own
+        self._count = 0
+        self._depth = 0
+
+    def surface_of(self, name: str) -> Node | None:
+        material = self._root.find("surfacematerial", name)
+        link = _child(material, "input", "surfaceshader") if material is not None else None
+        if link is None:
+            return None
+        found = self._input(link, self._root)
+        return found.source.node if found.source is not None else None
+
+    def _node(self, scope: _Scope, name: str) -> Node | None:
+        if name in scope.nodes:
+            return scope.nodes[name]
+        element = scope.find("*", name)
+        if element is None:
+            return None
+        self._count += 1
+        self._depth += 1
+        if self._count > MOST_NODES or self._depth > MOST_DEPTH:
+            raise NetworkError(
+                f"it has more than {MOST_NODES:,} nodes, or {MOST_DEPTH} behind each other, or a circle of them"
+            )
+        node = Node(
+            element.tag,
+            element.get("type") or "",
+            definition=element.get("nodedef") or "",
+            namespace=element.get("namespace") or "",
+            name=name,
+        )
+        for child in element.findall("input"):
+            node.inputs[child.get("name") or ""] = self._input(child, scope, element)
+        self._depth -= 1
+        node = self._taken_apart(node)
+        scope.nodes[name] = node
+        return node
+
+    def _taken_apart(self, node: Node) -> Node:
+        """The surface inside one that the document defines; any other node as it is."""
+        if node.category in SURFACES or node.category not in self._own:
+            return node
+        definition, graph, document = self._own[node.category]
+        interface = {each.get("name") or "": self._input(each, self._root) for each in definition.findall("input")}
+        scope = _Scope(graph, document, interface=interface | node.inputs)
+        output = graph.find("output")
+        self._depth += 1
+        inside = self._node(scope, (output.get("nodename") if output is not None else None) or "")
+        self._depth -= 1
+        return inside or node
+
+    def _input(self, element: ET.Element, scope: _Scope, owner: ET.Element | None = None) -> Input:
+        kind = element.get("type") or ""
+        space = (
+            element.get("colorspace") or (owner.get("colorspace") if owner is not None else None) or scope.color_space
+        )
+        interface = element.get("interfacename")
+        if interface is not None:
+            return self._of_interface(scope, interface) or Input(kind, element.get("value"), None, space)
+        graph, name = element.get("nodegraph"), element.get("nodename")
+        if graph is not None:
+            return self._of_graph(graph, element.get("output")) or Input(kind)
+        if name is not None:
+            node = self._node(scope, name)
+            return Input(kind, source=Link(node, element.get("output") or "")) if node is not None else Input(kind)
+        value = element.get("value")
+        if kind == "filename" or element.get("name") == "file":
+            prefix = scope.prefix + ((owner.get("fileprefix") if owner is not None else None) or "")
+            return Input("filename", prefix + (value or ""), None, space, scope.document.folder)
+        return Input(kind, value, None, space)
+
+    def _of_interface(self, scope: _Scope, name: str) -> Input | None:
+        if scope.interface is not None:
+            return scope.interface.get(name)
+        own = _child(scope.element, "input", name)
+        return self._input(own, self._root) if own is not None else None
+
+    def _of_graph(self, name: str, output: str | None) -> Input | None:
+        if name not in self._graphs:
+            element = self._root.find("nodegraph", name)
+            if element is None:
+                return None
+            self._graphs[name] = _Scope(element, self._root.document, self._root.prefix, self._root.color_space)
+        scope = self._graphs[name]
+        element = _child(scope.element, "output", output) if output is not None else scope.element.find("output")
+        if element is None or element.get("nodegraph") is not None:
+            return None
+        return self._input(element, scope)
+
+
+def _child(parent: ET.Element, tag: str, name: str) -> ET.Element | None:
+    return next((child for child in parent.findall(tag) if child.get("name") == name), None)
+
+
+def _own_surfaces(document: Document) -> dict[str, tuple[ET.Element, ET.Element, Document]]:
+    """Definition, graph and document of the surfaces that a document defines, by category."""
+    found = {}
+    for each in (document, *_all_included(document)):
+        graphs = {graph.get("nodedef"): graph for graph in each.root.findall("nodegraph")}
+        for definition in each.root.findall("nodedef"):
+            outputs = [output.get("type") for output in definition.findall("output")]
+            graph = graphs.get(definition.get("name"))
+            if outputs == ["surfaceshader"] and graph is not None:
+                found[definition.get("node") or ""] = (definition, graph, each)
+    return found
+
+
+def _definitions(document: Document) -> list[str]:
+    """Documents that hold the definitions of nodes by graphs, other than surfaces, of a document and of those that it includes.
+
+    Definitions whose code lies in a file are left out. So are names of attributes of geometry that are no names.
+    """
+    found = []
+    for each in (document, *_all_included(document)):
+        root = ET.Element("materialx", {"version": each.version})
+        namespace = each.root.get("namespace")
+        if namespace is not None and IDENTIFIER.fullmatch(namespace):
+            root.set("namespace", namespace)
+        graphs = {graph.get("nodedef"): graph for graph in each.root.findall("nodegraph")}
+        for definition in each.root.findall("nodedef"):
+            graph = graphs.get(definition.get("name"))
+            types = [output.get("type") for output in definition.findall("output")]
+            if graph is not None and "surfaceshader" not in types and _is_plain(graph):
+                root.append(definition)
+                root.append(graph)
+        if len(root):
+            found.append(ET.tostring(root, encoding="unicode"))
+    return found
+
+
+def _is_plain(graph: ET.Element) -> bool:
+    names = [each.get("value") or "" for each in graph.iter("input") if each.get("name") == "geomprop"]
+    return all(IDENTIFIER.fullmatch(name) for name in names) and sum(1 for _ in graph.iter()) <= MOST_NODES

@@ -1,0 +1,111 @@
+"""Networks of MaterialX nodes that lead to one surface, whatever they were read from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+MOST_NODES = 1_000
+"""Nodes of one network."""
+MOST_DEPTH = 200
+"""Nodes from a surface to what feeds it, one behind the other."""
+IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+class NetworkError(ValueError):
+    """Network that cannot be read; the message gives the reason."""
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """Output of a node.
+
+    Attributes:
+        node: whose.
+        output: its name, or an empty string for the only one.
+    """
+
+    node: Node
+    output: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Input:
+    """Input of a node.
+
+    Attributes:
+        type: MaterialX's name of its type, such as ``color3``, or an empty string where it is not said.
+        value: as MaterialX writes it, or None where a node feeds it.
+        source: the output that feeds it, or None.
+        color_space: that of a colour or of an image file, or an empty string.
+        folder: for a file, the folder that its name counts from.
+    """
+
+    type: str
+    value: str | None = None
+    source: Link | None = None
+    color_space: str = ""
+    folder: str = ""
+
+
+@dataclass(eq=False)
+class Node:
+    """Node of a network.
+
+    Attributes:
+        category: kind of node, such as ``image``, or an empty string where ``definition`` tells it.
+        type: type of its output, or an empty string where it is not said.
+        inputs: by name.
+        definition: name of its nodedef, or an empty string.
+        namespace: of its definition, or an empty string.
+        name: in its document, for messages.
+    """
+
+    category: str
+    type: str
+    inputs: dict[str, Input] = field(default_factory=dict)
+    definition: str = ""
+    namespace: str = ""
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """Surface and what feeds it.
+
+    Attributes:
+        surface: the shader, such as a ``standard_surface``.
+        definitions: MaterialX documents that define nodes of its own.
+        version: of MaterialX that it was written for.
+        folders: of the files that ``definitions`` name.
+    """
+
+    surface: Node
+    definitions: tuple[str, ...] = ()
+    version: str = "1.39"
+    folder: str = ""
+
+    def nodes(self) -> Iterator[Node]:
+        """Nodes that feed the surface, each once, before those that it feeds; the surface is the last.
+
+        Raises:
+            NetworkError: there are too many, or they feed each other in a circle.
+        """
+        done: set[int] = set()
+        waiting: list[tuple[Node, bool]] = [(self.surface, False)]
+        above: set[int] = set()
+        while waiting:
+            node, is_left = waiting.pop()
+            if is_left:
+                above.discard(id(node))
+                done.add(id(node))
+                yield node
+            elif id(node) not in done:
+                if id(node) in above:
+                    raise NetworkError("its nodes feed each other in a circle")
+                above.add(id(node))
+                if len(above) > MOST_DEPTH or len(done) > MOST_NODES:
+                    raise NetworkError(f"it has more than {MOST_NODES:,} nodes, or {MOST_DEPTH} behind each other")
+                waiting.append((node, True))
+                waiting += [(each.source.node, False) for each in node.inputs.values() if each.source is not None]

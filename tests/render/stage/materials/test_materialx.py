@@ -1,0 +1,155 @@
+"""Reading of MaterialX: documents with what they include and define, and findings for what cannot be drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from pxr import Usd
+
+from render.stage import StageReader
+from render.stage.findings import FindingLog
+from render.stage.materials.mtlx.looks import MaterialXLooks
+from render.stage.materials.textures import TextureCache
+from tests.render.kits.materialx_walls import document, glowing, material_of, wall
+from tests.render.kits.stages import codes
+
+SURFACE = '<standard_surface name="S" type="surfaceshader">{}</standard_surface>'
+
+
+def _read(folder: Path, text: str) -> StageReader:
+    reader = StageReader(wall(folder, text))
+    reader.read(0)
+    return reader
+
+
+def _messages(reader: StageReader) -> str:
+    return " | ".join(finding.message for finding in reader.findings)
+
+
+def test_materials_of_one_kind_share_their_functions(tmp_path: Path) -> None:
+    """So that they share a program of the device: only numbers differ."""
+    graphs = []
+    for number, color in enumerate(("1,0,0", "0,0.3,0.9")):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        nodes = f'<constant name="any_{number}" type="color3"><input name="value" type="color3" value="{color}"/></constant>'
+        surface = SURFACE.format(f'<input name="base_color" type="color3" nodename="any_{number}"/>')
+        graphs.append(material_of(_read(folder, document(surface, nodes))).graph)
+    assert graphs[0].functions == graphs[1].functions
+    assert graphs[0].numbers != graphs[1].numbers
+
+
+def test_definitions_of_an_included_document_are_used(tmp_path: Path) -> None:
+    (tmp_path / "defs.mtlx").write_text(
+        '<materialx version="1.38" namespace="shop"><nodedef name="ND_half" node="half"><input name="in" type="float" value="3"/>'
+        '<output name="out" type="color3"/></nodedef><nodegraph name="NG_half" nodedef="ND_half">'
+        '<multiply name="m" type="float"><input name="in1" type="float" interfacename="in"/>'
+        '<input name="in2" type="float" value="0.5"/></multiply>'
+        '<convert name="c" type="color3"><input name="in" type="float" nodename="m"/></convert>'
+        '<output name="out" type="color3" nodename="c"/></nodegraph></materialx>'
+    )
+    nodes = '<xi:include href="defs.mtlx"/><half name="h" type="color3" namespace="shop"/>'
+    reader = _read(tmp_path, glowing(nodes, 'nodename="h"'))
+    assert "half" in material_of(reader).graph.functions
+    assert not {code for code in codes(reader) if "materialx" in code}
+
+
+def test_a_surface_that_a_document_defines_is_taken_apart(tmp_path: Path) -> None:
+    nodes = (
+        '<nodedef name="ND_paint" node="paint"><input name="tone" type="color3" value="1,0,0"/>'
+        '<output name="out" type="surfaceshader"/></nodedef><nodegraph name="NG_paint" nodedef="ND_paint">'
+        '<standard_surface name="s" type="surfaceshader"><input name="base_color" type="color3" interfacename="tone"/>'
+        '</standard_surface><output name="out" type="surfaceshader" nodename="s"/></nodegraph>'
+    )
+    surface = '<paint name="S" type="surfaceshader"><input name="tone" type="color3" value="0.125,0.25,0.375"/></paint>'
+    assert {0.125, 0.25, 0.375} <= set(material_of(_read(tmp_path, document(surface, nodes))).graph.numbers)
+
+
+def test_nodes_of_older_versions_are_read(tmp_path: Path) -> None:
+    """MaterialX 1.39 has no swizzle."""
+    nodes = (
+        '<texcoord name="uv" type="vector2"/><swizzle name="x" type="float"><input name="in" type="vector2" nodename="uv"/>'
+        '<input name="channels" type="string" value="x"/></swizzle>'
+    )
+    surface = SURFACE.format('<input name="metalness" type="float" nodename="x"/>')
+    reader = _read(tmp_path, document(surface, nodes, version="1.38"))
+    assert "graph_uv" in material_of(reader).graph.functions
+    assert "materialx_node" not in codes(reader)
+
+
+def test_an_unknown_node_is_named_and_the_rest_is_drawn(tmp_path: Path) -> None:
+    nodes = '<warp_drive name="w" type="float"/>'
+    surface = SURFACE.format(
+        '<input name="metalness" type="float" nodename="w"/><input name="base" type="float" value="0.625"/>'
+    )
+    reader = _read(tmp_path, document(surface, nodes))
+    assert 0.625 in material_of(reader).graph.numbers
+    assert "warp_drive" in _messages(reader)
+
+
+def test_lobes_that_are_not_drawn_are_named(tmp_path: Path) -> None:
+    surface = SURFACE.format(
+        '<input name="sheen" type="float" value="0.5"/><input name="thin_film_thickness" type="float" value="0"/>'
+    )
+    finding = next(each for each in _read(tmp_path, document(surface)).findings if each.code == "materialx_lobes")
+    assert "sheen" in finding.message
+    assert "thin_film" not in finding.message
+
+
+def test_a_circle_of_nodes_is_a_finding(tmp_path: Path) -> None:
+    turn = '<sin name="{0}" type="float"><input name="in" type="float" nodename="{1}"/></sin>'
+    surface = SURFACE.format('<input name="base" type="float" nodename="a"/>')
+    reader = _read(tmp_path, document(surface, turn.format("a", "b") + turn.format("b", "a")))
+    assert "circle" in _messages(reader)
+    assert material_of(reader).graph is None
+
+
+def test_a_surface_of_lobes_alone_is_named(tmp_path: Path) -> None:
+    nodes = '<oren_nayar_diffuse_bsdf name="d" type="BSDF"/>'
+    surface = '<surface name="S" type="surfaceshader"><input name="bsdf" type="BSDF" nodename="d"/></surface>'
+    assert "its surface is a surface" in _messages(_read(tmp_path, document(surface, nodes)))
+
+
+def test_includes_outside_the_shot_are_not_read(tmp_path: Path) -> None:
+    (tmp_path / "secret.mtlx").write_text('<materialx><surfacematerial name="M"/></materialx>')
+    shot = tmp_path / "shot"
+    shot.mkdir()
+    surface = SURFACE.format("")
+    stage = wall(shot, document(surface, '<xi:include href="../secret.mtlx"/>'))
+    log = FindingLog()
+    looks = MaterialXLooks(stage, TextureCache(64, confined_to=shot), log)
+    assert looks.of_document("/Looks/Materials/M", Usd.TimeCode(0.0)) is None
+    assert "lies outside" in log.as_list()[0].message
+
+
+def test_code_that_a_document_names_is_not_read(tmp_path: Path) -> None:
+    secret = tmp_path / "secret.glsl"
+    secret.write_text("void half(out float result) { result = 1234567.0; }")
+    nodes = (
+        '<nodedef name="ND_half" node="half"><output name="out" type="float"/></nodedef>'
+        f'<implementation name="IM_half" nodedef="ND_half" file="{secret}" function="half" target="genglsl"/>'
+        '<half name="h" type="float"/>'
+    )
+    surface = SURFACE.format('<input name="base" type="float" nodename="h"/>')
+    reader = _read(tmp_path, document(surface, nodes))
+    assert "1234567" not in material_of(reader).graph.functions
+    assert "half" in _messages(reader)
+
+
+@pytest.mark.parametrize("name", ["a; } void evil() {", "x\ny", "x#undef", "ä", ""])
+def test_names_of_primvars_do_not_enter_the_code(tmp_path: Path, name: str) -> None:
+    nodes = (
+        f'<geompropvalue name="g" type="color3"><input name="geomprop" type="string" value="{name}"/></geompropvalue>'
+    )
+    reader = _read(tmp_path, glowing(nodes, 'nodename="g"'))
+    graph = material_of(reader).graph
+    assert graph is None or not name or name not in graph.functions
+
+
+def test_octaves_of_noise_have_an_end(tmp_path: Path) -> None:
+    nodes = '<fractal3d name="f" type="float"><input name="octaves" type="integer" value="2000000000"/></fractal3d>'
+    surface = SURFACE.format('<input name="base" type="float" nodename="f"/>')
+    functions = material_of(_read(tmp_path, document(surface, nodes))).graph.functions
+    assert "< octaves;" not in functions
+    assert "min(octaves, 16)" in functions

@@ -81,7 +81,8 @@ def materialx_attacks(canary: Path) -> Iterator[tuple[str, Shot]]:
     Args:
         canary: file that nothing may be read from.
     """
-    for name, text in (*_includes(canary), *_entities(canary), *_inputs(canary), *_graphs(), *_sizes()):
+    groups = (_includes(canary), _entities(canary), _inputs(canary), _graphs(), _definitions(canary), _sizes())
+    for name, text in (attack for group in groups for attack in group):
         yield name, _shot(text)
     for encoding in ENCODINGS:
         declared = f'<?xml version="1.0" encoding="{encoding}"?>{document()}'
@@ -189,6 +190,51 @@ def _graphs() -> Texts:
     yield "loop/chain", document('<input name="normal" nodename="N0"/>', chain)
     surface = '<input name="surfaceshader" nodename="M"/>'
     yield "loop/material", f"<materialx><surfacematerial name='M'>{surface}</surfacematerial></materialx>"
+
+
+DEFINITION = (
+    '<nodedef name="ND_{0}" node="{0}"><output name="out" type="float"/></nodedef><nodegraph name="NG_{0}" nodedef="ND_{0}">{1}'
+    '<output name="out" type="float" nodename="q"/></nodegraph>'
+)
+
+
+def _definitions(canary: Path) -> Texts:
+    base, use = '<input name="base" type="float" nodename="x"/>', '<a0 name="x" type="float"/>'
+    yield "definition/itself", document(base, DEFINITION.format("a0", '<a0 name="q" type="float"/>') + use)
+    pair = DEFINITION.format("a0", '<a1 name="q" type="float"/>') + DEFINITION.format(
+        "a1", '<a0 name="q" type="float"/>'
+    )
+    yield "definition/each-other", document(base, pair + use)
+    double = (
+        '<a{0} name="p" type="float"/><a{0} name="r" type="float"/><add name="q" type="float">'
+        '<input name="in1" type="float" nodename="p"/><input name="in2" type="float" nodename="r"/></add>'
+    )
+    steps = "".join(DEFINITION.format(f"a{step}", double.format(step + 1)) for step in range(40))
+    yield (
+        "definition/doubled",
+        document(base, steps + DEFINITION.format("a40", '<constant name="q" type="float"/>') + use),
+    )
+    wrong = '<texcoord name="s" type="vector2"/><sin name="q" type="float"><input name="in" type="float" nodename="s"/></sin>'
+    yield "definition/types", document(base, DEFINITION.format("a0", wrong) + use)
+    yield "definition/types-outside", document(base, '<texcoord name="x" type="vector2"/>')
+    for number, word in enumerate(("float; } void evil() {", "gl_FragCoord", "main", "a b", "#undef")):
+        link = f'<input name="in" type="float" nodename="{word}"/>'
+        inside = f'<sin name="{word}" type="float"/><sin name="q" type="float">{link}</sin>'
+        yield f"definition/words-{number}", document(base, DEFINITION.format("a0", inside) + use)
+        primvar = f'<geompropvalue name="q" type="float"><input name="geomprop" type="string" value="{word}"/></geompropvalue>'
+        yield f"definition/primvar-{number}", document(base, DEFINITION.format("a0", primvar) + use)
+    code = '<implementation name="I" nodedef="ND_a0" function="main" target="genglsl" {}/>'
+    for number, given in enumerate(
+        (f'file="{canary}"', 'file="/dev/zero"', 'sourcecode="}} void main() {{ for (;;) ; }}"')
+    ):
+        yield f"definition/code-{number}", document(base, DEFINITION.format("a0", "") + code.format(given) + use)
+    noise = "".join(f'<worleynoise3d name="n{number}" type="float"/>' for number in range(500))
+    sums = "".join(
+        f'<add name="s{number}" type="float"><input name="in1" type="float" nodename="n{number}"/>'
+        f'<input name="in2" type="float" nodename="s{number - 1}"/></add>'
+        for number in range(1, 150)
+    )
+    yield "definition/noise", document(base.replace('"x"', '"s149"'), noise + sums)
 
 
 def _sizes() -> Texts:

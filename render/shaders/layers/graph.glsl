@@ -13,15 +13,15 @@ layout(std140, binding = 1) uniform GraphBlock {
 uniform mat4 world_from_camera;
 
 Surface graph_surface;
-float graph_transmission;       // share of what is not reflected that comes from behind
-vec2 graph_uv;
-vec4 graph_color;               // display colour, or the place in the prim's own space
-vec3 graph_position;            // in the stage's world, as are the next three
-vec3 graph_normal;
-vec3 graph_tangent;
-vec3 graph_bitangent;
-vec3 graph_eye;
-float graph_lod_bias;
+float graph_transmission = 0.0; // share of what is not reflected that comes from behind
+vec2 graph_uv = vec2(0.0);
+vec4 graph_color = vec4(0.0);   // display colour, or the place in the prim's own space
+vec3 graph_position = vec3(0.0); // in the stage's world, as are the next three
+vec3 graph_normal = vec3(0.0);
+vec3 graph_tangent = vec3(0.0);
+vec3 graph_bitangent = vec3(0.0);
+vec3 graph_eye = vec3(0.0);
+float graph_lod_bias = 0.0;
 
 vec4 graph_texture(sampler2D map, vec2 uv)
 {

@@ -7,7 +7,9 @@ other surfaces are taken apart; other nodes that it defines are left whole.
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
+from collections.abc import Container
 from dataclasses import dataclass, field
 
 from render.stage.materials.mtlx.documents import Document
@@ -15,14 +17,17 @@ from render.stage.materials.mtlx.network import (
     IDENTIFIER,
     MOST_DEPTH,
     MOST_NODES,
+    MOST_WEIGHT,
     Input,
     Link,
     Network,
     NetworkError,
     Node,
+    node_weight,
 )
 from render.stage.materials.mtlx.surfaces import SURFACES
 
+_ENDLESS = "/"  # category of no node
 _NOT_NODES = ("input", "output", "nodedef", "nodegraph", "implementation", "token", "geominfo", "look", "collection")
 
 
@@ -68,7 +73,8 @@ class DocumentNetworks:
 
     def __init__(self, document: Document) -> None:
         self._document = document
-        self._definitions = tuple(_definitions(document))
+        self._weights = _weights_of(document)
+        self._definitions = tuple(_definitions(document, self._weights))
         self._own = _own_surfaces(document)
 
     def material(self, name: str) -> Network | None:
@@ -81,7 +87,7 @@ class DocumentNetworks:
             reader = _Reader(document, self._own)
             surface = reader.surface_of(name)
             if surface is not None:
-                return Network(surface, self._definitions, document.version, document.folder)
+                return Network(surface, self._definitions, document.version, document.folder, self._weights)
         return None
 
 
@@ -203,10 +209,11 @@ def _own_surfaces(document: Document) -> dict[str, tuple[ET.Element, ET.Element,
     return found
 
 
-def _definitions(document: Document) -> list[str]:
-    """Documents that hold the definitions of nodes by graphs, other than surfaces, of a document and of those that it includes.
+def _definitions(document: Document, usable: Container[str]) -> list[str]:
+    """Documents that hold the usable definitions of nodes, other than surfaces, of a document and of those that it includes.
 
-    Definitions whose code lies in a file are left out. So are names of attributes of geometry that are no names.
+    Definitions whose code lies in a file are left out. Not usable are those that lead back to themselves or to too many nodes,
+    and those that read primvars whose names are no identifiers.
     """
     found = []
     for each in (document, *_all_included(document)):
@@ -218,7 +225,7 @@ def _definitions(document: Document) -> list[str]:
         for definition in each.root.findall("nodedef"):
             graph = graphs.get(definition.get("name"))
             types = [output.get("type") for output in definition.findall("output")]
-            if graph is not None and "surfaceshader" not in types and _is_plain(graph):
+            if graph is not None and "surfaceshader" not in types and definition.get("node") in usable:
                 root.append(definition)
                 root.append(graph)
         if len(root):
@@ -226,6 +233,32 @@ def _definitions(document: Document) -> list[str]:
     return found
 
 
-def _is_plain(graph: ET.Element) -> bool:
-    names = [each.get("value") or "" for each in graph.iter("input") if each.get("name") == "geomprop"]
-    return all(IDENTIFIER.fullmatch(name) for name in names) and sum(1 for _ in graph.iter()) <= MOST_NODES
+def _weights_of(document: Document) -> dict[str, float]:
+    """Weights of the nodes that a document and those that it includes define by other nodes, by category."""
+    inside: dict[str, list[str]] = {}
+    for each in (document, *_all_included(document)):
+        graphs = {graph.get("nodedef"): graph for graph in each.root.findall("nodegraph")}
+        for definition in each.root.findall("nodedef"):
+            graph = graphs.get(definition.get("name"))
+            if graph is not None:
+                nodes = [child.tag for child in graph if child.tag not in _NOT_NODES]
+                plain = all(IDENTIFIER.fullmatch(name) for name in _primvars(graph))
+                inside.setdefault(definition.get("node") or "", []).extend(nodes if plain else [_ENDLESS])
+    weights: dict[str, float] = {_ENDLESS: math.inf}
+    found = {category: _weight(category, inside, weights, 0) for category in inside}
+    return {category: weight for category, weight in found.items() if weight <= MOST_WEIGHT}
+
+
+def _weight(category: str, inside: dict[str, list[str]], weights: dict[str, float], depth: int) -> float:
+    """Weight of the nodes that a node stands for; infinite where they have no end."""
+    if category not in inside:
+        return node_weight(category)
+    if category not in weights:
+        weights[category] = math.inf  # for one that leads back here
+        if depth < MOST_DEPTH:
+            weights[category] = sum(_weight(each, inside, weights, depth + 1) for each in inside[category])
+    return weights[category]
+
+
+def _primvars(graph: ET.Element) -> list[str]:
+    return [each.get("value") or "" for each in graph.iter("input") if each.get("name") == "geomprop"]

@@ -16,7 +16,7 @@ import MaterialX as mx
 from MaterialX import PyMaterialXGenShader as mx_shader
 
 from render.stage.materials.mtlx.library import PREFIX, library
-from render.stage.materials.mtlx.network import IDENTIFIER, Input, Network, NetworkError, Node
+from render.stage.materials.mtlx.network import IDENTIFIER, MOST_WEIGHT, Input, Network, NetworkError, Node, node_weight
 from render.stage.materials.mtlx.surfaces import SURFACES
 
 MOST_IMAGES = 16
@@ -138,8 +138,14 @@ class ProgramWriter:
             definitions = mx.createDocument()
             mx.readFromXmlString(definitions, text)
             own.importLibrary(definitions)
+            self._leave_out_invalid(own, definitions)
         self._document.setDataLibrary(own)
         self._document.setVersionString(_version(self._network.version))
+        weight = sum(
+            self._network.weights.get(node.category, node_weight(node.category)) for node in self._network.nodes()
+        )
+        if weight > MOST_WEIGHT:
+            raise NetworkError(f"its nodes stand for more than {MOST_WEIGHT:,}")
         wanted = _types(self._network)
         for node in self._network.nodes():
             self._add(node, wanted[id(node)])
@@ -149,6 +155,18 @@ class ProgramWriter:
         generator, context = library().generator(own)
         shader = generator.generate("surface", surface, context)
         return self._program(shader)
+
+    def _leave_out_invalid(self, own: mx.Document, definitions: mx.Document) -> None:
+        """Remove those of some definitions that join outputs to inputs of another type, or lack an input."""
+        for name in [graph.getQualifiedName(graph.getName()) for graph in definitions.getNodeGraphs()]:
+            graph = own.getNodeGraph(name)
+            if graph is None:
+                continue
+            is_valid, message = graph.validate()
+            if not is_valid:
+                self.notes.append(f"the definition {name} is not valid ({' '.join(message.split())[:200]})")
+                own.removeNodeDef(graph.getNodeDefString())
+                own.removeNodeGraph(name)
 
     def _add(self, node: Node, kind: str) -> None:
         is_surface = node is self._network.surface
@@ -191,6 +209,10 @@ class ProgramWriter:
             name = self._names.get(id(given.source.node))
             if name is None:
                 return
+            theirs_type = self._type_of(name, given.source.output)
+            if theirs_type != kind:
+                self.notes.append(f"{key} of {node.name or node.category} is a {kind}, and is fed by a {theirs_type}")
+                return
             element = made.addInput(key, kind)
             element.setNodeName(name)
             if given.source.output and IDENTIFIER.fullmatch(given.source.output):
@@ -206,6 +228,13 @@ class ProgramWriter:
         element.setValueString(text)
         if kind in ("color3", "color4") and IDENTIFIER.fullmatch(given.color_space):
             element.setColorSpace(given.color_space)
+
+    def _type_of(self, name: str, output: str) -> str:
+        """Type of an output of a node that was added."""
+        made = self._document.getNode(name)
+        definition = made.getNodeDef()
+        found = definition.getActiveOutput(output) if definition is not None and output else None
+        return str(found.getType() if found is not None else made.getType())
 
     def _value(self, node: Node, key: str, kind: str, given: Input) -> str | None:
         """Text of a value, or None where it cannot be used."""

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 MOST_NODES = 1_000
 """Nodes of one network."""
 MOST_DEPTH = 200
 """Nodes from a surface to what feeds it, one behind the other."""
+MOST_WEIGHT = 2_000
+"""Weight of all nodes that a network stands for, as `node_weight` has it: they are compiled one by one."""
+_HEAVY = re.compile(r".*(noise|fractal|worley|hextiled|triplanar|blur|flake|heighttonormal|curve).*")
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+def node_weight(category: str) -> int:
+    """Weight of a node of the library: of code that loops or looks up many times, twenty plain ones."""
+    return 20 if _HEAVY.fullmatch(category) else 1
 
 
 class NetworkError(ValueError):
@@ -78,13 +86,15 @@ class Network:
         surface: the shader, such as a ``standard_surface``.
         definitions: MaterialX documents that define nodes of its own.
         version: of MaterialX that it was written for.
-        folders: of the files that ``definitions`` name.
+        folder: of the files that ``definitions`` name.
+        weights: of the nodes that ``definitions`` define, by category.
     """
 
     surface: Node
     definitions: tuple[str, ...] = ()
     version: str = "1.39"
     folder: str = ""
+    weights: Mapping[str, float] = field(default_factory=dict)
 
     def nodes(self) -> Iterator[Node]:
         """Nodes that feed the surface, each once, before those that it feeds; the surface is the last.

@@ -213,7 +213,7 @@ def _definitions(document: Document, usable: Container[str]) -> list[str]:
     """Documents that hold the usable definitions of nodes, other than surfaces, of a document and of those that it includes.
 
     Definitions whose code lies in a file are left out. Not usable are those that lead back to themselves or to too many nodes,
-    and those that read primvars whose names are no identifiers.
+    and those with names that are no identifiers of GLSL.
     """
     found = []
     for each in (document, *_all_included(document)):
@@ -242,7 +242,11 @@ def _weights_of(document: Document) -> dict[str, float]:
             graph = graphs.get(definition.get("name"))
             if graph is not None:
                 nodes = [child.tag for child in graph if child.tag not in _NOT_NODES]
-                plain = all(IDENTIFIER.fullmatch(name) for name in _primvars(graph))
+                names = [
+                    *_primvars(graph),
+                    *(element.get("name") or "" for element in (*graph.iter(), *definition.iter())),
+                ]
+                plain = all(IDENTIFIER.fullmatch(name) and not name.startswith("gl_") for name in names)
                 inside.setdefault(definition.get("node") or "", []).extend(nodes if plain else [_ENDLESS])
     weights: dict[str, float] = {_ENDLESS: math.inf}
     found = {category: _weight(category, inside, weights, 0) for category in inside}
@@ -251,7 +255,7 @@ def _weights_of(document: Document) -> dict[str, float]:
 
 def _weight(category: str, inside: dict[str, list[str]], weights: dict[str, float], depth: int) -> float:
     """Weight of the nodes that a node stands for; infinite where they have no end."""
-    if category not in inside:
+    if category not in inside and category not in weights:
         return node_weight(category)
     if category not in weights:
         weights[category] = math.inf  # for one that leads back here

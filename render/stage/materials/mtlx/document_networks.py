@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Container
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from render.stage.materials.mtlx.documents import Document
 from render.stage.materials.mtlx.network import (
@@ -160,7 +160,8 @@ class _Reader:
         )
         interface = element.get("interfacename")
         if interface is not None:
-            return self._of_interface(scope, interface) or Input(kind, element.get("value"), None, space)
+            found = self._of_interface(scope, interface) or Input(kind, element.get("value"), None, space)
+            return found if found.color_space else replace(found, color_space=space)
         graph, name = element.get("nodegraph"), element.get("nodename")
         if graph is not None:
             return self._of_graph(graph, element.get("output")) or Input(kind)

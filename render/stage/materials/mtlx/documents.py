@@ -6,6 +6,8 @@ a document as it is, but networks that are written for it anew (`render.stage.ma
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import os
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
@@ -18,6 +20,7 @@ from render.stage.materials.textures import as_file, require_inside
 
 MOST_BYTES = 16 * 2**20
 MOST_INCLUDES = 100
+STUDIO_VARIABLE = "PXR_MTLX_PLUGIN_SEARCH_PATHS"
 _INCLUDE = "{http://www.w3.org/2001/XInclude}include"
 _XI = 'xmlns:xi="http://www.w3.org/2001/XInclude"'
 
@@ -59,6 +62,20 @@ def read_document(path: str, confined_to: Path | None) -> Document:
         DocumentError: a file is missing, too large, no XML, or lies outside; or there are too many.
     """
     return _read(path, confined_to, [])
+
+
+@functools.cache
+def studio_documents() -> tuple[Document, ...]:
+    """Documents that define nodes for all materials: those in the folders of PXR_MTLX_PLUGIN_SEARCH_PATHS, as in OpenUSD.
+
+    Those that cannot be read are left out.
+    """
+    found = []
+    for folder in os.environ.get(STUDIO_VARIABLE, "").split(os.pathsep):
+        for file in sorted(Path(folder).glob("**/*.mtlx"))[:MOST_INCLUDES] if folder else []:
+            with contextlib.suppress(DocumentError):
+                found.append(read_document(str(file), None))
+    return tuple(found)
 
 
 def _read(path: str, confined_to: Path | None, seen: list[str]) -> Document:

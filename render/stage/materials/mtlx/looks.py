@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdShade
@@ -16,7 +16,7 @@ from render.stage.geometry.shape import PrimvarNames
 from render.stage.materials.image_files import TextureError
 from render.stage.materials.material import BoundMaterial
 from render.stage.materials.mtlx.document_networks import DocumentNetworks
-from render.stage.materials.mtlx.documents import DocumentError, file_in, read_document
+from render.stage.materials.mtlx.documents import DocumentError, file_in, read_document, studio_documents
 from render.stage.materials.mtlx.generation import GeometryUse, ImageUse, Program, ProgramWriter
 from render.stage.materials.mtlx.network import Input, Network, NetworkError
 from render.stage.materials.mtlx.surfaces import SURFACES, SurfaceShader
@@ -82,7 +82,9 @@ class MaterialXLooks:
     def _networks(self, file: str) -> DocumentNetworks | None:
         if file not in self._documents:
             try:
-                self._documents[file] = DocumentNetworks(read_document(file, self._textures.confined_to))
+                document = read_document(file, self._textures.confined_to)
+                studio = replace(document, included=(*document.included, *studio_documents()))
+                self._documents[file] = DocumentNetworks(studio)
             except DocumentError as problem:
                 name = file.rsplit("/", 1)[-1]
                 self._log.add("materialx_unreadable", name, f"MaterialX file {name} cannot be read: {problem}")

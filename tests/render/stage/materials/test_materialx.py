@@ -9,6 +9,7 @@ from pxr import Usd
 
 from render.stage import StageReader
 from render.stage.findings import FindingLog
+from render.stage.materials.mtlx.documents import STUDIO_VARIABLE, studio_documents
 from render.stage.materials.mtlx.looks import MaterialXLooks
 from render.stage.materials.textures import TextureCache
 from tests.render.kits.materialx_walls import document, glowing, material_of, wall
@@ -53,6 +54,25 @@ def test_definitions_of_an_included_document_are_used(tmp_path: Path) -> None:
     reader = _read(tmp_path, glowing(nodes, 'nodename="h"'))
     assert "half" in material_of(reader).graph.functions
     assert not {code for code in codes(reader) if "materialx" in code}
+
+
+def test_definitions_of_the_studio_are_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "studio"
+    folder.mkdir()
+    (folder / "defs.mtlx").write_text(
+        '<materialx version="1.38"><nodedef name="ND_seven" node="seven"><output name="out" type="float"/></nodedef>'
+        '<nodegraph name="NG_seven" nodedef="ND_seven"><constant name="c" type="float">'
+        '<input name="value" type="float" value="0.7"/></constant><output name="out" type="float" nodename="c"/></nodegraph>'
+        "</materialx>"
+    )
+    monkeypatch.setenv(STUDIO_VARIABLE, str(folder))
+    studio_documents.cache_clear()
+    try:
+        surface = SURFACE.format('<input name="metalness" type="float" nodename="s"/>')
+        reader = _read(tmp_path, document(surface, '<seven name="s" type="float"/>'))
+        assert "seven" in material_of(reader).graph.functions
+    finally:
+        studio_documents.cache_clear()
 
 
 def test_a_surface_that_a_document_defines_is_taken_apart(tmp_path: Path) -> None:

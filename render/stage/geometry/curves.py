@@ -99,11 +99,17 @@ def _nurbs(prim: Usd.Prim, points: DoubleArray, counts: IntArray, time: Usd.Time
         knots = even_knots(counts, orders)
     weights = real_numbers(curves.GetPointWeightsAttr(), time)
     ranges = as_rows(curves.GetRangesAttr().Get(time), 2)
-    return sample_nurbs_curves(
-        points,
-        weights if len(weights) else np.ones(len(points)),
-        counts,
-        orders,
-        knots,
-        np.asarray(ranges if ranges is not None else np.zeros((0, 2)), np.float64),
-    )
+    try:
+        return sample_nurbs_curves(
+            points,
+            weights if len(weights) else np.ones(len(points)),
+            counts,
+            orders,
+            knots,
+            np.asarray(ranges if ranges is not None else np.zeros((0, 2)), np.float64),
+        )
+    except BadGeometry as problem:
+        samples = sample_basis_curves(points, counts, "linear", "nonperiodic")
+        path = prim.GetPath()
+        log.add("control_polygon", path, f"{path} is drawn as lines between its points: {problem}")
+        return samples

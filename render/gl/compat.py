@@ -94,6 +94,7 @@ try:
     from OpenGL.extensions import VERSION_EXTENSIONS, GLQuerier
     from OpenGL.plugins import FormatHandler
     from OpenGL.raw.GL.VERSION.GL_1_1 import glTexImage2D as raw_tex_image_2d
+    from OpenGL.raw.GL.VERSION.GL_1_2 import glTexImage3D as raw_tex_image_3d
     from pyrender.platforms import egl as pyrender_egl
 except (ImportError, AttributeError) as error:  # PyOpenGL looks up a function in a library that it did not find
     raise GraphicsError(
@@ -307,21 +308,19 @@ def set_clip_depth(mode: int) -> None:
 
 
 def half_float_image(pixels: NDArray[np.float16]) -> None:
-    """Fill the bound 2D texture with ``(height, width, 4)`` half floats. PyOpenGL 3.1.0's own call has no half floats."""
-    height, width = pixels.shape[:2]
+    """Fill the bound 2D texture with ``(height, width, 4)`` half floats, or the bound array of ``count`` with as many images.
+
+    PyOpenGL 3.1.0's own call has no half floats. Images of an array are ``(count, height, width, 4)``.
+    """
     data = np.ascontiguousarray(pixels, np.float16)
+    content = (0, GL.GL_RGBA, GL.GL_HALF_FLOAT, ctypes.c_void_p(data.ctypes.data))
     GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
-    raw_tex_image_2d(
-        GL.GL_TEXTURE_2D,
-        0,
-        GL.GL_RGBA16F,
-        width,
-        height,
-        0,
-        GL.GL_RGBA,
-        GL.GL_HALF_FLOAT,
-        ctypes.c_void_p(data.ctypes.data),
-    )
+    if data.ndim == 4:
+        count, height, width = data.shape[:3]
+        raw_tex_image_3d(GL.GL_TEXTURE_2D_ARRAY, 0, GL.GL_RGBA16F, width, height, count, *content)
+    else:
+        height, width = data.shape[:2]
+        raw_tex_image_2d(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA16F, width, height, *content)
 
 
 @cache

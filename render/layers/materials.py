@@ -8,6 +8,7 @@ from render.gl.compat import GL, half_float_image, pyrender
 from render.gl.resources import Construction
 from render.model.arrays import FloatArray
 from render.model.scene import Image, Material, TextureLookup, Wrap
+from render.model.udim import tile_bits
 
 INPUTS = ("base_color", "emissive", "metallic", "roughness", "specular", "opacity", "normal", "occlusion")
 """Material inputs that may come from a texture; the index is that of the shader's table."""
@@ -20,12 +21,16 @@ _WRAPS: dict[Wrap, int] = {
 }
 _GL_TEXTURE_MAX_ANISOTROPY = 0x84FE
 _TEXEL_BYTES = 8
+_LOOKUP_ROWS = 6  # vectors of a look-up in the uniform block
 GRAPH_ROWS = 10
 """Rows of the block of `layers/graph.glsl` before the numbers of the network."""
 
 
 class HalfTexture(pyrender.Texture):  # type: ignore[misc]
     """Half-float image with mipmaps, row 0 first. pyrender's own textures have eight bits.
+
+    A set of UDIM tiles is an array of textures, each with its own mipmaps and clamped to its edges, so that no tile bleeds into
+    another.
 
     Attributes:
         image: the image.
@@ -35,10 +40,11 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
     """
 
     def __init__(self, image: Image, wrap_s: Wrap = "repeat", wrap_t: Wrap = "repeat", anisotropy: float = 1.0) -> None:
-        height, width = image.pixels.shape[:2]
+        height, width = image.pixels.shape[-3:-1]
         super().__init__(name=image.name, source=None, source_channels="RGBA", width=width, height=height)
+        self.tex_type = GL.GL_TEXTURE_2D_ARRAY if image.tiles else GL.GL_TEXTURE_2D
         self.image = image
-        self.wraps = (wrap_s, wrap_t)
+        self.wraps: tuple[Wrap, Wrap] = ("clamp", "clamp") if image.tiles else (wrap_s, wrap_t)
         self.anisotropy = anisotropy
         self.first_level = 0
 
@@ -58,8 +64,13 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
 
     def bytes_from(self, level: int) -> int:
         """Memory of the levels from one on, bytes."""
-        levels = range(level, self.last_level + 1)
-        return sum(_TEXEL_BYTES * max(1, self.width >> i) * max(1, self.height >> i) for i in levels)
+        levels, texel_bytes = range(level, self.last_level + 1), _TEXEL_BYTES * self._count
+        return sum(texel_bytes * max(1, self.width >> i) * max(1, self.height >> i) for i in levels)
+
+    @property
+    def _count(self) -> int:
+        """Images that it holds."""
+        return max(1, len(self.image.tiles))
 
     def hold_from(self, level: int) -> None:
         """Hold the image from a level on, now where it is on the device."""
@@ -71,41 +82,44 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
             self._add_to_context()
 
     def _add_to_context(self) -> None:
+        kind = self.tex_type
         with Construction() as making:
             self._texid = GL.glGenTextures(1)
             making.callback(self.delete)
-            GL.glBindTexture(GL.GL_TEXTURE_2D, self._texid)
+            GL.glBindTexture(kind, self._texid)
             if self.first_level == 0:
                 half_float_image(self.image.pixels)
-                GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+                GL.glGenerateMipmap(kind)
             elif self.first_level == self.last_level:
-                some = self.image.pixels[:: max(1, self.height // 512), :: max(1, self.width // 512)]
-                half_float_image(some.mean(axis=(0, 1), dtype=np.float32, keepdims=True).astype(np.float16))
+                some = self.image.pixels[..., :: max(1, self.height // 512), :: max(1, self.width // 512), :]
+                half_float_image(some.mean(axis=(-3, -2), dtype=np.float32, keepdims=True).astype(np.float16))
             else:
                 self._fill_reduced()
-            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR)
-            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR)
-            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_S, _WRAPS[self.wraps[0]])
-            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_T, _WRAPS[self.wraps[1]])
-            GL.glTexParameterf(GL.GL_TEXTURE_2D, _GL_TEXTURE_MAX_ANISOTROPY, self.anisotropy)
-            GL.glTexParameterfv(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_BORDER_COLOR, np.zeros(4, np.float32))
-            GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
+            GL.glTexParameteri(kind, GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR)
+            GL.glTexParameteri(kind, GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR)
+            GL.glTexParameteri(kind, GL.GL_TEXTURE_WRAP_S, _WRAPS[self.wraps[0]])
+            GL.glTexParameteri(kind, GL.GL_TEXTURE_WRAP_T, _WRAPS[self.wraps[1]])
+            GL.glTexParameterf(kind, _GL_TEXTURE_MAX_ANISOTROPY, self.anisotropy)
+            GL.glTexParameterfv(kind, GL.GL_TEXTURE_BORDER_COLOR, np.zeros(4, np.float32))
+            GL.glBindTexture(kind, 0)
 
     def _fill_reduced(self) -> None:
         """Fill the bound texture with the image's levels from the first one held on. The device has all of them meanwhile."""
-        first, last, kind = self.first_level, self.last_level, GL.GL_TEXTURE_2D
-        GL.glTexStorage2D(
-            kind, last - first + 1, GL.GL_RGBA16F, max(1, self.width >> first), max(1, self.height >> first)
-        )
+        first, last, kind = self.first_level, self.last_level, self.tex_type
+        size = (max(1, self.width >> first), max(1, self.height >> first))
+        if self.image.tiles:
+            GL.glTexStorage3D(kind, last - first + 1, GL.GL_RGBA16F, *size, self._count)
+        else:
+            GL.glTexStorage2D(kind, last - first + 1, GL.GL_RGBA16F, *size)
         whole = GL.glGenTextures(1)
         try:
             GL.glBindTexture(kind, whole)
             half_float_image(self.image.pixels)
             GL.glGenerateMipmap(kind)
             for level in range(first, last + 1):
-                width, height = max(1, self.width >> level), max(1, self.height >> level)
+                size = (max(1, self.width >> level), max(1, self.height >> level))
                 GL.glCopyImageSubData(
-                    whole, kind, level, 0, 0, 0, self._texid, kind, level - first, 0, 0, 0, width, height, 1
+                    whole, kind, level, 0, 0, 0, self._texid, kind, level - first, 0, 0, 0, *size, self._count
                 )
         finally:
             GL.glBindTexture(kind, self._texid)
@@ -120,7 +134,7 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
         super().__init__(name=material.name)
         self.source = material
         self.maps = textures
-        self.defines: dict[str, int] = {}
+        self.defines: dict[str, int | str] = {}
         self.block: bytes
         self.functions = ""
         if material.graph is not None:
@@ -133,6 +147,9 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
         for name in textures:
             self.defines[f"HAS_{name.upper()}"] = 1
             self.defines[f"LOOKUP_{name.upper()}"] = INPUTS.index(name)
+            self.defines[f"MAP_{name.upper()}"] = "sampler2DArray" if textures[name].image.tiles else "sampler2D"
+            if textures[name].image.tiles:
+                self.defines["TILED"] = 1
         self.block = _pack(material)
 
     @property
@@ -156,16 +173,18 @@ def _pack(m: Material) -> bytes:
         head[2] = [*m.specular, 1.0]
     head[3] = [m.roughness, m.ior, m.opacity_threshold, float(m.uses_display_color)]
     head[4, :2] = [m.clearcoat, m.clearcoat_roughness]
-    lookups = np.zeros((len(INPUTS), 4, 4), np.float32)
+    lookups = np.zeros((len(INPUTS), _LOOKUP_ROWS, 4), np.float32)
     for name, lookup in m.lookups.items():
         lookups[INPUTS.index(name)] = _pack_lookup(lookup)
     return np.concatenate([head.ravel(), lookups.ravel()]).tobytes()
 
 
 def _pack_lookup(lookup: TextureLookup) -> FloatArray:
-    rows = np.zeros((4, 4), np.float32)
+    rows = np.zeros((_LOOKUP_ROWS, 4), np.float32)
     rows[:2, :3] = lookup.uv_transform
     rows[0, 3] = max(lookup.channel, 0)
     rows[2] = lookup.scale
     rows[3] = lookup.bias
+    rows[4] = lookup.fallback
+    rows.view(np.uint32)[5] = tile_bits(lookup.image.tiles)
     return rows

@@ -406,6 +406,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             fragment,
             maps,
             material.functions,
+            tuple(material.defines.items()),
             primitive.texcoord_0 is None,
             primitive.color_0 is None,
         )

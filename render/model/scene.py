@@ -29,17 +29,21 @@ not seen at all. All three cast shadows."""
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """A texture image.
+    """A texture image, or a set of UDIM tiles.
 
     Attributes:
-        pixels: ``(height, width, 4)`` float16; colour in the working space (or raw data), alpha in the last channel.
+        pixels: ``(height, width, 4)`` float16; colour in the working space (or raw data), alpha in the last channel. Of a set,
+            ``(count, height, width, 4)``.
         name: the file it came from, for messages.
         channels: number of channels of that file.
+        tiles: numbers of a set's tiles, ascending, in the order of ``pixels``; empty for a single image. Tile 1001 + column +
+            10 * row shows in the unit square of texture coordinates whose lower left corner is (column, row).
     """
 
     pixels: NDArray[np.float16]
     name: str = ""
     channels: int = 4
+    tiles: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +58,7 @@ class TextureLookup:
         wrap_s: wrapping across the image.
         wrap_t: wrapping up the image.
         channel: which channel a scalar input takes: 0 red, 1 green, 2 blue, 3 alpha; -1 where the input is a colour.
+        fallback: ``(4,)`` float32 value, without scale and bias, where a set of tiles has none. Sets ignore the wrapping.
     """
 
     image: Image
@@ -63,6 +68,7 @@ class TextureLookup:
     wrap_s: Wrap = "repeat"
     wrap_t: Wrap = "repeat"
     channel: int = -1
+    fallback: FloatArray = field(default_factory=lambda: np.zeros(4, np.float32))
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from render.stage.limits import MAX_DRAWN_TRIANGLES
 from render.stage.materials.bindings import binding_purposes
 from render.stage.materials.looks import LookReader
 from render.stage.materials.textures import TextureCache
+from render.stage.materials.tile_check import TileCheck
 from render.stage.opening import composition_findings, confinement, read_quietly
 from render.stage.options import DEFAULT_OPTIONS, StageOptions
 from render.stage.population import note_unloaded
@@ -79,13 +80,14 @@ class StageReader:
         self._log = FindingLog()
         composition_findings(stage, self._log)
         note_unloaded(stage, self._log)
-        self._textures = TextureCache(max_texture, confined_to=confinement(stage))
+        self._textures = TextureCache(max_texture, confined_to=confinement(stage), log=self._log)
         self._prim_ids: dict[str, int] = {}
         self._material_ids: dict[str, int] = {}
         self._plan: _Plan | None = None
         self._scene: Scene | None = None
         self._key: tuple[Usd.TimeCode, str] | None = None
         self._levels = LevelChoice()
+        self._tiles = TileCheck()
         self._subdivision: Levels = {}
         self._changes = 0
         self._identity = object()
@@ -156,6 +158,7 @@ class StageReader:
         shapes.prepare(piece for piece in unread if levels.may_show(piece.occurrence))
         batches = [batch for group in plan.groups for batch in group.batches(context)]
         batches = self._drop_excess(batches)
+        self._tiles.note_missing(batches, list(self._prim_ids), self._log)
         batches += plan.plates.batches(transforms, context.world, context.scale, self._prim_id)
         shining = [(prim, hiders) for prim, hiders, within in plan.inventory.lights if levels.shows(within).all()]
         lights, dome = plan.lights.read(shining, transforms)

@@ -13,6 +13,7 @@ import numpy as np
 from render.lab.reference.triangles import Hits, IndexArray, TriangleTracer
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Batch, Dome, Image, Scene, TextureLookup, Wrap
+from render.model.udim import layers_at
 
 OPAQUE = 0.999
 """Opacity from which a surface hides all surfaces behind it."""
@@ -160,8 +161,19 @@ def _base_colour(batch: Batch, corners: IndexArray, u: DoubleArray, v: DoubleArr
 def looked_up(lookup: TextureLookup, uv: DoubleArray) -> DoubleArray:
     """``(n, 4)`` values of a texture at texture coordinates ``(n, 2)``, bilinear between texels."""
     places = np.concatenate([uv, np.ones((len(uv), 1))], axis=1) @ lookup.uv_transform.T.astype(np.float64)
-    texels = _bilinear(lookup.image, places[:, 0], 1 - places[:, 1], lookup.wrap_s, lookup.wrap_t)
-    return np.asarray(texels * lookup.scale + lookup.bias)
+    if not lookup.image.tiles:
+        texels = _bilinear(lookup.image, places[:, 0], 1 - places[:, 1], lookup.wrap_s, lookup.wrap_t)
+        return np.asarray(texels * lookup.scale + lookup.bias)
+    layers, values = (
+        layers_at(lookup.image.tiles, places),
+        np.tile(lookup.fallback.astype(np.float64), (len(places), 1)),
+    )
+    within = places - np.floor(places)
+    for number, pixels in enumerate(lookup.image.pixels):
+        here = layers == number
+        texels = _bilinear(Image(pixels), within[here, 0], 1 - within[here, 1], "clamp", "clamp")
+        values[here] = texels * lookup.scale + lookup.bias
+    return values
 
 
 def _bilinear(image: Image, across: DoubleArray, down: DoubleArray, wrap_s: Wrap, wrap_t: Wrap) -> DoubleArray:

@@ -1,5 +1,6 @@
 // UsdPreviewSurface inputs at a fragment.
-// HAS_<INPUT> is defined for inputs that are read from a texture; their look-up is at LOOKUP_<INPUT> in `lookups`.
+// HAS_<INPUT> is defined for inputs that are read from a texture; their look-up is at LOOKUP_<INPUT> in `lookups`, and MAP_<INPUT> is
+// the kind of its sampler: one image, or an array of UDIM tiles, of which there are any where TILED is defined.
 
 #include "layers/fragment_w.glsl"
 
@@ -17,9 +18,11 @@ struct Surface {
 };
 
 // Image look-up: rows 0 and 1 hold the 2x3 texture-coordinate transform, 2 the scale, 3 the bias; the last number of
-// row 0 is the channel of a scalar input.
+// row 0 is the channel of a scalar input. Of a set of UDIM tiles, `fallback` shows where there is none, and `tiles` has a bit for each.
 struct Lookup {
     vec4 rows[4];
+    vec4 fallback;
+    uvec4 tiles;
 };
 
 #ifndef GRAPH
@@ -40,28 +43,28 @@ uniform float patch_px_m;  // side of one ray's patch per 1/m of w from the plan
 uniform vec3 focus;        // w of that plane at the pass's corner and its change along x and y
 
 #ifdef HAS_BASE_COLOR
-uniform sampler2D base_color_map;
+uniform MAP_BASE_COLOR base_color_map;
 #endif
 #ifdef HAS_EMISSIVE
-uniform sampler2D emissive_map;
+uniform MAP_EMISSIVE emissive_map;
 #endif
 #ifdef HAS_METALLIC
-uniform sampler2D metallic_map;
+uniform MAP_METALLIC metallic_map;
 #endif
 #ifdef HAS_ROUGHNESS
-uniform sampler2D roughness_map;
+uniform MAP_ROUGHNESS roughness_map;
 #endif
 #ifdef HAS_SPECULAR
-uniform sampler2D specular_map;
+uniform MAP_SPECULAR specular_map;
 #endif
 #ifdef HAS_OPACITY
-uniform sampler2D opacity_map;
+uniform MAP_OPACITY opacity_map;
 #endif
 #ifdef HAS_NORMAL
-uniform sampler2D normal_map;
+uniform MAP_NORMAL normal_map;
 #endif
 #ifdef HAS_OCCLUSION
-uniform sampler2D occlusion_map;
+uniform MAP_OCCLUSION occlusion_map;
 #endif
 
 vec2 lookup_uv(Lookup l, vec2 uv)
@@ -76,17 +79,59 @@ vec4 lookup(Lookup l, sampler2D map, vec2 uv, float bias)
     return texture(map, vec2(st.x, 1.0 - st.y), bias) * l.rows[2] + l.rows[3];  // images have row 0 at the top
 }
 
-// Footprint of one ray of the finished picture, around this pixel.
-vec4 lookup_color(Lookup l, sampler2D map, vec2 uv)
+// Mip levels to the footprint of one ray of the finished picture, around this pixel.
+float ray_bias()
 {
     float patch_px = patch_px_m * (fragment_w() - focus.x - dot(focus.yz, gl_FragCoord.xy));
-    return lookup(l, map, uv, 0.5 * log2(patch_px * patch_px + 1.0 / (detail * detail)));
+    return 0.5 * log2(patch_px * patch_px + 1.0 / (detail * detail));
+}
+
+vec4 lookup_color(Lookup l, sampler2D map, vec2 uv)
+{
+    return lookup(l, map, uv, ray_bias());
 }
 
 float lookup_scalar(Lookup l, sampler2D map, vec2 uv)
 {
     return lookup_color(l, map, uv)[int(l.rows[0].w)];
 }
+
+#ifdef TILED
+// Layer of a UDIM tile in its array, -1 for none. Tiles are ten to a row, and the array holds those that are there (render/model/udim.py).
+float layer_of(uvec4 tiles, vec2 tile)
+{
+    if (!(tile.x >= 0.0 && tile.x < 10.0 && tile.y >= 0.0 && tile.y < 10.0)) return -1.0;
+    uint number = uint(tile.x) + 10u * uint(tile.y), word = number >> 5, bit = 1u << (number & 31u);
+    if ((tiles[word] & bit) == 0u) return -1.0;
+    int before = bitCount(tiles[word] & (bit - 1u));
+    for (uint i = 0u; i < word; ++i) before += bitCount(tiles[i]);
+    return float(before);
+}
+
+vec4 lookup(Lookup l, sampler2DArray map, vec2 uv, float bias)
+{
+    vec2 st = lookup_uv(l, uv), tile = floor(st);
+    vec2 dx = exp2(bias) * dFdx(st), dy = exp2(bias) * dFdy(st);  // not of the place in the tile, which jumps
+    float layer = layer_of(l.tiles, tile);
+    if (layer < 0.0) {  // interpolation may step over the upper end of a tile
+        tile = floor(st - 1e-5);
+        layer = layer_of(l.tiles, tile);
+    }
+    vec2 within = st - tile;
+    vec4 texel = textureGrad(map, vec3(within.x, 1.0 - within.y, max(layer, 0.0)), vec2(dx.x, -dx.y), vec2(dy.x, -dy.y));
+    return layer < 0.0 ? l.fallback : texel * l.rows[2] + l.rows[3];
+}
+
+vec4 lookup_color(Lookup l, sampler2DArray map, vec2 uv)
+{
+    return lookup(l, map, uv, ray_bias());
+}
+
+float lookup_scalar(Lookup l, sampler2DArray map, vec2 uv)
+{
+    return lookup_color(l, map, uv)[int(l.rows[0].w)];
+}
+#endif
 
 #ifdef HAS_NORMAL
 // Tangent frame from screen derivatives (Mikkelsen 2020, "Surface gradient-based bump mapping", section 3.3).

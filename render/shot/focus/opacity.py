@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
-from render.model.scene import Batch, Image, Wrap
+from render.model.scene import Batch, Image, TextureLookup, Wrap
+from render.model.udim import layers_at
 
 
 def opacity_at(
@@ -29,8 +30,7 @@ def opacity_at(
         uv = np.zeros((len(u), 2)) if geometry.uvs is None else np.sum(shares * geometry.uvs[corners], axis=1)
         places = np.asarray(np.concatenate([uv, np.ones((len(uv), 1))], axis=1) @ lookup.uv_transform.T, np.float64)
         channel = max(lookup.channel, 0)
-        texels = _nearest_texels(lookup.image, places, (lookup.wrap_s, lookup.wrap_t))[:, channel]
-        opacity = texels * lookup.scale[channel] + lookup.bias[channel]
+        opacity = _looked_up(lookup, places)[:, channel]
     if material.uses_display_color and geometry.colors is not None:
         opacity = opacity * np.sum(shares[..., 0] * geometry.colors[corners, 3], axis=1)
     if material.uses_display_color and batch.instance_colors is not None:
@@ -38,6 +38,20 @@ def opacity_at(
     if material.opacity_threshold > 0:
         opacity = (opacity >= material.opacity_threshold).astype(np.float64)
     return np.asarray(np.clip(opacity, 0.0, 1.0), np.float64)
+
+
+def _looked_up(lookup: TextureLookup, places: DoubleArray) -> DoubleArray:
+    """``(n, 4)`` values at places ``(n, 2)`` of a look-up, without filtering."""
+    if not lookup.image.tiles:
+        texels = _nearest_texels(lookup.image, places, (lookup.wrap_s, lookup.wrap_t))
+        return np.asarray(texels * lookup.scale + lookup.bias, np.float64)
+    layers = layers_at(lookup.image.tiles, places)
+    height, width = lookup.image.pixels.shape[1:3]
+    within = places - np.floor(places)
+    column = np.floor(within[:, 0] * width).astype(np.int64)
+    row = np.floor((1 - within[:, 1]) * height).astype(np.int64)
+    texels = lookup.image.pixels[layers, np.minimum(row, height - 1), np.minimum(column, width - 1)].astype(np.float64)
+    return np.where(layers[:, None] < 0, lookup.fallback, texels * lookup.scale + lookup.bias)
 
 
 def _nearest_texels(image: Image, places: DoubleArray, wraps: tuple[Wrap, Wrap]) -> DoubleArray:

@@ -70,7 +70,7 @@ class PlateReader:
     ) -> None:
         self._cameras, self._roles = {prim.GetPath(): prim for prim in cameras}, cameras
         self._culls_backs, self._log = culls_backs, log
-        self._images = TextureCache(_MAX_SIDE, confined_to, most=_MOST_IMAGES)
+        self._images = TextureCache(_MAX_SIDE, confined_to, log, most=_MOST_IMAGES)
         self._depths = DepthImages(confined_to)
         self._drawn: dict[tuple[Sdf.Path, str], _Drawn] = {}
 

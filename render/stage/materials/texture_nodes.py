@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdShade
 
+from render import colour
 from render.errors import InputError
 from render.model.scene import Image, TextureLookup, Wrap
+from render.model.udim import FIRST_TILE, LAST_TILE
 from render.stage.findings import FindingLog
 from render.stage.materials.image_files import TextureError
 from render.stage.materials.shading import NetworkReader, Source
@@ -71,6 +73,8 @@ class TextureNodes:
         image = self._image(network, shader, purpose, (scale, bias) if in_image else ((1.0,) * 4, (0.0,) * 4))
         if image is None:
             return Texture(None, fallback, channel, uv_name)
+        red, green, blue, alpha = fallback
+        without = (*colour.rgb_to_working((red, green, blue)), alpha) if purpose == "color" else fallback
         lookup = TextureLookup(
             image=image,
             uv_transform=uv_transform,
@@ -79,6 +83,7 @@ class TextureNodes:
             wrap_s=self._wrap(network, shader, "wrapS"),
             wrap_t=self._wrap(network, shader, "wrapT"),
             channel=max(channel, 0) if purpose == "data" else -1,
+            fallback=np.array(without, np.float32),
         )
         return Texture(lookup, fallback, channel, uv_name)
 
@@ -90,34 +95,52 @@ class TextureNodes:
         if asset is None or not asset.path:
             self._log.add("texture_missing", path, f"texture {path} names no file; its fallback value is used")
             return None
-        resolved = self._resolve(asset, shader)
         space = str(network.constant(shader, "sourceColorSpace", "auto"))
         if space == "auto":
             space = network.color_space(shader, "file") or "auto"
+        use = "color" if purpose == "color" else "data"
         try:
-            return self._cache.image(resolved, space, "color" if purpose == "color" else "data", *scale_bias)
+            if UsdShade.UdimUtils.IsUdimIdentifier(asset.path):
+                return self._tiles(asset, shader, space, use, scale_bias)
+            return self._cache.image(str(asset.resolvedPath), space, use, *scale_bias)
         except (TextureError, InputError) as problem:
             self._log.add("texture_unreadable", path, f"texture {asset.path} {problem}; the fallback of {path} is used")
             return None
 
-    def _resolve(self, asset: Sdf.AssetPath, shader: UsdShade.Shader) -> str:
-        """Resolve an asset to a file path; empty where it cannot be found."""
-        if "<UDIM>" not in asset.path:
-            return str(asset.resolvedPath)
-        path = shader.GetPath()
-        self._log.add("udim", path, f"{asset.path} is a set of UDIM tiles; only the first is read, and repeated")
+    def _tiles(
+        self,
+        asset: Sdf.AssetPath,
+        shader: UsdShade.Shader,
+        space: str,
+        use: str,
+        scale_bias: tuple[tuple[float, ...], ...],
+    ) -> Image:
+        """Set of UDIM tiles; those that cannot be read are findings.
+
+        Raises:
+            TextureError: there is no tile that can be read.
+        """
+        files = self._tile_files(asset, shader)
+        if not files:
+            raise TextureError(f"has no tiles from {FIRST_TILE} to {LAST_TILE}")
+        image, problems = self._cache.tiled(asset.path, files, space, use, *scale_bias)
+        for number, problem in problems.items():
+            path = shader.GetPath()
+            message = f"tile {number} of texture {asset.path} {problem}; the fallback of {path} is used"
+            self._log.add("texture_unreadable", f"{path} tile {number}", message)
+        return image
+
+    def _tile_files(self, asset: Sdf.AssetPath, shader: UsdShade.Shader) -> dict[int, str]:
+        """Resolved paths of a set's tiles by their numbers, beside the layer that names the set."""
         for attribute in shader.GetInput("file").GetValueProducingAttributes():
             for spec in attribute.GetPropertyStack(Usd.TimeCode.EarliestTime()):
                 tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(asset.path, spec.layer)
                 if tiles:
-                    return str(tiles[0][0])
-        return ""
+                    return {int(number): str(path) for path, number in tiles}
+        return {}
 
     def _wrap(self, network: NetworkReader, shader: UsdShade.Shader, name: str) -> Wrap:
         """The wrap mode; ``useMetadata``, the default, means black for files without such metadata."""
-        asset = network.asset(shader, "file")
-        if asset is not None and "<UDIM>" in asset.path:
-            return "repeat"
         token = str(network.constant(shader, name, "useMetadata"))
         return cast(Wrap, token) if token in get_args(Wrap) else "black"
 

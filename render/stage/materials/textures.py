@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,11 +18,14 @@ from render import colour
 from render.model.arrays import FloatArray, HalfArray
 from render.model.scene import Image
 from render.stage.confinement import is_inside
+from render.stage.findings import FindingLog
 from render.stage.materials.image_files import TextureError, open_image, read_error
 
 Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
 _MAX_FLOAT16 = 65504.0
 _BAND_ROWS = 256
+MAX_SET_PIXELS = 2**27
+"""Pixels that the tiles of one set have together: 32 of 2048 x 2048."""
 
 
 class TextureCache:
@@ -31,12 +34,21 @@ class TextureCache:
     Args:
         max_size: width and height that no image exceeds; larger ones are averaged down by a whole factor.
         confined_to: the folder that every file must lie in, or None.
+        log: receives what is averaged down; None for nobody.
         most: number of images that are kept, the newest; None for all.
     """
 
-    def __init__(self, max_size: int, confined_to: Path | None = None, *, most: int | None = None) -> None:
-        self._max_size, self._confined_to, self._most = max_size, confined_to, most
+    def __init__(
+        self,
+        max_size: int,
+        confined_to: Path | None = None,
+        log: FindingLog | None = None,
+        *,
+        most: int | None = None,
+    ) -> None:
+        self._max_size, self._confined_to, self._log, self._most = max_size, confined_to, log, most
         self._images: dict[tuple[object, ...], Image] = {}
+        self._sets: dict[tuple[object, ...], tuple[Image, dict[int, str]]] = {}
 
     @property
     def confined_to(self) -> Path | None:
@@ -68,19 +80,84 @@ class TextureCache:
         key = (resolved_path, source, purpose, scale, bias, power)
         if key not in self._images:
             require_inside(resolved_path, self._confined_to)
-            grade = _Grade(*(np.array(values, np.float32) for values in (scale, bias, power)))
+            grade = _Grade.of(scale, bias, power)
             with as_file(resolved_path) as file:
-                pixels, channels = self._read(file, source, purpose, grade)
+                pixels, channels = self._read(file, resolved_path, source, purpose, grade)
             self._images[key] = Image(pixels, resolved_path, channels)
             if self._most is not None and len(self._images) > self._most:
                 self._images.pop(next(iter(self._images)))
         return self._images[key]
 
-    def _read(self, file: str, source: str, purpose: Purpose, grade: _Grade) -> tuple[HalfArray, int]:
+    def tiled(
+        self,
+        name: str,
+        files: Mapping[int, str],
+        source: str,
+        purpose: Purpose = "color",
+        scale: tuple[float, ...] = (1, 1, 1, 1),
+        bias: tuple[float, ...] = (0, 0, 0, 0),
+    ) -> tuple[Image, dict[int, str]]:
+        """Read a set of UDIM tiles, all enlarged to the width and the height of the largest.
+
+        Args:
+            name: of the set, for messages.
+            files: resolved path of each tile by its number.
+            source: as for `image`, and so are the others.
+            purpose: what it is for.
+            scale: applied to linear values.
+            bias: addend after the scale.
+
+        Returns:
+            The set, and for each tile that cannot be read the reason, by its number.
+
+        Raises:
+            TextureError: no tile can be read.
+        """
+        key = (tuple(sorted(files.items())), source, purpose, scale, bias)
+        if key not in self._sets:
+            self._sets[key] = self._read_tiles(name, files, source, purpose, _Grade.of(scale, bias, (1, 1, 1, 1)))
+        return self._sets[key]
+
+    def _read_tiles(
+        self, name: str, files: Mapping[int, str], source: str, purpose: Purpose, grade: _Grade
+    ) -> tuple[Image, dict[int, str]]:
+        sizes: dict[int, tuple[int, int]] = {}
+        problems: dict[int, str] = {}
+        for number, path in sorted(files.items()):
+            try:
+                require_inside(path, self._confined_to)
+                with as_file(path) as file:
+                    sizes[number] = read_size(file)
+            except TextureError as problem:
+                problems[number] = str(problem)
+        if not sizes:
+            raise TextureError(f"has no tile that can be read: its tile {min(problems)} {problems[min(problems)]}")
+        size = _tile_size(list(sizes.values()), self._max_size)
+        tiles, pixels, channels = [], [], 1
+        for number, own in sizes.items():
+            factor = max(-(-side // most) for side, most in zip(own, size, strict=True))
+            try:
+                with as_file(files[number]) as file:
+                    read, count = self._read(file, files[number], source, purpose, grade, factor)
+            except TextureError as problem:
+                problems[number] = str(problem)
+                continue
+            tiles.append(number)
+            pixels.append(_enlarge(read, size))
+            channels = max(channels, count)
+        if not tiles:
+            raise TextureError(f"has no tile that can be read: its tile {min(problems)} {problems[min(problems)]}")
+        return Image(np.stack(pixels), name, channels, tuple(tiles)), problems
+
+    def _read(
+        self, file: str, name: str, source: str, purpose: Purpose, grade: _Grade, factor: int = 0
+    ) -> tuple[HalfArray, int]:
+        """Pixels, averaged down by a factor or, for 0, by what the largest size asks for; and the file's channels."""
         raw, source = read_pixels(file, source)
         height, width = raw.shape[:2]
-        factor = -(-max(height, width) // self._max_size)
+        factor = factor or -(-max(height, width) // self._max_size)
         out = np.empty((-(-height // factor), -(-width // factor), 4), np.float16)
+        self._note_size(name, (height, width), out.shape[:2])
         linear = _Linear(raw.dtype, raw.shape[2], source, grade)
         if purpose != "color" and factor == 1 and linear.is_table:
             linear.fill(out, raw)
@@ -93,6 +170,19 @@ class TextureCache:
             top = first // factor
             out[top : top + len(band)] = band
         return out, raw.shape[2]
+
+    def _note_size(self, name: str, size: tuple[int, ...], drawn: tuple[int, ...]) -> None:
+        """Note that an image is averaged down."""
+        if self._log is None or size == drawn:
+            return
+        if Ar.IsPackageRelativePath(name):
+            name = Ar.SplitPackageRelativePathInner(name)[1]
+        elif self._confined_to is not None:
+            name = os.path.relpath(os.path.realpath(name), os.path.realpath(self._confined_to))
+        message = (
+            f"texture {Path(name).name} is {size[1]:,} x {size[0]:,} pixels and is drawn at {drawn[1]:,} x {drawn[0]:,}"
+        )
+        self._log.add("texture_scaled", name, message)
 
 
 def require_inside(resolved_path: str, confined_to: Path | None) -> None:
@@ -108,6 +198,11 @@ class _Grade:
     scale: FloatArray
     bias: FloatArray
     power: FloatArray
+
+    @classmethod
+    def of(cls, scale: Sequence[float], bias: Sequence[float], power: Sequence[float]) -> _Grade:
+        """Make one of numbers for each channel."""
+        return cls(*(np.array(values, np.float32) for values in (scale, bias, power)))
 
     def apply(self, linear: FloatArray) -> FloatArray:
         """Grade values of any shape with four channels; what is too large for float32 is infinite, or not a number."""
@@ -158,6 +253,36 @@ class _Linear:
         linear = self._grade.apply(colour.linearise(_rgba(rows), self._source))
         finite: FloatArray = np.clip(np.nan_to_num(linear), -_MAX_FLOAT16, _MAX_FLOAT16).astype(np.float32)
         return finite
+
+
+def read_size(file: str) -> tuple[int, int]:
+    """Height and width of an image file, by its header."""
+    with open_image(file, oiio.ImageSpec()) as handle:
+        spec = handle.spec()
+        return int(spec.height), int(spec.width)
+
+
+def _tile_size(sizes: Sequence[tuple[int, int]], max_size: int) -> tuple[int, int]:
+    """Height and width of all tiles of a set: those of the highest and the widest over a whole factor that holds the limits."""
+    height, width = (max(sides) for sides in zip(*sizes, strict=True))
+    factor = -(-max(height, width) // max_size)
+    while len(sizes) * -(-height // factor) * -(-width // factor) > MAX_SET_PIXELS:
+        factor += 1
+    return -(-height // factor), -(-width // factor)
+
+
+def _enlarge(pixels: HalfArray, size: tuple[int, int]) -> HalfArray:
+    """Pixels at a height and a width, bilinear between the middles of those that are there, and flat beyond the outer ones."""
+    for axis, (own, new) in enumerate(zip(pixels.shape, size, strict=False)):
+        if own != new:
+            place = np.clip((np.arange(new) + 0.5) * own / new - 0.5, 0, own - 1)
+            low = np.floor(place).astype(np.int64)
+            share = (place - low).astype(np.float32).reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
+            first, second = (
+                pixels.take(index, axis).astype(np.float32) for index in (low, np.minimum(low + 1, own - 1))
+            )
+            pixels = (first + share * (second - first)).astype(np.float16)
+    return pixels
 
 
 def read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:

@@ -62,6 +62,8 @@ _SURFACE: dict[str, int | float | str] = {
 }
 _MAPS: dict[str, int | float | str] = {f"HAS_{name.upper()}": 1 for name in INPUTS}
 _MAPS |= {f"LOOKUP_{name.upper()}": number for number, name in enumerate(INPUTS)}
+_MAPS |= {f"MAP_{name.upper()}": "sampler2D" for name in INPUTS}
+_TILED = _MAPS | {"TILED": 1} | {f"MAP_{name.upper()}": "sampler2DArray" for name in INPUTS}
 _POLYNOMIAL = [
     {
         "POLYNOMIAL_LENS": 1,
@@ -83,7 +85,8 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
         (_SURFACE | _MAPS | {"PEEL": 1, "MOTION": 1, "MOVES": 1, "MAY_BE_TRANSPARENT": 1}, ("REACH", "BENDS")),
     ],
     "layers/surface.frag": [
-        (_SURFACE | maps, ("UNLIT", "CLEARCOAT", "MOTION", "MAY_BE_TRANSPARENT", "LINKED")) for maps in ({}, _MAPS)
+        *((_SURFACE | maps, ("UNLIT", "CLEARCOAT", "MOTION", "MAY_BE_TRANSPARENT", "LINKED")) for maps in ({}, _MAPS)),
+        (_SURFACE | _TILED | {"MAY_BE_TRANSPARENT": 1}, ("UNLIT",)),
     ],
     "layers/surface.vert": [
         (_SURFACE, ()),

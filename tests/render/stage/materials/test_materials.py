@@ -232,19 +232,6 @@ def test_each_missing_texture_of_a_materialx_file_is_named(tmp_path: Path) -> No
     assert all(any(file in message and "/Looks/oak" in message for message in messages) for file in inputs.values())
 
 
-def test_udim_tiles_are_reported(tmp_path: Path) -> None:
-    stage = new_stage()
-    add_mesh(stage, "/m")
-    write_picture(tmp_path / "t.1001.png", np.full((1, 1, 3), 255, np.uint8))
-    stage.GetRootLayer().Export(str(tmp_path / "a.usda"))
-    stage = Usd.Stage.Open(str(tmp_path / "a.usda"))
-    add_textured_material(stage, stage.GetPrimAtPath("/m"), "./t.<UDIM>.png")
-    reader = StageReader(stage)
-    lookup = reader.read(0).batches[0].material.lookups["base_color"]
-    assert lookup.wrap_s == "repeat"
-    assert "udim" in codes(reader)
-
-
 def test_a_primvar_reader_makes_display_colour_the_base_colour() -> None:
     stage = new_stage()
     mesh = add_mesh(stage, "/m").GetPrim()

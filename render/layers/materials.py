@@ -10,8 +10,22 @@ from render.model.arrays import FloatArray
 from render.model.scene import Image, Material, TextureLookup, Wrap
 from render.model.udim import tile_bits
 
-INPUTS = ("base_color", "emissive", "metallic", "roughness", "specular", "opacity", "normal", "occlusion")
+INPUTS = (
+    "base_color",
+    "emissive",
+    "metallic",
+    "roughness",
+    "specular",
+    "opacity",
+    "normal",
+    "occlusion",
+    "clearcoat",
+    "clearcoat_roughness",
+    "ior",
+)
 """Material inputs that may come from a texture; the index is that of the shader's table."""
+LEAST_GLASS_OPACITY = 1 / 256
+"""Opacity of glass that hides nothing, so that its highlights, which are kept relative to its opacity, are drawn."""
 
 _WRAPS: dict[Wrap, int] = {
     "repeat": GL.GL_REPEAT,
@@ -127,13 +141,23 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
 
 
 class PreviewSurface(pyrender.Material):  # type: ignore[misc]
-    """Material for ``layers/material.glsl``: its uniform block, textures, shader defines, and the functions of its network."""
+    """Material for ``layers/material.glsl``.
+
+    Attributes:
+        maps: texture of each input that has one, or of each sampler of its network.
+        units: the texture units of these, in their order; inputs that share a texture share its unit.
+        defines: shader defines.
+        functions: of its network, or none.
+        block: bytes of the uniform block.
+    """
 
     def __init__(self, material: Material, textures: dict[str, HalfTexture]) -> None:
         """``textures`` holds one texture for each entry of ``material.lookups``."""
         super().__init__(name=material.name)
         self.source = material
         self.maps = textures
+        bound = list(dict.fromkeys(textures.values()))
+        self.units = tuple(_unit(bound.index(texture)) for texture in textures.values())
         self.defines: dict[str, int | str] = {}
         self.block: bytes
         self.functions = ""
@@ -164,15 +188,21 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
         return 0
 
 
+def _unit(number: int) -> int:
+    """Texture unit of a material's texture: below those that the shaders bind by themselves, or behind them."""
+    return number if number < 8 else number + 8
+
+
 def _pack(m: Material) -> bytes:
     """The std140 bytes of ``MaterialBlock``."""
     head = np.zeros((5, 4), np.float32)
-    head[0] = [*m.base_color, m.opacity]
+    opacity = m.opacity if m.fades_highlights or m.opacity_threshold > 0 else max(m.opacity, LEAST_GLASS_OPACITY)
+    head[0] = [*m.base_color, opacity]
     head[1] = [*m.emissive, m.metallic]
     if m.specular is not None:
         head[2] = [*m.specular, 1.0]
     head[3] = [m.roughness, m.ior, m.opacity_threshold, float(m.uses_display_color)]
-    head[4, :2] = [m.clearcoat, m.clearcoat_roughness]
+    head[4] = [m.clearcoat, m.clearcoat_roughness, m.occlusion, 0.0 if m.fades_highlights else 1.0]
     lookups = np.zeros((len(INPUTS), _LOOKUP_ROWS, 4), np.float32)
     for name, lookup in m.lookups.items():
         lookups[INPUTS.index(name)] = _pack_lookup(lookup)

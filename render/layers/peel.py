@@ -415,7 +415,8 @@ class Peeler:
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
             self._lighting.bind_maps()
-            has_clearcoat = any(draw.batch.material.clearcoat > 0 for draw in layer.draws)
+            surfaces = (draw.batch.material for draw in layer.draws)
+            has_clearcoat = any(surface.clearcoat > 0 or "clearcoat" in surface.lookups for surface in surfaces)
             options, by_quads = self._lighting.options, layer.sampling.by_quads
             self._lighter.light(layer.slot, layer.view, options, has_clearcoat=has_clearcoat, by_quads=by_quads)
         return passed != 0

@@ -39,17 +39,14 @@ DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materi
 _PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT, _REST_UNIT = 8, 11, 12, 13, 14, 15
 
 
-def material_unit(number: int) -> int:
-    """Texture unit of a material's texture: below those that the shaders bind by themselves, or behind them."""
-    return number if number < 8 else number + 8
-
-
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
     """pyrender's shader program with sources from our loader (includes, defines); uniform locations are cached."""
 
-    def __init__(self, fragment: str, defines: dict[str, object], maps: tuple[str, ...], functions: str = "") -> None:
-        """Compile a program; ``maps`` are the names of the material's samplers, in the order of their texture units, and
-        ``functions`` those of its network."""
+    def __init__(
+        self, fragment: str, defines: dict[str, object], maps: tuple[tuple[str, int], ...], functions: str = ""
+    ) -> None:
+        """Compile a program; ``maps`` are the names of the material's samplers, and their texture units, and ``functions`` those
+        of its network."""
         self._functions = functions
         super().__init__(str(SHADER_DIR / "layers/surface.vert"), str(SHADER_DIR / fragment), defines=defines)
         self.maps = maps
@@ -63,8 +60,8 @@ class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc
     def _add_to_context(self) -> None:
         super()._add_to_context()
         GL.glUseProgram(self._program_id)
-        for unit, name in enumerate(self.maps):
-            GL.glUniform1i(self.location(name), material_unit(unit))
+        for name, unit in self.maps:
+            GL.glUniform1i(self.location(name), unit)
 
     def location(self, name: str) -> int:
         """Uniform location, -1 where the program has no such uniform (which GL ignores)."""
@@ -347,8 +344,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             return
         self._bound_material = material
         _fill_uniform_buffer(self._material_block, material.block, _MATERIAL_BINDING)
-        for unit, texture in enumerate(material.maps.values()):
-            GL.glActiveTexture(GL.GL_TEXTURE0 + material_unit(unit))
+        for unit, texture in zip(material.units, material.maps.values(), strict=True):
+            GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
             texture._bind()
 
     def _depth_program(
@@ -401,7 +398,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     def _program(self, fragment: str, draw: Draw, defines: dict[str, object]) -> SourceProgram:
         primitive = draw.node.mesh.primitives[0]
         material: PreviewSurface = primitive.material
-        maps = tuple(f"{name}_map" for name in material.maps)
+        maps = tuple((f"{name}_map", unit) for name, unit in zip(material.maps, material.units, strict=True))
         key: tuple[object, ...] = (
             fragment,
             maps,

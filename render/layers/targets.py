@@ -33,7 +33,7 @@ class Reflectors:
     """Textures of the surfaces of one layer that light falls on (``layers/reflector.glsl``), until they are shaded.
 
     Attributes:
-        albedo: RGBA16F, albedo and roughness.
+        albedo: RGBA16F, albedo and roughness; this below 0 where opacity fades the diffuse response alone.
         reflectance: RGBA16F, reflectance at normal incidence and occlusion.
         normal: RGBA16, octahedral coordinates of the normal, and amount and roughness of the clear coat.
     """

@@ -22,6 +22,8 @@ from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.face_places import FacePlaces
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
+MAX_TEXTURES = 8
+"""Images, or ways to wrap them, that one material looks up."""
 CameraRole = Literal["seen", "holdout", "unseen"]
 """Role of a surface for the camera: seen; a holdout, which hides what is behind it and leaves neither colour nor coverage; or
 not seen at all. All three cast shadows."""
@@ -102,13 +104,16 @@ class Material:
         ior: index of refraction, gives the dielectric's reflectance.
         opacity: 1 is opaque.
         opacity_threshold: above 0, a cut-out: opacity below it is a hole, above it is opaque.
+        fades_highlights: opacity fades all of the surface's light; else its diffuse response alone, as of glass.
+        occlusion: share of the dome that the surface sees.
         clearcoat: amount of the second specular lobe.
         clearcoat_roughness: its roughness.
         uses_display_color: multiply base_color and opacity by the mesh's displayColor and displayOpacity
             (a mesh with no material bound has a white material with this set).
         unlit: show ``emissive`` alone, whatever the lights and the shading, and cast no shadow.
-        lookups: textures by input name: base_color, emissive, metallic, roughness, specular, opacity, normal, occlusion; of a
-            graph by the name of the sampler.
+        lookups: textures by input name: base_color, emissive, metallic, roughness, specular, opacity, normal, occlusion,
+            clearcoat, clearcoat_roughness, ior; of a graph by the name of the sampler. They show at most `MAX_TEXTURES` images, of a
+            graph twice as many.
         graph: the network that gives the surface in place of all inputs but ``clearcoat``, which says whether there is a clear
             coat at all; or None.
     """
@@ -122,6 +127,8 @@ class Material:
     ior: float = 1.5
     opacity: float = 1.0
     opacity_threshold: float = 0.0
+    fades_highlights: bool = True
+    occlusion: float = 1.0
     clearcoat: float = 0.0
     clearcoat_roughness: float = 0.01
     uses_display_color: bool = False

@@ -14,6 +14,7 @@ struct Surface {
     float occlusion;     // 1 sees the whole dome
     float clearcoat;
     float clearcoat_roughness;
+    bool is_glass;       // opacity fades the diffuse response alone
     vec3 normal;         // camera space, towards the viewer's side
 };
 
@@ -31,8 +32,8 @@ layout(std140, binding = 1) uniform MaterialBlock {
     vec4 emissive_metallic;
     vec4 specular_workflow;          // rgb reflectance, a = 1 where it is used
     vec4 roughness_ior_threshold;    // roughness, ior, opacity threshold, whether display colour multiplies
-    vec4 clearcoat_amount_roughness; // amount, roughness
-    Lookup lookups[8];
+    vec4 clearcoat_occlusion_glass;  // clear coat's amount and roughness, occlusion, whether opacity fades the diffuse response alone
+    Lookup lookups[11];
 } material;
 #endif
 
@@ -65,6 +66,15 @@ uniform MAP_NORMAL normal_map;
 #endif
 #ifdef HAS_OCCLUSION
 uniform MAP_OCCLUSION occlusion_map;
+#endif
+#ifdef HAS_CLEARCOAT
+uniform MAP_CLEARCOAT clearcoat_map;
+#endif
+#ifdef HAS_CLEARCOAT_ROUGHNESS
+uniform MAP_CLEARCOAT_ROUGHNESS clearcoat_roughness_map;
+#endif
+#ifdef HAS_IOR
+uniform MAP_IOR ior_map;
 #endif
 
 vec2 lookup_uv(Lookup l, vec2 uv)
@@ -183,9 +193,11 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     s.metallic = material.emissive_metallic.a;
     s.roughness = material.roughness_ior_threshold.x;
     vec3 specular = material.specular_workflow.rgb;
-    s.occlusion = 1.0;
-    s.clearcoat = material.clearcoat_amount_roughness.x;
-    s.clearcoat_roughness = material.clearcoat_amount_roughness.y;
+    s.occlusion = material.clearcoat_occlusion_glass.z;
+    s.clearcoat = material.clearcoat_occlusion_glass.x;
+    s.clearcoat_roughness = material.clearcoat_occlusion_glass.y;
+    s.is_glass = material.clearcoat_occlusion_glass.w > 0.5;
+    float ior = material.roughness_ior_threshold.y;
 #ifdef HAS_BASE_COLOR
     s.base_color = lookup_color(material.lookups[LOOKUP_BASE_COLOR], base_color_map, uv).rgb;
 #endif
@@ -208,12 +220,21 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
 #ifdef HAS_OCCLUSION
     s.occlusion = lookup_scalar(material.lookups[LOOKUP_OCCLUSION], occlusion_map, uv);
 #endif
+#ifdef HAS_CLEARCOAT
+    s.clearcoat = lookup_scalar(material.lookups[LOOKUP_CLEARCOAT], clearcoat_map, uv);
+#endif
+#ifdef HAS_CLEARCOAT_ROUGHNESS
+    s.clearcoat_roughness = lookup_scalar(material.lookups[LOOKUP_CLEARCOAT_ROUGHNESS], clearcoat_roughness_map, uv);
+#endif
+#ifdef HAS_IOR
+    ior = lookup_scalar(material.lookups[LOOKUP_IOR], ior_map, uv);
+#endif
     s.base_color *= display.rgb;
     s.opacity = clamp(s.opacity * display.a, 0.0, 1.0);
     float threshold = material.roughness_ior_threshold.z;
     if (threshold > 0.0) s.opacity = s.opacity >= threshold ? 1.0 : 0.0;
 
-    float r = (1.0 - material.roughness_ior_threshold.y) / (1.0 + material.roughness_ior_threshold.y);
+    float r = (1.0 - ior) / (1.0 + ior);
     if (material.specular_workflow.a > 0.5) {
         s.f0 = specular;
         s.metallic = 0.0;

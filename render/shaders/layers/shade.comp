@@ -61,7 +61,8 @@ void main()
         ivec3 pixel = ivec3(first + ivec2(i & 1, i >> 1), slice);
         vec4 own = imageLoad(radiance, pixel);
         if (own.a <= 0.0) continue;  // a holdout
-        vec3 sum = own.rgb + texelFetch(albedo_roughness, pixel.xy, 0).rgb * light.diffuse + light.specular;
+        vec4 albedo = texelFetch(albedo_roughness, pixel.xy, 0);
+        vec3 sum = own.rgb + albedo.rgb * light.diffuse + light.specular * (albedo.a < 0.0 ? 1.0 / own.a : 1.0);
         if (any(isnan(sum)) || any(isinf(sum))) sum = vec3(0.0);  // invalid light counts as none
         imageStore(radiance, pixel, vec4(min(sum, vec3(MAX_HALF)), own.a));
     }

@@ -2,7 +2,7 @@
 
 #include "layers/reflector.glsl"
 
-uniform sampler2D albedo_roughness;
+uniform sampler2D albedo_roughness;  // roughness below 0 of a surface whose opacity fades its diffuse response alone
 uniform sampler2D reflectance_occlusion;
 uniform sampler2D normal_coat;
 
@@ -13,7 +13,7 @@ Reflector reflector_at(ivec2 pixel)
 #ifdef LINKED
     normal.z = float(uint(normal.z * 65535.0 + 0.5) & 255u) / 255.0;
 #endif
-    return Reflector(albedo.rgb, f0.rgb, albedo.a, f0.a, normal.z, normal.w, direction_of(normal.xy));
+    return Reflector(albedo.rgb, f0.rgb, abs(albedo.a), f0.a, normal.z, normal.w, direction_of(normal.xy));
 }
 
 #ifdef LINKED

@@ -5,7 +5,8 @@
 //      w from the view's base in 1/m, negative where the surface is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl);
 //      where MOTION is defined, the surface's motion while the shutter is open (carried.glsl); where UNLIT is not, the surface
 //      that light falls on (reflector.glsl), for shade.comp
-// Shading: UsdPreviewSurface 2.6, without its opacityMode: opacity fades the whole surface, its highlights too.
+// Shading: UsdPreviewSurface 2.6. What opacity does not fade is divided by it here and in shade.comp, since layers hold light that is
+// not premultiplied.
 
 #include "layers/material.glsl"
 #include "layers/reflector.glsl"
@@ -70,6 +71,12 @@ void main()
 #endif
     if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // invalid light counts as none
     bool opaque = s.opacity >= OPAQUE;
+#if !defined(UNLIT) && !defined(OWN_LIGHT)
+    if (s.is_glass && !opaque) {
+        radiance /= s.opacity;
+        out_albedo.a = -out_albedo.a;
+    }
+#endif
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), opaque ? 1.0 : s.opacity);
     if (is_holdout) out_radiance = vec4(vec3(0.0), opaque ? 0.0 : -s.opacity);
     out_w = vec4(opaque ? w : -w);

@@ -267,9 +267,7 @@ RULES["DomeLight_1"] = Rules(
 )
 
 NODE_RULES = {
-    "UsdPreviewSurface": Rules(
-        EVERYTHING, ignored={"displacement": "surfaces stay in place", "opacityMode": "opacity fades highlights too"}
-    ),
+    "UsdPreviewSurface": Rules(EVERYTHING, ignored={"displacement": "surfaces stay in place"}),
     "UsdPrimvarReader_float2": Rules("varname", ignored={"fallback": "0 is used"}),
 }
 """Rules for the inputs of shader nodes; all inputs of other nodes are honoured, or the node is named as a whole."""

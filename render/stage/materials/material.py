@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pxr import Usd, UsdShade
 
 from render import colour
-from render.model.scene import Material, TextureLookup
+from render.model.scene import MAX_TEXTURES, Material, TextureLookup
 from render.stage.findings import FindingLog
 from render.stage.geometry.shape import PrimvarNames
 from render.stage.materials.shading import NetworkReader, Source, finite_numbers
@@ -26,7 +26,8 @@ _SCALARS = {
     "opacity_threshold": ("opacityThreshold", 0.0),
     "occlusion": ("occlusion", 1.0),
 }
-_TEXTURED_SCALARS = ("metallic", "roughness", "opacity", "occlusion")
+_UNIFORM_SCALARS = ("opacity_threshold",)
+"""Inputs that take constants alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,13 +82,13 @@ class _SurfaceReader:
         if self._network.constant(self._shader, "useSpecularWorkflow", 0) == 1:
             self._color("specular", "specularColor", (0.0,) * 3)
         self._normal()
-        if self._network.constant(self._shader, "occlusion", 1.0) != 1.0:
-            self._ignored("occlusion", "an occlusion without a texture is not honoured")
+        self._drop_excess()
         material = Material(
             name=self._path,
             uses_display_color=self._primvars.color is not None or self._primvars.opacity is not None,
+            fades_highlights=self._opacity_mode() == "presence",
             lookups=self._lookups,
-            **{name: value for name, value in self._constants.items() if name != "occlusion"},  # type: ignore[arg-type]
+            **self._constants,  # type: ignore[arg-type]
         )
         return BoundMaterial(material, replace(self._primvars, uv=self._uv_name()), self._network.varies)
 
@@ -103,10 +104,13 @@ class _SurfaceReader:
         self._constants[name] = self._numbers(usd_name, source, (default,))[0]
         if source is None or source.shader is None:
             return
-        if name in _TEXTURED_SCALARS:
-            self._read_connection(name, usd_name, source, (default,), "data")
+        if name in _UNIFORM_SCALARS:
+            self._ignored(
+                usd_name,
+                f"{usd_name} takes a constant alone, so that its connection is not honoured: {default} is used",
+            )
         else:
-            self._ignored(usd_name, f"a connection of {usd_name} is not honoured, {default} is used")
+            self._read_connection(name, usd_name, source, (default,), "data")
 
     def _numbers(self, usd_name: str, source: Source | None, default: tuple[float, ...]) -> tuple[float, ...]:
         """The components of a constant input, or the default; a value that cannot be used is a finding."""
@@ -156,6 +160,23 @@ class _SurfaceReader:
             self._constants[name] = 1.0
             (opacity,) = self._network.numbers(source.shader, "fallback", (0.0,))
             self._primvars = replace(self._primvars, opacity=varname, opacity_fallback=opacity)
+
+    def _opacity_mode(self) -> str:
+        mode = str(self._network.constant(self._shader, "opacityMode", "transparent"))
+        if mode not in ("transparent", "presence"):
+            self._ignored(
+                "opacityMode", f"opacityMode must be transparent or presence, got {mode!r}: it is transparent"
+            )
+        return mode
+
+    def _drop_excess(self) -> None:
+        """Leave out the textures that exceed what a material looks up."""
+        images = list(dict.fromkeys((id(look.image), look.wrap_s, look.wrap_t) for look in self._lookups.values()))
+        for name, look in list(self._lookups.items()):
+            if (id(look.image), look.wrap_s, look.wrap_t) not in images[:MAX_TEXTURES]:
+                del self._lookups[name]
+                what = f"its {len(images)} textures are more than {MAX_TEXTURES}: that of {name} is not drawn"
+                self._ignored(f"textures_{name}", what)
 
     def _uv_name(self) -> str | None:
         """The one set of texture coordinates that a geometry carries: the base colour's if it has one."""

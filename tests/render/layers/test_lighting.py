@@ -9,6 +9,7 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle, sphere
+from render.layers.materials import INPUTS, LEAST_GLASS_OPACITY, HalfTexture, PreviewSurface
 from render.model.scene import Batch, Dome, Image, Light, Material, Scene, TextureLookup
 from render.optics.view import PinholeView
 from tests.render.kits.lit_walls import CAMERA, MATT, WALL, centre_radiance, facing_the_wall, lit
@@ -193,8 +194,11 @@ def test_maps_of_one_value_are_as_the_value_itself(renderer: FrameRenderer, work
         "emissive": (0.1, 0.2, 0.3),
         workflow: (0.5, 0.5, 0.5),
         "roughness": (0.4, 0.4, 0.4),
+        "clearcoat": (0.8, 0.8, 0.8),
+        "clearcoat_roughness": (0.2, 0.2, 0.2),
+        "ior": (1.8, 1.8, 1.8),
     }
-    scalars = {"metallic", "roughness", "occlusion"}
+    scalars = {"metallic", "roughness", "occlusion", "clearcoat", "clearcoat_roughness", "ior"}
     plain = Material(**{name: value[0] if name in scalars else value for name, value in values.items()})  # type: ignore[arg-type]
     lookups = {
         name: TextureLookup(Image(np.tile(np.float16([*value, 1]), (2, 2, 1))), channel=0 if name in scalars else -1)
@@ -208,3 +212,40 @@ def test_maps_of_one_value_are_as_the_value_itself(renderer: FrameRenderer, work
         for material in (mapped, plain)
     ]
     np.testing.assert_allclose(*seen, rtol=3e-3)
+
+
+@pytest.mark.parametrize("opacity", [0.0, 0.25, 0.75])
+def test_opacity_of_glass_fades_its_diffuse_light_alone(renderer: FrameRenderer, opacity: float) -> None:
+    """Against a fading pane, whose light is that of an opaque one times its opacity."""
+    sun = Light("distant", (2.0, 2.0, 2.0), np.eye(4))
+
+    def seen(fades: bool, opacity: float, base: float) -> float:
+        look = Material("", (base,) * 3, (0.1,) * 3, roughness=0.4, opacity=opacity, fades_highlights=fades)
+        return float(centre_radiance(renderer, lit(sun, batches=(replace(WALL, material=look),)))[0])
+
+    highlight, whole = seen(True, 1.0, 0.0), seen(True, 1.0, 0.5)
+    assert seen(True, opacity, 0.5) == pytest.approx(opacity * whole, rel=3e-3)
+    shown = max(opacity, LEAST_GLASS_OPACITY)
+    assert seen(False, opacity, 0.5) == pytest.approx(highlight + shown * (whole - highlight), rel=3e-3)
+
+
+def test_constant_occlusion_dims_the_dome(renderer: FrameRenderer) -> None:
+    dome = Dome((0.7, 0.7, 0.7), np.eye(4), visible=False)
+    seen = [
+        centre_radiance(renderer, lit(batches=(replace(WALL, material=replace(MATT, occlusion=share)),), dome=dome))
+        for share in (1.0, 0.25)
+    ]
+    np.testing.assert_allclose(seen[1], 0.25 * seen[0], rtol=3e-3)
+
+
+def test_inputs_that_share_an_image_share_its_unit(renderer: FrameRenderer) -> None:
+    """Eleven inputs of one image, and more than there are texture units if each had one."""
+    image = Image(np.full((2, 2, 4), 0.5, np.float16))
+    scalars = {"metallic", "roughness", "opacity", "occlusion", "clearcoat", "clearcoat_roughness", "ior"}
+    lookups = {name: TextureLookup(image, channel=0 if name in scalars else -1) for name in INPUTS}
+    look = PreviewSurface(Material(), dict.fromkeys(lookups, HalfTexture(image)))
+    assert set(look.units) == {0}
+    board = replace(WALL.geometry, uvs=np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32))
+    batch = Batch(board, Material(lookups=lookups), np.eye(4)[None])
+    shown = centre_radiance(renderer, lit(batches=(batch,)), "unlit")
+    np.testing.assert_allclose(shown, 0.25, rtol=3e-3)

@@ -104,8 +104,7 @@ def test_an_unknown_type_with_a_known_fallback_is_that_type() -> None:
 @pytest.mark.parametrize(
     ("node", "name", "kind", "value", "named"),
     [
-        ("UsdPreviewSurface", "opacityMode", T.Token, "presence", True),
-        ("UsdPreviewSurface", "opacityMode", T.Token, "transparent", False),
+        ("UsdPreviewSurface", "opacityMode", T.Token, "presence", False),
         ("UsdPreviewSurface", "displacement", T.Float, 0.5, True),
         ("UsdPreviewSurface", "displacement", T.Float, 0.0, False),
         ("UsdPreviewSurface", "roughness", T.Float, 0.1, False),

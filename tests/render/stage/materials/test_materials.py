@@ -310,6 +310,62 @@ def test_equal_materials_are_one_draw() -> None:
     assert len(read(stage).batches) == 1
 
 
+def test_opacity_mode_says_what_opacity_fades() -> None:
+    stage = new_stage()
+    fades = {}
+    for name, mode in (("a", None), ("b", "transparent"), ("c", "presence"), ("d", "wrong")):
+        shader = add_material(stage, f"/looks/{name}", opacity=0.5)
+        if mode is not None:
+            shader.CreateInput("opacityMode", T.Token).Set(mode)
+        bind(add_mesh(stage, f"/{name}").GetPrim(), f"/looks/{name}")
+    reader = StageReader(stage)
+    scene = reader.read(0)
+    for batch in scene.batches:
+        fades[batch.material.name] = batch.material.fades_highlights
+    assert set(fades.values()) == {False, True}
+    assert [finding.code for finding in reader.findings] == ["material_opacityMode"]
+    assert "got 'wrong'" in reader.findings[0].message
+
+
+def test_scalars_of_the_clear_coat_and_index_have_textures(tmp_path: Path) -> None:
+    stage = new_stage()
+    shader = add_material(stage, "/looks/a")
+    texture = add_texture(stage, "/looks/a/t", write_picture(tmp_path / "t.png", np.full((1, 1, 3), 128, np.uint8)))
+    for name, output in (("clearcoat", "r"), ("clearcoatRoughness", "g"), ("ior", "b"), ("opacityThreshold", "r")):
+        shader.CreateInput(name, T.Float).ConnectToSource(texture.CreateOutput(output, T.Float))
+    bind(add_mesh(stage, "/m").GetPrim(), "/looks/a")
+    reader = StageReader(stage)
+    lookups = only_batch(reader.read(0)).material.lookups
+    assert {name: look.channel for name, look in lookups.items()} == {
+        "clearcoat": 0,
+        "clearcoat_roughness": 1,
+        "ior": 2,
+    }
+    assert "material_opacityThreshold" in codes(reader), "it takes a constant alone"
+
+
+def test_a_ninth_texture_of_a_material_is_named(tmp_path: Path) -> None:
+    stage = new_stage()
+    shader = add_material(stage, "/looks/a")
+    names = ("roughness", "metallic", "opacity", "occlusion", "clearcoat", "clearcoatRoughness", "ior")
+    for number, name in enumerate((*names, "diffuseColor", "emissiveColor")):
+        file = write_picture(tmp_path / f"{name}.png", np.full((1, 1, 3), number, np.uint8))
+        output = add_texture(stage, f"/looks/a/{name}", file).CreateOutput("r", T.Float)
+        shader.CreateInput(name, T.Float).ConnectToSource(output)
+    bind(add_mesh(stage, "/m").GetPrim(), "/looks/a")
+    reader = StageReader(stage)
+    assert len(only_batch(reader.read(0)).material.lookups) == 8
+    (message,) = (finding.message for finding in reader.findings if finding.code.startswith("material_textures"))
+    assert "9 textures are more than 8" in message
+
+
+def test_constant_occlusion_is_read() -> None:
+    stage = new_stage()
+    add_material(stage, "/looks/a", occlusion=0.25)
+    bind(add_mesh(stage, "/m").GetPrim(), "/looks/a")
+    assert material_of(stage).occlusion == 0.25
+
+
 # Bindings
 
 

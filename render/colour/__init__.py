@@ -166,6 +166,15 @@ def linearise(pixels: NDArray[np.float32], source: str, config: ocio.Config | No
     return _apply(_linear_processor(source, config or working_config()), pixels)
 
 
+def is_known(source: str, config: ocio.Config | None = None) -> bool:
+    """Whether a colour space has a name that :func:`to_working` takes, and is converted."""
+    own = config or working_config()
+    return (
+        source not in _UNCONVERTED
+        and _config_with(source, own).getColorSpace(_BUILTIN_NAMES.get(source, source)) is not None
+    )
+
+
 def rgb_to_working(rgb: tuple[float, float, float]) -> tuple[float, float, float]:
     """Convert one authored USD colour (linear Rec. 709) to the working space."""
     red, green, blue = to_working(np.array([rgb], np.float32))[0].tolist()

@@ -18,6 +18,7 @@ from render.errors import InputError
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Dome, Image, Light
 from render.stage.assembly.poses import is_hidden, world_pose
+from render.stage.color_spaces import rgb_to_working, space_of, to_rec709
 from render.stage.findings import FindingLog
 from render.stage.geometry.skinning import Skeletons
 from render.stage.limits import PlaceError
@@ -132,7 +133,7 @@ class LightReader:
         pose[:3, 3] = 0.0
         if schema_type(prim) == "DomeLight_1" and self._pole_is_z(prim, time):
             pose = pose @ _Z_UP_FROM_Y_UP
-        radiance = _radiance(prim, time)
+        radiance = _radiance(prim, time, self._log)
         if not _in_range(radiance):
             path = prim.GetPath()
             self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
@@ -160,7 +161,7 @@ class LightReader:
         if asset is None:
             return None
         attribute = prim.GetAttribute("inputs:texture:file")
-        space = str(attribute.GetColorSpace()) if attribute.HasColorSpace() else "auto"
+        space = space_of(attribute) if attribute.HasColorSpace() else "auto"
         try:
             return self._textures.image(str(asset.resolvedPath), space)
         except (TextureError, InputError) as problem:
@@ -264,7 +265,7 @@ class LightReader:
     def _light(
         self, prim: Usd.Prim, kind: str, pose: DoubleArray, time: Usd.TimeCode, factor: float, **measures: float
     ) -> Light:
-        red, green, blue = (channel * factor for channel in _radiance(prim, time))
+        red, green, blue = (channel * factor for channel in _radiance(prim, time, self._log))
         cone, softness = _cone(prim, time)
         shadow = prim.GetAttribute("inputs:shadow:enable")
         shaped = prim.HasAPI(UsdLux.ShapingAPI) and kind != "distant"
@@ -278,17 +279,18 @@ class LightReader:
             specular=_number(prim, "inputs:specular", time),
             profile=self._profile(prim, time) if shaped else None,
             focus=min(max(_number(prim, "inputs:shaping:focus", time), 0.0), _MAX_FOCUS) if shaped else 0.0,
-            focus_tint=_color(prim, "inputs:shaping:focusTint", time) if shaped else (0.0, 0.0, 0.0),
+            focus_tint=_color(prim, "inputs:shaping:focusTint", time, self._log) if shaped else (0.0, 0.0, 0.0),
             casts_shadow=bool(shadow.Get(time)) if shadow else True,
-            shadow_color=_color(prim, "inputs:shadow:color", time) if shadow else (0.0, 0.0, 0.0),
+            shadow_color=_color(prim, "inputs:shadow:color", time, self._log) if shadow else (0.0, 0.0, 0.0),
             path=str(prim.GetPath()),
             **measures,  # type: ignore[arg-type]
         )
 
 
-def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> RGB:
+def _radiance(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> RGB:
     """colour · intensity · 2^exposure, with the colour temperature where it is enabled, in the working space; inf if too much."""
-    color = np.array(prim.GetAttribute("inputs:color").Get(time), np.float64)
+    attribute = prim.GetAttribute("inputs:color")
+    color = to_rec709(np.array(attribute.Get(time), np.float32), attribute, log).astype(np.float64)
     if _flag(prim, "inputs:enableColorTemperature", time):
         kelvin = _number(prim, "inputs:colorTemperature", time)
         color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin), np.float64)
@@ -299,14 +301,13 @@ def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> RGB:
     return colour.rgb_to_working((float(rgb[0]), float(rgb[1]), float(rgb[2])))
 
 
-def _color(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> RGB:
+def _color(prim: Usd.Prim, name: str, time: Usd.TimeCode, log: FindingLog) -> RGB:
     """A share of light in the working space; black where it is none."""
     value = prim.GetAttribute(name).Get(time)
     rgb = np.array(value if value is not None else (0, 0, 0), np.float64)
     if not (np.abs(rgb) <= _MAX_RADIANCE).all():
         return 0.0, 0.0, 0.0
-    red, green, blue = colour.rgb_to_working((float(rgb[0]), float(rgb[1]), float(rgb[2])))
-    return red, green, blue
+    return rgb_to_working(rgb.tolist(), prim.GetAttribute(name), log)
 
 
 def _texture(prim: Usd.Prim, time: Usd.TimeCode) -> Sdf.AssetPath | None:

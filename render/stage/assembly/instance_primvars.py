@@ -17,6 +17,7 @@ from render import colour
 from render.model.arrays import FloatArray, IntArray
 from render.stage.assembly.inventory import InstancerLink, Occurrence
 from render.stage.assembly.poses import InstanceReader
+from render.stage.color_spaces import to_rec709
 from render.stage.findings import FindingLog
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import PrimvarNames
@@ -87,7 +88,9 @@ def instance_colors(
         own = np.repeat(colors[:, None], len(indices), axis=1)
         color = _rows(link, inherited.color, 3, indices, count, time, log)
         if color is not None:
-            own[..., :3] = colour.to_working(color)
+            found = find_primvar(link.instancer, str(inherited.color))
+            linear = color if found is None else to_rec709(color, found.primvar.GetAttr(), log)
+            own[..., :3] = colour.to_working(linear)
         opacity = _rows(link, inherited.opacity, 1, indices, count, time, log)
         if opacity is not None:
             own[..., 3] = opacity[:, 0]

@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Usd
 
 from render.model.face_places import FacePlaces
+from render.stage.color_spaces import to_rec709
 from render.stage.findings import FindingLog
 from render.stage.geometry.packs import Field, Pack, field_of, folded_shares, join_fields, pack_surfaces
 from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check, compute_normals, merge_duplicates
@@ -198,7 +199,7 @@ class _SurfaceReader:
         return found or _constant(polygons, (0.0, 0.0))
 
     def _color(self, polygons: Polygons, names: PrimvarNames) -> Field:
-        return self._primvar(polygons, names.color, 3) or _constant(polygons, names.color_fallback)
+        return self._primvar(polygons, names.color, 3, is_color=True) or _constant(polygons, names.color_fallback)
 
     def _opacity(self, polygons: Polygons, names: PrimvarNames) -> Field:
         found = self._primvar(polygons, names.opacity, 1)
@@ -210,7 +211,7 @@ class _SurfaceReader:
             self._log.add("no_opacity", path, message)
         return found or _constant(polygons, (names.opacity_fallback,))
 
-    def _primvar(self, polygons: Polygons, name: str | None, width: int) -> Field | None:
+    def _primvar(self, polygons: Polygons, name: str | None, width: int, *, is_color: bool = False) -> Field | None:
         found = find_primvar(self._prim, name) if name is not None else None
         if found is None:
             return None
@@ -224,6 +225,8 @@ class _SurfaceReader:
             message = f"primvar {name} of {path} has values that are not finite: 0 is used for them"
             self._log.add(f"bad_primvar_{name}", path, message)
             values = replace(values, values=np.nan_to_num(values.values, posinf=0.0, neginf=0.0))
+        if is_color:
+            values = replace(values, values=to_rec709(values.values, found.primvar.GetAttr(), self._log))
         values = _deduplicate(values)
         try:
             sampling = polygons.sampling

@@ -89,8 +89,6 @@ NAMED_SCHEMAS = {
 """Schemas without rules of their own, or bases of such, with the code of the finding that the reader makes of their prims."""
 
 IGNORED_SCHEMAS = {
-    "ColorSpaceAPI": "colours are linear Rec. 709 where they do not say otherwise",
-    "ColorSpaceDefinitionAPI": "colours are linear Rec. 709 where they do not say otherwise",
     "LightFilter": "light is not filtered",
     "PluginLightFilter": "light is not filtered",
     "VisibilityAPI": "visibility and purpose alone decide",
@@ -108,6 +106,8 @@ RULES = {
     "Xformable": Rules("xformOpOrder"),
     "Boundable": Rules("extent"),
     "Scope": Rules(),
+    "ColorSpaceAPI": Rules("colorSpace:name"),
+    "ColorSpaceDefinitionAPI": Rules(EVERYTHING),
     "Xform": Rules(),
     "Gprim": Rules("doubleSided primvars:displayColor primvars:displayOpacity"),
     "PointBased": Rules(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+import numpy as np
 from pxr import Usd, UsdShade
 
-from render import colour
 from render.model.scene import MAX_TEXTURES, Material, TextureLookup
+from render.stage.color_spaces import rgb_to_working, to_rec709
 from render.stage.findings import FindingLog
 from render.stage.geometry.shape import PrimvarNames
 from render.stage.materials.shading import NetworkReader, Source, finite_numbers
@@ -95,7 +96,7 @@ class _SurfaceReader:
     def _color(self, name: str, usd_name: str, default: tuple[float, ...]) -> None:
         source = self._network.source(self._shader, usd_name)
         value = self._numbers(usd_name, source, default)
-        self._constants[name] = colour.rgb_to_working((value[0], value[1], value[2]))
+        self._constants[name] = rgb_to_working(value, source.attribute if source else None, self._log)
         if source is not None and source.shader is not None:
             self._read_connection(name, usd_name, source, default, "color")
 
@@ -143,8 +144,8 @@ class _SurfaceReader:
             self._lookups[name] = texture.lookup
             self._uv_names[name] = texture.uv_name
         elif purpose == "color":
-            red, green, blue = texture.fallback[:3]
-            self._constants[name] = colour.rgb_to_working((red, green, blue))
+            shader = source.shader
+            self._constants[name] = self._nodes.working_color(self._network, shader, texture.fallback)
         elif purpose == "data":
             self._constants[name] = texture.fallback[max(texture.channel, 0)]
 
@@ -154,8 +155,11 @@ class _SurfaceReader:
         varname = str(self._network.constant(source.shader, "varname", ""))
         if name == "base_color":
             self._constants[name] = WHITE
-            red, green, blue, _ = self._network.rgba(source.shader, "fallback", (0.0, 0.0, 0.0, 1.0))
-            self._primvars = replace(self._primvars, color=varname, color_fallback=(red, green, blue))
+            rgb = self._network.rgba(source.shader, "fallback", (0.0, 0.0, 0.0, 1.0))[:3]
+            authored = self._network.source(source.shader, "fallback")
+            if authored is not None and authored.attribute is not None:
+                rgb = tuple(to_rec709(np.array(rgb, np.float32), authored.attribute, self._log).tolist())
+            self._primvars = replace(self._primvars, color=varname, color_fallback=(rgb[0], rgb[1], rgb[2]))
         else:
             self._constants[name] = 1.0
             (opacity,) = self._network.numbers(source.shader, "fallback", (0.0,))

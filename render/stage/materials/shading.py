@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
+from render.stage.color_spaces import SpaceName, space_of
 from render.stage.geometry.primvars import as_rows
 
 
@@ -18,11 +19,13 @@ class Source:
         value: the constant, or None where a shader feeds it.
         shader: the shader, or None where it is a constant.
         output: name of the shader's output, such as ``rgb``.
+        attribute: where a constant is authored.
     """
 
     value: object = None
     shader: UsdShade.Shader | None = None
     output: str = ""
+    attribute: Usd.Attribute | None = None
 
 
 class NetworkReader:
@@ -47,7 +50,7 @@ class NetworkReader:
                 return Source(shader=UsdShade.Shader(attribute.GetPrim()), output=output.GetBaseName())
             if attribute.HasAuthoredValue():
                 self.varies = self.varies or attribute.ValueMightBeTimeVarying()
-                return Source(value=attribute.Get(self._time))
+                return Source(value=attribute.Get(self._time), attribute=attribute)
         return None
 
     def constant(self, shader: UsdShade.Shader, name: str, default: object) -> object:
@@ -69,12 +72,12 @@ class NetworkReader:
         value = self.constant(shader, name, None)
         return value if isinstance(value, Sdf.AssetPath) else None
 
-    def color_space(self, shader: UsdShade.Shader, name: str) -> str:
+    def color_space(self, shader: UsdShade.Shader, name: str) -> SpaceName:
         """The colour space that is authored on an input as metadata, or an empty string."""
         shader_input = shader.GetInput(name)
         for attribute in shader_input.GetValueProducingAttributes() if shader_input else []:
             if attribute.HasColorSpace():
-                return str(attribute.GetColorSpace())
+                return space_of(attribute)
         return ""
 
 

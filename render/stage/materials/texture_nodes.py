@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdShade
 
-from render import colour
 from render.errors import InputError
 from render.model.scene import Image, TextureLookup, Wrap
 from render.model.udim import FIRST_TILE, LAST_TILE
+from render.stage.color_spaces import SpaceName, rgb_to_working
 from render.stage.findings import FindingLog
 from render.stage.materials.image_files import TextureError
 from render.stage.materials.shading import NetworkReader, Source
@@ -73,8 +73,7 @@ class TextureNodes:
         image = self._image(network, shader, purpose, (scale, bias) if in_image else ((1.0,) * 4, (0.0,) * 4))
         if image is None:
             return Texture(None, fallback, channel, uv_name)
-        red, green, blue, alpha = fallback
-        without = (*colour.rgb_to_working((red, green, blue)), alpha) if purpose == "color" else fallback
+        without = (*self.working_color(network, shader, fallback), fallback[3]) if purpose == "color" else fallback
         lookup = TextureLookup(
             image=image,
             uv_transform=uv_transform,
@@ -87,6 +86,13 @@ class TextureNodes:
         )
         return Texture(lookup, fallback, channel, uv_name)
 
+    def working_color(
+        self, network: NetworkReader, shader: UsdShade.Shader, rgba: tuple[float, ...]
+    ) -> tuple[float, float, float]:
+        """Colour of a node's ``fallback`` in the working space."""
+        source = network.source(shader, "fallback")
+        return rgb_to_working(rgba[:3], source.attribute if source else None, self._log)
+
     def _image(
         self, network: NetworkReader, shader: UsdShade.Shader, purpose: str, scale_bias: tuple[tuple[float, ...], ...]
     ) -> Image | None:
@@ -95,7 +101,7 @@ class TextureNodes:
         if asset is None or not asset.path:
             self._log.add("texture_missing", path, f"texture {path} names no file; its fallback value is used")
             return None
-        space = str(network.constant(shader, "sourceColorSpace", "auto"))
+        space: SpaceName = str(network.constant(shader, "sourceColorSpace", "auto"))
         if space == "auto":
             space = network.color_space(shader, "file") or "auto"
         use = "color" if purpose == "color" else "data"
@@ -111,7 +117,7 @@ class TextureNodes:
         self,
         asset: Sdf.AssetPath,
         shader: UsdShade.Shader,
-        space: str,
+        space: SpaceName,
         use: str,
         scale_bias: tuple[tuple[float, ...], ...],
     ) -> Image:

@@ -17,6 +17,7 @@ from pxr import Ar
 from render import colour
 from render.model.arrays import FloatArray, HalfArray
 from render.model.scene import Image
+from render.stage.color_spaces import SpaceName, from_chromaticities, linearise
 from render.stage.confinement import is_inside
 from render.stage.findings import FindingLog
 from render.stage.materials.image_files import TextureError, open_image, read_error
@@ -24,6 +25,7 @@ from render.stage.materials.image_files import TextureError, open_image, read_er
 Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
 _MAX_FLOAT16 = 65504.0
 _BAND_ROWS = 256
+_ASSUMED_SPACE = "srgb_rec709_scene"
 MAX_SET_PIXELS = 2**27
 """Pixels that the tiles of one set have together: 32 of 2048 x 2048."""
 
@@ -58,7 +60,7 @@ class TextureCache:
     def image(
         self,
         resolved_path: str,
-        source: str,
+        source: SpaceName,
         purpose: Purpose = "color",
         scale: tuple[float, ...] = (1, 1, 1, 1),
         bias: tuple[float, ...] = (0, 0, 0, 0),
@@ -68,7 +70,7 @@ class TextureCache:
 
         Args:
             resolved_path: as Ar resolves it; may be inside a package.
-            source: its colour space: a token of :func:`render.colour.to_working` or ``auto``.
+            source: its colour space: a token of :func:`render.colour.to_working`, one by its numbers, or ``auto``.
             purpose: ``color`` or ``data``.
             scale: applied to linear values, before the change of primaries.
             bias: addend after the scale.
@@ -92,7 +94,7 @@ class TextureCache:
         self,
         name: str,
         files: Mapping[int, str],
-        source: str,
+        source: SpaceName,
         purpose: Purpose = "color",
         scale: tuple[float, ...] = (1, 1, 1, 1),
         bias: tuple[float, ...] = (0, 0, 0, 0),
@@ -119,7 +121,7 @@ class TextureCache:
         return self._sets[key]
 
     def _read_tiles(
-        self, name: str, files: Mapping[int, str], source: str, purpose: Purpose, grade: _Grade
+        self, name: str, files: Mapping[int, str], source: SpaceName, purpose: Purpose, grade: _Grade
     ) -> tuple[Image, dict[int, str]]:
         sizes: dict[int, tuple[int, int]] = {}
         problems: dict[int, str] = {}
@@ -150,10 +152,10 @@ class TextureCache:
         return Image(np.stack(pixels), name, channels, tuple(tiles)), problems
 
     def _read(
-        self, file: str, name: str, source: str, purpose: Purpose, grade: _Grade, factor: int = 0
+        self, file: str, name: str, source: SpaceName, purpose: Purpose, grade: _Grade, factor: int = 0
     ) -> tuple[HalfArray, int]:
         """Pixels, averaged down by a factor or, for 0, by what the largest size asks for; and the file's channels."""
-        raw, source = read_pixels(file, source)
+        raw, source = read_pixels(file, source, keeps_primaries=purpose != "color")
         height, width = raw.shape[:2]
         factor = factor or -(-max(height, width) // self._max_size)
         out = np.empty((-(-height // factor), -(-width // factor), 4), np.float16)
@@ -217,7 +219,7 @@ class _Grade:
 class _Linear:
     """Converter of a file's rows to linear ``(h, w, 4)`` float32, graded; 8-bit files use a table."""
 
-    def __init__(self, dtype: np.dtype[np.generic], channels: int, source: str, grade: _Grade) -> None:
+    def __init__(self, dtype: np.dtype[np.generic], channels: int, source: SpaceName, grade: _Grade) -> None:
         self._source, self._grade = source, grade
         self._table: FloatArray | None = None
         if dtype == np.uint8:
@@ -250,7 +252,7 @@ class _Linear:
         out[..., 3] = table[:, 3][rows[..., -1]] if channels in (2, 4) else table[0, 3]
 
     def _convert(self, rows: NDArray[np.generic]) -> FloatArray:
-        linear = self._grade.apply(colour.linearise(_rgba(rows), self._source))
+        linear = self._grade.apply(linearise(_rgba(rows), self._source))
         finite: FloatArray = np.clip(np.nan_to_num(linear), -_MAX_FLOAT16, _MAX_FLOAT16).astype(np.float32)
         return finite
 
@@ -285,18 +287,39 @@ def _enlarge(pixels: HalfArray, size: tuple[int, int]) -> HalfArray:
     return pixels
 
 
-def read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
-    """Read pixels ``(height, width, channels)`` in the file's own type, and the colour space that ``auto`` stands for."""
+def read_pixels(
+    file: str, source: SpaceName, *, keeps_primaries: bool = False
+) -> tuple[NDArray[np.generic], SpaceName]:
+    """Read pixels ``(height, width, channels)`` in the file's own type, and the colour space that ``auto`` stands for.
+
+    Args:
+        file: path of a plain file.
+        source: colour space, or ``auto``.
+        keeps_primaries: whether ``auto`` leaves out what the file says of its primaries, as for data.
+    """
     request = oiio.ImageSpec()
     request.attribute("oiio:UnassociatedAlpha", 1)
     with open_image(file, request) as handle:
         pixels = handle.read_image(0, 0, 0, min(handle.spec().nchannels, 4), oiio.UNKNOWN)
         if pixels is None:
             raise read_error(handle)
+        own = "" if source != "auto" or keeps_primaries else _own_space(handle.spec())
     if source == "auto":
         # UsdPreviewSurface specification: 8-bit images of three or four channels are sRGB, the others linear.
-        source = "sRGB" if pixels.dtype == np.uint8 and pixels.shape[2] >= 3 else "raw"
+        source = own or ("sRGB" if pixels.dtype == np.uint8 and pixels.shape[2] >= 3 else "raw")
     return pixels, source
+
+
+def _own_space(spec: oiio.ImageSpec) -> SpaceName:
+    """Colour space that a file of colours names; empty where it names none, or the one that OpenImageIO assumes of its kind."""
+    if spec.nchannels < 3:
+        return ""
+    primaries = spec.getattribute("chromaticities")
+    if isinstance(primaries, tuple) and len(primaries) == 8:
+        return from_chromaticities("chromaticities", primaries) or ""
+    named = str(spec.get_string_attribute("colorInteropID") or spec.get_string_attribute("oiio:ColorSpace"))
+    is_assumed = named == _ASSUMED_SPACE and not spec.get_string_attribute("colorInteropID")
+    return "" if is_assumed or not colour.is_known(named) else named
 
 
 def _rgba(pixels: NDArray[np.generic]) -> FloatArray:

@@ -53,6 +53,8 @@ ACCESSORS = {
     "pointIndices": "ComputeBlendShapePointIndices",
     "skel:": "ComputeSkelBindings",
     "collection": "ComputeMembershipQuery",
+    "colorSpace:name": "ComputeColorSpaceName",
+    "colorSpaceDefinition": "ComputeColorSpace",
     "primvars:skel:geomBindTransform": "GetGeomBindTransform",
     "primvars:skel:jointIndices": "ComputeVaryingJointInfluences",
     "primvars:skel:jointWeights": "ComputeVaryingJointInfluences",

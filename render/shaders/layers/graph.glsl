@@ -69,7 +69,7 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     graph_normal = turned * n;
     set_tangents(graph_normal, graph_position, uv);
     graph_transmission = 0.0;
-    graph_surface = Surface(vec3(0.0), vec3(0.0), vec3(0.04), 0.0, 0.5, 1.0, 1.0, 0.0, 0.03, graph_normal);
+    graph_surface = Surface(vec3(0.0), vec3(0.0), vec3(0.04), 0.0, 0.5, 1.0, 1.0, 0.0, 0.03, false, graph_normal);
     evaluate_nodes();
 
     Surface s = graph_surface;
@@ -84,14 +84,15 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     s.opacity = clamp(s.opacity, 0.0, 1.0);
     float through = clamp(graph_transmission, 0.0, 1.0);
     if (through > 0.0) {
-        // what is reflected is not weakened by what comes from behind: the surface is as opaque as it reflects, and more
+        // the surface is as opaque as it reflects, and more
         vec3 v = normalize(vec3(0.0, 0.0, eye_z) - position);
         float grazing = pow(1.0 - clamp(abs(dot(s.normal, v)), 0.0, 1.0), 5.0);
         float mirrored = clamp(mix(max(s.f0.r, max(s.f0.g, s.f0.b)), 1.0, grazing), 1e-3, 1.0);
         float opacity = 1.0 - through * (1.0 - mirrored);
-        s.base_color /= opacity;
-        s.f0 /= opacity;
-        s.emissive /= opacity;
+        s.is_glass = true;
+        s.base_color /= opacity;  // of what is not let through, and so not faded
+        s.f0 *= s.opacity;        // a cut-out fades all
+        s.emissive *= s.opacity;
         s.opacity *= opacity;
     }
     return s;

@@ -1,6 +1,6 @@
 // Surface shaders of MaterialX as the lobes that surfaces have here. Each sets `graph_surface`, linear Rec. 709, and returns
 // nothing of use; render/stage/materials/mtlx/surfaces.py gives the order of the arguments.
-// standard_surface: Georgiev et al. 2019, "Autodesk Standard Surface". open_pbr_surface: Andersson et al. 2024, "OpenPBR Surface".
+// standard_surface: Georgiev et al. 2019, "Autodesk Standard Surface"; open_pbr_surface: Andersson et al. 2024, "OpenPBR".
 
 float reflectance_of(float ior)
 {
@@ -86,8 +86,8 @@ void surface_gltf_pbr(
 
 void surface_UsdPreviewSurface(
     vec3 diffuse_color, vec3 emissive_color, int use_specular_workflow, vec3 specular_color, float metallic,
-    float roughness, float clearcoat, float clearcoat_roughness, float opacity, float opacity_threshold, float ior,
-    vec3 normal, float occlusion, out float result)
+    float roughness, float clearcoat, float clearcoat_roughness, float opacity, int opacity_mode,
+    float opacity_threshold, float ior, vec3 normal, float occlusion, out float result)
 {
     float metal = use_specular_workflow == 1 ? 0.0 : clamp(metallic, 0.0, 1.0);
     vec3 f0 = use_specular_workflow == 1 ? specular_color : mix(vec3(reflectance_of(ior)), diffuse_color, metal);
@@ -98,6 +98,7 @@ void surface_UsdPreviewSurface(
     graph_surface.emissive = emissive_color;
     graph_surface.clearcoat = clearcoat;
     graph_surface.clearcoat_roughness = clearcoat_roughness;
+    graph_surface.is_glass = opacity_mode == 0 && opacity_threshold <= 0.0;
     graph_surface.opacity = opacity_threshold > 0.0 ? step(opacity_threshold, opacity) : opacity;
     result = 0.0;
 }

@@ -78,7 +78,7 @@ SURFACES: dict[str, SurfaceShader] = {
         "ND_UsdPreviewSurface_surfaceshader",
         _names(
             "diffuseColor emissiveColor useSpecularWorkflow specularColor metallic roughness clearcoat clearcoatRoughness "
-            "opacity opacityThreshold ior normal occlusion"
+            "opacity opacityMode opacityThreshold ior normal occlusion"
         ),
         ("displacement",),
         ("opacity",),

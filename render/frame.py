@@ -22,7 +22,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.engines import DrawRequest, Engine, check_settings, engine_class
+from render.engines import DrawRequest, Engine, check_scene, check_settings, engine_class
 from render.engines.shared.aovs import measure_aovs
 from render.engines.shared.device import Device
 from render.engines.shared.request import Progress
@@ -233,9 +233,10 @@ class FrameRenderer:
             The camera as the engine draws it: with a closed iris where the engine is sharp.
 
         Raises:
-            SettingsError: the engine cannot show the camera's lens.
+            SettingsError: the engine cannot show the camera's lens, or the scene's Gaussian splats.
         """
         drawn = self.drawn_camera(camera, settings)
+        check_scene(settings, scene)
         with step("load scene"):
             self.device.peeler.load(self._scenes.scene(scene, camera), shadow_region(camera), is_preview=is_preview)
         return drawn

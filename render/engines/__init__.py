@@ -7,6 +7,7 @@ from render.engines import registry
 from render.engines.base import Engine
 from render.engines.registry import (
     all_engines,
+    check_scene,
     check_settings,
     engine_class,
     engine_names,
@@ -21,6 +22,7 @@ __all__ = [
     "DrawRequest",
     "Engine",
     "all_engines",
+    "check_scene",
     "check_settings",
     "engine_class",
     "engine_names",

@@ -47,6 +47,7 @@ class AccumulationEngine(Engine):
     summary = "renders the scene once for each ray, as a slow reference"
     rank = 60
     has_rays = True
+    draws_splats = True
 
     def __init__(self, device: Device) -> None:
         from render.trace.accumulator import Accumulator

@@ -47,6 +47,7 @@ class Engine:
         takes_velocities: True where `draw_swept` draws the moments of a moving scene from one peeling.
         draws_mattes: True where it adds what its rays meet to `DrawRequest.mattes`.
         draws_in_steps: True where `draw_in_steps` lets a picture be shown before it is finished.
+        draws_splats: True where it shows the Gaussian splats of a scene.
         preview: kind of the small picture that is shown before the engine's own.
     """
 
@@ -61,6 +62,7 @@ class Engine:
     takes_velocities: ClassVar[bool] = False
     draws_mattes: ClassVar[bool] = False
     draws_in_steps: ClassVar[bool] = False
+    draws_splats: ClassVar[bool] = False
     preview: ClassVar[Preview] = "rays"
 
     def __init__(self, device: Device) -> None:

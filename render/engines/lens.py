@@ -71,6 +71,7 @@ class LensEngine(Engine):
     takes_velocities = True
     draws_mattes = True
     draws_in_steps = True
+    draws_splats = True
 
     def draw(self, request: DrawRequest) -> FloatArray:
         """Trace the request's part of the rays."""

@@ -44,6 +44,7 @@ class PinholeEngine(Engine):
     uses_image_space = True
     takes_velocities = True
     draws_mattes = True
+    draws_splats = True
 
     @classmethod
     def cost_s(cls, work: PictureWork) -> float:

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import TypeGuard
+from typing import TYPE_CHECKING, TypeGuard
 
 from render.engines.base import Engine
 from render.errors import SettingsError
 from render.model.frame_settings import FrameSettings
 from render.model.mattes import MATTES
+
+if TYPE_CHECKING:
+    from render.model.scene import Scene
 
 _NOT_ENGINES = ("base", "registry")
 _engines: dict[str, type[Engine]] = {}
@@ -78,6 +81,24 @@ def check_settings(settings: FrameSettings) -> None:
     if mattes and not engine.draws_mattes:
         able = ", ".join(other.name for other in all_engines() if other.draws_mattes)
         raise SettingsError(f"the {engine.name} engine has no {' and '.join(mattes)}: take one of {able}")
+
+
+def check_scene(settings: FrameSettings, scene: Scene) -> None:
+    """Check that the engine shows all of a scene.
+
+    Raises:
+        SettingsError: the scene has Gaussian splats, and the engine, or a deep picture, shows surfaces alone.
+    """
+    engine = engine_class(settings)
+    if scene.splats and not engine.draws_splats:
+        able = ", ".join(other.name for other in all_engines() if other.draws_splats)
+        raise SettingsError(
+            f"the {engine.name} engine shows no Gaussian splats, and the shot has some: take one of {able}"
+        )
+    if scene.splats and settings.deep:
+        raise SettingsError(
+            "a deep picture holds surfaces alone, and the shot has Gaussian splats: make one that is not deep"
+        )
 
 
 def sharp_engine() -> str:

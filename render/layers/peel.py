@@ -36,6 +36,7 @@ from render.model.arrays import DoubleArray
 from render.model.limits import MAX_LAYERS
 from render.model.mattes import MatteSum
 from render.model.scene import Scene
+from render.model.splats import SplatBatch
 from render.optics.view import PinholeView
 
 __all__ = ["HIDES_ALL", "LayerGroup", "Layers", "Peeler", "layers_needed", "umbra_reach"]
@@ -60,6 +61,7 @@ class Layers:
         within: view of the whole picture's layers, of whose pixels these are a part; None where they are the whole.
         umbra: reach of an opaque surface's umbra that they were peeled with, 1/m.
         nearest_w: greatest inverse depth of what a sketch has drawn, 1/m; None where they are no sketch.
+        splats: Gaussian splats of the scene that was peeled, which no layer holds.
     """
 
     view: PinholeView
@@ -70,6 +72,7 @@ class Layers:
     within: PinholeView | None = None
     umbra: float = HIDES_ALL
     nearest_w: float | None = None
+    splats: tuple[SplatBatch, ...] = ()
 
     @property
     def whole(self) -> PinholeView:
@@ -195,17 +198,28 @@ class Peeler:
         return number_surfaces(self.index.draws, self._scene, mattes)
 
     @property
+    def splats(self) -> tuple[SplatBatch, ...]:
+        """Gaussian splats of the loaded scene."""
+        return () if self._scene is None else self._scene.splats
+
+    @property
     def is_opaque(self) -> bool:
         """Whether no surface of the loaded scene that the camera sees is partly transparent; cut-outs are not."""
         return not _any_translucent(seen_draws(self.index.draws))
 
     def nearest_w(self, view: PinholeView) -> float:
-        """Largest inverse depth of any surface in view from its base, 1/m: at most ``view.nearest_w``, 0 for an empty view.
+        """Largest inverse depth of any surface or splat in view from its base, 1/m: at most ``view.nearest_w``, 0 for an empty
+        view.
 
         It is found by a search through boxes without drawing (`render.layers.nearest`). It is never too small, and a little
         too large only where the nearest triangle is clipped by a corner of the view, is cut out or faces away.
         """
-        return max(0.0, 1.0 / nearest_depth_m(self.index, view) - view.base_w)
+        nearest_w = max(0.0, 1.0 / nearest_depth_m(self.index, view) - view.base_w)
+        if not self.splats:
+            return nearest_w
+        from render.layers.splats import nearest_splat_w
+
+        return max(nearest_w, nearest_splat_w(self.splats, view))
 
     def peel(
         self,
@@ -310,7 +324,7 @@ class Peeler:
                     layer = replace(layer, most_opaque=layers, first=slots[0])
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
-        return Layers(view, targets, count, faded, moving.any, umbra=umbra, nearest_w=nearest_w)
+        return Layers(view, targets, count, faded, moving.any, umbra=umbra, nearest_w=nearest_w, splats=self.splats)
 
     def peel_groups(
         self, view: PinholeView, *, unlit: bool = False, sampling: SurfaceSampling = PLAIN

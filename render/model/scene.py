@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.face_places import FacePlaces
+from render.model.splats import SplatBatch
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
 MAX_TEXTURES = 8
@@ -348,6 +349,7 @@ class Scene:
         camera_light: a light at the camera is added where there is no other.
         material_paths: the paths that material ids index.
         version: two scenes of equal versions show the same; None where nothing is known.
+        splats: Gaussian splats, which are no surfaces: neither lit nor picked, and casting no shadows.
     """
 
     batches: tuple[Batch, ...] = ()
@@ -359,6 +361,7 @@ class Scene:
     camera_light: bool = True
     material_paths: tuple[str, ...] = ()
     version: Hashable = None
+    splats: tuple[SplatBatch, ...] = ()
 
     def seen_by(self, camera_path: str) -> Scene:
         """The scene as a camera sees it, without what only other cameras see; the same object where there is none of that."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom
@@ -34,6 +35,9 @@ from render.stage.render_pass import RenderPass
 from render.stage.world import world_from_stage
 from usd_schemas.units import metres_per_unit
 
+if TYPE_CHECKING:
+    from render.stage.assembly.splats import SplatReader
+
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
@@ -48,6 +52,7 @@ class _Plan:
     levels: LevelChooser
     subdivision: SubdivisionChooser
     binding_purposes: tuple[str, ...]
+    splats: SplatReader | None
 
     @property
     def follows_camera(self) -> bool:
@@ -161,6 +166,7 @@ class StageReader:
         self._tiles.note_missing(batches, list(self._prim_ids), self._log)
         batches += plan.plates.batches(transforms, context.world, context.scale, self._prim_id)
         shining = [(prim, hiders) for prim, hiders, within in plan.inventory.lights if levels.shows(within).all()]
+        splats = () if plan.splats is None else plan.splats.batches(context)
         lights, dome = plan.lights.read(shining, transforms)
         if dome is not None and not self._sees_dome(dome):
             dome = replace(dome, visible=False)
@@ -174,6 +180,7 @@ class StageReader:
             camera_light=self._options.camera_light,
             material_paths=tuple(self._material_ids),
             version=(self._identity, self._changes, time, camera_path if plan.follows_camera else ""),
+            splats=splats,
         )
 
     def _drop_excess(self, batches: list[Batch]) -> list[Batch]:
@@ -209,7 +216,26 @@ class StageReader:
         lights = LightReader(self._stage, self._textures, skeletons, self._log, self._options.complexity)
         levels = LevelChooser(self._stage, inventory.level_roots, self._log)
         subdivision = SubdivisionChooser(surfaces, self._options.complexity, self._log)
-        return _Plan(inventory, groups, looks, skeletons, lights, self._plate_reader(), levels, subdivision, purposes)
+        return _Plan(
+            inventory,
+            groups,
+            looks,
+            skeletons,
+            lights,
+            self._plate_reader(),
+            levels,
+            subdivision,
+            purposes,
+            self._splat_reader(inventory),
+        )
+
+    def _splat_reader(self, inventory: Inventory) -> SplatReader | None:
+        """Reader of the splats; None where there are none."""
+        if not inventory.splats:
+            return None
+        from render.stage.assembly.splats import SplatReader  # few shots need it
+
+        return SplatReader(inventory.splats)
 
     def _plate_reader(self) -> PlateReader:
         """Reader of the plates of all cameras that the mask and the render pass leave."""

@@ -8,6 +8,7 @@ pixels share one pattern.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
@@ -23,6 +24,9 @@ from render.model.focal_surface import FocalPlane
 from render.optics.sampling import lens_samples
 from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView
+
+if TYPE_CHECKING:  # loaded where a scene has splats
+    from render.trace.splats.between import SplatsBetweenLayers
 
 
 def make_lens_points(camera: Camera, rays: int, seed: int = 0) -> DoubleArray:
@@ -43,8 +47,7 @@ class Accumulator:
     """Accumulates pinhole views of a peeler's scene."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
-        self._ctx = ctx
-        self._program = programs.compute("trace/accumulate.comp")
+        self._ctx, self._programs = ctx, programs
 
     def accumulate(
         self,
@@ -76,12 +79,26 @@ class Accumulator:
             total, seen = (scope.keep(self._ctx.texture(size, 4, dtype="f4")) for _ in range(2))
             through = scope.keep(self._ctx.texture(size, 1, dtype="f4"))
             total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
+            splats = self._splats(peeler, size, scope)
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
-                for group in peeler.peel_groups(view.through(x, y, plane, (dx, dy)), unlit=unlit, sampling=sampling):
-                    self._composite(group, seen, through, total, 1.0 / len(lens_points))
+                through_lens = view.through(x, y, plane, (dx, dy))
+                if splats is not None:
+                    splats.begin(through_lens)
+                for group in peeler.peel_groups(through_lens, unlit=unlit, sampling=sampling):
+                    if splats is not None:
+                        splats.draw(group)
+                    self._composite(group, seen, through, total, 1.0 / len(lens_points), splats)
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))
             return np.frombuffer(total.read(), np.float32).reshape(view.height, view.width, 4).copy()
+
+    def _splats(self, peeler: Peeler, size: tuple[int, int], scope: Resources) -> SplatsBetweenLayers | None:
+        """Drawer of the scene's splats; None where it has none."""
+        if not peeler.splats:
+            return None
+        from render.trace.splats.between import SplatsBetweenLayers
+
+        return scope.enter_context(SplatsBetweenLayers(self._ctx, self._programs, peeler.splats, size))
 
     def _composite(
         self,
@@ -90,15 +107,19 @@ class Accumulator:
         through: moderngl.Texture,
         total: moderngl.Texture,
         weight: float,
+        splats: SplatsBetweenLayers | None,
     ) -> None:
         """Composite a group behind the view so far, and what that lets through. After the last group add the background, and
         the view to the total."""
-        program, targets = self._program, group.targets
+        program = self._programs.compute("trace/accumulate.comp", {} if splats is None else {"SPLATS": 1})
+        targets = group.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[group.slot // LAYERS_PER_PACK],
             "radiance": targets.radiance,
             "background": targets.background,
         }
+        if splats is not None:
+            textures["between"] = splats.texture
         for unit, (name, texture) in enumerate(textures.items()):
             texture.use(unit)
             program[name] = unit

@@ -36,6 +36,7 @@ from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
+from render.trace.splat_layers import Paint, SplatLayers, paint_nothing
 from render.trace.tiling.plan import LayerBudget, TilePlan, plan_tiles, ray_reach_px
 from render.trace.tiling.tile_tracer import TileTracer, TileWork
 from render.trace.tracer import Tracer
@@ -121,7 +122,10 @@ class LensTracer:
         self._tiles = TileTracer(ctx, self._nbuffers, self._tracer, self._highlights)
         self._bundles = BundleMaker(ctx, programs)
         self.focus_mapper = FocusMapper(self._bundles)
-        self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._highlights, self._bundles)
+        self._splats = SplatLayers(ctx, programs)
+        self.motion_tracer = MotionTracer(
+            ctx, programs, self._nbuffers, self._tracer, self._highlights, self._bundles, self._splats
+        )
 
     def picture(
         self,
@@ -188,7 +192,8 @@ class LensTracer:
             supersample: layer pixels per picture pixel along each axis.
             texel_offset: position of the layers' pixels relative to those of other pictures of the mean, layer pixels.
             unlit: take the base colour as radiance.
-            connections: carry highlights to the pixels of their blurred images (`render.trace.highlights.carrier`).
+            connections: carry highlights to the pixels of their blurred images (`render.trace.highlights.carrier`);
+                not in a scene with splats, which would not hide them.
             bound_by_rays: see `Tracer.passes`.
             mattes: sum to add what the rays meet to.
             on_stage: called when all commands of a stage are issued; the device may still be working on them.
@@ -200,6 +205,7 @@ class LensTracer:
             The picture.
         """
         bundle = self._bundles.make_bundle(camera, view, pattern, wavelengths)
+        connections = connections and not peeler.splats
         on_stage("rays")
         plan = self._plan(
             peeler,
@@ -221,16 +227,27 @@ class LensTracer:
             with step("peel layers"):
                 return peeler.peel_by(plan.key_of(part))
 
+        held = None if plan.tiles is None else plan.tiles.window_size
+        paint = self._splats.painting(peeler.splats, plan.wide, view, focus, bundle.reach_m, held)
         if plan.tiles is not None:
             work = TileWork(
-                plan.tiles, peel, plan.sheets, bundle, focus, view, nearest_w, connections, bound_by_rays, noted
+                plan.tiles, peel, plan.sheets, bundle, focus, view, nearest_w, connections, bound_by_rays, noted, paint
             )
             return TracedPicture(*(yield from self._tiles.trace(work, on_stage)))
         peeled = peel(plan.wide)
         on_stage("peel")
         return (
             yield from self._trace_layers(
-                peeled, bundle, focus, view, nearest_w, connections, bound_by_rays, mattes=noted, on_stage=on_stage
+                peeled,
+                bundle,
+                focus,
+                view,
+                nearest_w,
+                connections,
+                bound_by_rays,
+                mattes=noted,
+                paint=paint,
+                on_stage=on_stage,
             )
         )
 
@@ -324,8 +341,19 @@ class LensTracer:
         w_f, pupil = focus.over_picture()
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
         bundle = merge_wavelengths(bundle, max(peeled.view.fx, peeled.view.fy), float(off_focus.max()))
-        candidates = self._candidates(peeled, camera, bundle, view, nearest_w)
-        work = self._trace_layers(peeled, bundle, focus, view, nearest_w, candidates=candidates, on_stage=on_stage)
+        connections = not peeled.splats
+        candidates = self._candidates(peeled, camera, bundle, view, nearest_w) if connections else None
+        work = self._trace_layers(
+            peeled,
+            bundle,
+            focus,
+            view,
+            nearest_w,
+            connections,
+            candidates=candidates,
+            paint=self._splats.painting(peeled.splats, peeled.whole, view, focus, bundle.reach_m),
+            on_stage=on_stage,
+        )
         return _run(work).color
 
     def _candidates(
@@ -353,6 +381,7 @@ class LensTracer:
         bound_by_rays: bool = False,
         candidates: NDArray[np.uint32] | None = None,
         mattes: tuple[MatteSum, MatteNumbers] | None = None,
+        paint: Paint = paint_nothing,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> Generator[float, None, TracedPicture]:
         nbuffers = self._nbuffers.build(peeled, nearest_w)
@@ -363,7 +392,16 @@ class LensTracer:
             carried = self._carried = self._highlights.carry(found, peeled, nbuffers, bundle, focus, view)
         on_stage("highlights")
         sums, numbers = mattes or (None, None)
-        passes = self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays, mattes=numbers)
+        passes = self._tracer.passes(
+            peeled,
+            nbuffers,
+            bundle,
+            focus,
+            view,
+            bound_by_rays=bound_by_rays,
+            mattes=numbers,
+            splats=paint(peeled),
+        )
         for done in carried.without(passes):
             yield done.share
         color = carried.add_to(self._tracer.picture())
@@ -402,6 +440,7 @@ class LensTracer:
         self._tiles.release_window()
         self._tracer.release()
         self._highlights.release()
+        self._splats.release()
 
 
 def _run(

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import moderngl
 import numpy as np
@@ -36,7 +36,11 @@ from render.trace.layer_view import MAX_BLUR_SHARE, MAX_SLOPE, RayExtent, bound_
 from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern
+from render.trace.splat_layers import SplatLayers
 from render.trace.tracer import Tracer
+
+if TYPE_CHECKING:  # loaded where a scene has splats
+    from render.trace.splats.planes import SplatPlanes
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +80,11 @@ class MotionTracer:
         tracer: Tracer,
         highlights: HighlightCarrier,
         bundles: BundleMaker,
+        splats: SplatLayers,
     ) -> None:
         self._ctx, self._programs = ctx, programs
         self._nbuffers, self._tracer, self._highlights, self._bundles = nbuffers, tracer, highlights, bundles
+        self._splats = splats
 
     def trace_moments(
         self,
@@ -123,8 +129,9 @@ class MotionTracer:
                 bundle = _merge_wavelengths(sweep.bundle(sample), focus, max(peeled.view.fx, peeled.view.fy), nearest_w)
                 return bundle, focus, MomentView(middle, sample.view, sample.shutter_time)
 
+            drawn = self._paint(peeled, middle, samples[len(samples) // 2], sweep)
             candidates = None
-            if connections:
+            if connections and drawn is None:
                 searched = [samples[i] for i in sorted({0, len(samples) // 2, len(samples) - 1})]
                 candidates = self._highlights.search(peeled, map(seen, searched), movers)
             for i, sample in enumerate(samples):
@@ -147,7 +154,7 @@ class MotionTracer:
                     )
                 for _ in carried.without(
                     self._tracer.passes(
-                        peeled, nbuffers, bundle, focus, sample.view, area=area, mattes=numbers, **moment
+                        peeled, nbuffers, bundle, focus, sample.view, area=area, mattes=numbers, splats=drawn, **moment
                     )
                 ):
                     pass
@@ -156,6 +163,15 @@ class MotionTracer:
                 yield _pad_lines(carried.add_to(self._tracer.picture()), first, sample.view.height)
                 if on_progress is not None:
                     on_progress((i + 1) / len(samples))
+
+    def _paint(
+        self, peeled: Layers, middle: PinholeView, sample: ShutterSample, sweep: _ShutterSweep
+    ) -> SplatPlanes | None:
+        """Draw the splats between the layers, for the focus half-way; None where the scene has none."""
+        if not peeled.splats:
+            return None
+        focus = picture_focus(sample.camera, sample.view)
+        return self._splats.painting(peeled.splats, peeled.whole, middle, focus, sweep.bundle(sample).reach_m)(peeled)
 
 
 class _ShutterSweep:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
@@ -27,6 +28,9 @@ from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
 
+if TYPE_CHECKING:  # loaded where a scene has splats
+    from render.trace.splats.planes import SplatPlanes
+
 RAYS_PER_PASS = 128
 """Rays per dispatch. Work per pixel that does not depend on the ray (footprint bounds, lens table row) is done once a pass."""
 _RAYS_PER_DISPATCH = 1 << 24
@@ -39,7 +43,7 @@ _FIRST_UNIT = 0
 _LAYER_UNITS = 11
 """Number of texture units for layers, N-buffers, focal map, and movers, which have the last two; the ray buffers come after."""
 _RAY_UNITS = 2
-"""Number of texture units for ray buffers; the ids for mattes come after."""
+"""Number of texture units for ray buffers; the ids for mattes, and the planes of splats, come after."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,7 @@ class Tracer:
         movers: Movers | None = None,
         area: Area | None = None,
         mattes: MatteNumbers | None = None,
+        splats: SplatPlanes | None = None,
     ) -> Iterator[TracePass]:
         """Trace a picture pass by pass, and each pass piece by piece. `picture` has the mean over all rays after the last piece;
         `partial_picture` has the mean over the rays traced so far after any piece. Where the bundle has a budget, its rays are
@@ -103,6 +108,7 @@ class Tracer:
             movers: moving surfaces of the layers, set to that moment.
             area: part of the picture to trace; None for all of it.
             mattes: numbers of the surfaces, to note what the rays meet (`read_mattes`); the layers hold ids then.
+            splats: planes of splats between the layers.
 
         Yields:
             Progress after each piece.
@@ -117,7 +123,11 @@ class Tracer:
             bundle,
             bound_by_rays=bound_by_rays or moment_view is not None,
             by_map=focal_map is not None,
-            moment={"CARRIED_CAMERA": moment_view is not None, "MOVERS": movers is not None},
+            parts={
+                "CARRIED_CAMERA": moment_view is not None,
+                "MOVERS": movers is not None,
+                "SPLATS": splats is not None,
+            },
             mattes=mattes,
         )
         set_uniforms(program, nearest_w=layers.view.nearest_w)
@@ -131,10 +141,12 @@ class Tracer:
             if movers is not None:
                 movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 2)
 
-        def bind_mattes() -> None:
+        def bind_more() -> None:
             """Bind what others bind between two pieces."""
             if mattes is not None:
                 self._mattes.bind(program, layers, _FIRST_UNIT + _LAYER_UNITS + _RAY_UNITS)
+            if splats is not None:
+                splats.bind(program, _FIRST_UNIT + _LAYER_UNITS + _RAY_UNITS + 1)
 
         self._is_bound, self._base_w = False, layers.view.base_w
         set_uniforms(program, **layer_uniforms(layers, view))
@@ -145,7 +157,7 @@ class Tracer:
 
         def trace_to(rays: IntArray, done: float, share: float) -> Iterator[TracePass]:
             """Trace the first rays of each tile, which are this share of the work after that which is done."""
-            for part in self._trace_tiles(bind, bind_mattes, program, bundle, tiles, rays, rays_per_pass):
+            for part in self._trace_tiles(bind, bind_more, program, bundle, tiles, rays, rays_per_pass):
                 yield TracePass(int(tiles.traced.min()), done + share * part)
 
         if budget is None:
@@ -181,7 +193,7 @@ class Tracer:
     def _trace_tiles(
         self,
         bind: Callable[[], None],
-        bind_mattes: Callable[[], None],
+        bind_more: Callable[[], None],
         program: moderngl.ComputeShader,
         bundle: RayBundle,
         tiles: _TileRays,
@@ -200,7 +212,7 @@ class Tracer:
                     bind()
                     self._is_bound = True
                 self._bind_tiles()
-                bind_mattes()
+                bind_more()
                 set_uniforms(program, first_tile=begin)
                 for wavelength in range(len(bundle.rgb)):
                     set_uniforms(program, light=tuple(light[wavelength]))
@@ -290,10 +302,10 @@ class Tracer:
         *,
         bound_by_rays: bool,
         by_map: bool,
-        moment: dict[str, bool],
+        parts: dict[str, bool],
         mattes: MatteNumbers | None,
     ) -> moderngl.ComputeShader:
-        defines: dict[str, int | float | str] = {name: 1 for name, is_set in moment.items() if is_set}
+        defines: dict[str, int | float | str] = {name: 1 for name, is_set in parts.items() if is_set}
         if layers.count > 4:
             defines["EIGHT_LAYERS"] = 1
         if layers.may_be_translucent:

@@ -21,6 +21,9 @@ uniform int count;
 uniform bool is_first;
 uniform bool is_last;
 uniform float weight;
+#ifdef SPLATS
+uniform sampler2DArray between;     // premultiplied light and opacity of the splats in front of each layer, and behind the last
+#endif
 
 void main()
 {
@@ -29,6 +32,18 @@ void main()
     vec4 w = texelFetch(packed_w, pixel, 0);
     vec4 total = is_first ? vec4(0.0) : imageLoad(seen, pixel);
     float passing = is_first ? 1.0 : imageLoad(through, pixel).r;
+#ifdef SPLATS
+    for (int i = 0; i <= count && (i < count || is_last); ++i) {
+        vec4 splats = texelFetch(between, ivec3(pixel, i), 0);
+        total += passing * splats;
+        passing *= 1.0 - splats.a;
+        float w_here = i < count ? w[i] : 0.0;
+        if (w_here == 0.0) break;
+        vec4 surface = texelFetch(radiance, ivec3(pixel, slice_of_first + i), 0);
+        total += passing * light_of(surface, w_here > 0.0);
+        passing *= 1.0 - opacity_of(surface, w_here > 0.0);
+    }
+#else
     for (int i = 0; i < count; ++i) {
         float w_of_layer = w[i];  // as part of the loop's condition, NVIDIA's compiler 580 leaves the test out
         if (w_of_layer == 0.0 || passing <= 0.0) break;
@@ -36,6 +51,7 @@ void main()
         total += passing * light_of(surface, w_of_layer > 0.0);
         passing *= 1.0 - opacity_of(surface, w_of_layer > 0.0);
     }
+#endif
     if (is_last) {
         total.rgb += passing * texelFetch(background, pixel, 0).rgb;
         imageStore(sum, pixel, imageLoad(sum, pixel) + weight * total);

@@ -15,6 +15,9 @@ uniform sampler2D background;
 #include "layers/coverage.glsl"
 #include "trace/footprints.glsl"
 #include "trace/slopes.glsl"
+#ifdef SPLATS
+#include "trace/splat_planes.glsl"
+#endif
 
 #ifdef MOVERS
 #include "layers/carried.glsl"
@@ -173,10 +176,16 @@ vec4 march(vec2 a, vec2 b)
     vec4 seen = vec4(0.0);
     float passing = 1.0;    // share of the light that what was met lets pass
     float limit = 1e30;     // surfaces in front of it are met
+#ifdef SPLATS
+    int plane = 0;          // next plane of splats
+#endif
     while (!hit.opaque && walk_on(walk, last, at)) {
         hit = nearest_in(a, b, at, limit);
 #ifdef MAY_BE_TRANSLUCENT
         while (hit.layer >= 0 && !hit.opaque) {
+#ifdef SPLATS
+            pass_planes(a, b, hit.w, plane, seen, passing);
+#endif
             ivec3 texel = texel_of(a, b, last, at.pixel, hit);
             vec4 surface = texelFetch(radiance, texel, 0), light = passing * light_of(surface, false);
 #ifdef MATTES
@@ -190,6 +199,9 @@ vec4 march(vec2 a, vec2 b)
 #endif
     }
     vec4 solid;
+#ifdef SPLATS
+    pass_planes(a, b, hit.opaque ? hit.w : -1e30, plane, seen, passing);
+#endif
     if (hit.opaque) {
         ivec3 texel = texel_of(a, b, last, at.pixel, hit);
         solid = passing * light_of(texelFetch(radiance, texel, 0), true);

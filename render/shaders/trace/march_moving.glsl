@@ -110,11 +110,17 @@ vec4 march_moving(vec2 a, vec2 b)
     vec4 seen = vec4(0.0), behind = vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
     float limit = 1e30, passing = 1.0;
     bool on = true;
+#ifdef SPLATS
+    int plane = 0;
+#endif
     for (int through = 0; through < 2 * most_tries;) {
         if (on && !walk_on(walk, last, at)) break;
         Met met = nearest_met(a, b, at, limit, before, last);
         on = met.hit.layer < 0;
         if (on) continue;
+#ifdef SPLATS
+        pass_planes(a, b, met.w, plane, seen, passing);
+#endif
         ivec3 texel = texel_of(a, met.b, last, met.pixel, met.hit);
         vec4 surface = texelFetch(radiance, texel, 0), light = light_of(surface, met.hit.opaque);
 #ifdef MATTES
@@ -131,5 +137,8 @@ vec4 march_moving(vec2 a, vec2 b)
         before = met;
         ++through;
     }
+#ifdef SPLATS
+    if (on) pass_planes(a, b, -1e30, plane, seen, passing);
+#endif
     return seen + passing * behind;
 }

@@ -150,9 +150,9 @@ class RigidGroup(Group):
         pose = np.eye(4)
         if first.mover is not None:
             try:
-                pose = world_pose(first.mover, context.transforms, context.world) @ _shrink(context)
+                pose = world_pose(first.mover, context.transforms, context.world) @ shrink(context)
             except PlaceError as problem:
-                _note(problem, context.log)
+                note_problem(problem, context.log)
                 return ()
         material = context.look(self._pieces[0].material).material
         return self._make_batches(self._drawn, material, _Places(pose[None]))
@@ -169,7 +169,7 @@ class RigidGroup(Group):
             else:
                 matrix = np.diag([*[context.scale] * 3, 1.0]) @ relative_pose(prim, mover, context.transforms)
         except PlaceError as problem:
-            _note(problem, context.log)
+            note_problem(problem, context.log)
             return None
         path = piece.occurrence.path
         if not is_placeable(shape.positions, matrix, path, context.log):
@@ -229,15 +229,15 @@ class InstancedGroup(Group):
             if is_hidden(occurrence.hiders, context.time):
                 continue
             try:
-                here, number, picked_as = _places_of(occurrence, context)
+                here, number, picked_as = places_of(occurrence, context)
             except PlaceError as problem:
-                _note(problem, context.log)
+                note_problem(problem, context.log)
                 continue
             shown = context.levels.shows(occurrence.levels, len(here))
             if piece.inherited != NONE_INHERITED:
                 given = instance_colors(occurrence.chain, piece.inherited, context.instances, context.time, context.log)
                 colors.append(given[shown])
-            poses.append(here[shown] @ _shrink(context))
+            poses.append(here[shown] @ shrink(context))
             numbers.append(number[shown])
             prim_ids.append(np.full(shown.sum(), context.prim_id(picked_as), np.int32))
             material_ids.append(np.full(shown.sum(), context.material_id(piece.bound_material), np.int32))
@@ -251,7 +251,7 @@ class InstancedGroup(Group):
         )
 
 
-def _places_of(occurrence: Occurrence, context: DrawContext) -> tuple[DoubleArray, IntArray, str]:
+def places_of(occurrence: Occurrence, context: DrawContext) -> tuple[DoubleArray, IntArray, str]:
     """``(k, 4, 4)`` poses of a surface, the instance number of each, and the path of the prim that they are picked as.
 
     Raises:
@@ -265,7 +265,8 @@ def _places_of(occurrence: Occurrence, context: DrawContext) -> tuple[DoubleArra
     return poses, numbers, str(chain[0].instancer.GetPath())
 
 
-def _note(problem: PlaceError, log: FindingLog) -> None:
+def note_problem(problem: PlaceError, log: FindingLog) -> None:
+    """Note a place that cannot be used."""
     log.add(problem.code, problem.path, f"{problem.detail}: what depends on it is not drawn")
 
 
@@ -288,7 +289,7 @@ def _inside(box: FloatArray, matrix: DoubleArray) -> DoubleArray:
     return np.stack([middle - half, middle + half])
 
 
-def _shrink(context: DrawContext) -> DoubleArray:
+def shrink(context: DrawContext) -> DoubleArray:
     """Stage units from metres: poses act on geometry that is in metres already."""
     return np.diag([*[1 / context.scale] * 3, 1.0])
 

@@ -22,6 +22,8 @@ _INSTANCER_ATTRIBUTES = ("positions", "orientations", "orientationsf", "scales",
 # A single sample of these moves instances all the time.
 _INSTANCER_RATES = ("velocities", "accelerations", "angularVelocities")
 _MAX_NESTED_INSTANCERS = 8
+SPLATS = "ParticleField3DGaussianSplat"
+"""Type of a prim that holds Gaussian splats."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ Levels = tuple[tuple[LevelRoot, int], ...]
 
 @dataclass(frozen=True, eq=False)
 class Occurrence:
-    """One surface at one place of the stage.
+    """One surface, or cloud of splats, at one place of the stage.
 
     Attributes:
         prim: the mesh or implicit prim; an instance proxy for native instances.
@@ -111,11 +113,13 @@ class Inventory:
         surfaces: surfaces that are drawn.
         lights: UsdLux light prims with the prims that may hide them, and the levels of detail that they are in.
         level_roots: prims whose children are levels of detail.
+        splats: clouds of Gaussian splats that are drawn.
     """
 
     surfaces: list[Occurrence] = field(default_factory=list)
     lights: list[tuple[Usd.Prim, tuple[Usd.Prim, ...], Levels]] = field(default_factory=list)
     level_roots: list[LevelRoot] = field(default_factory=list)
+    splats: list[Occurrence] = field(default_factory=list)
 
 
 def take_inventory(
@@ -226,14 +230,15 @@ class _Walk:
             self._note_missing_clips(prim)
         if prim.HasAPI(UsdLux.LightAPI):
             self._light(prim, state)
-        if is_drawable(prim):
+        is_cloud = schema_type(prim) == SPLATS
+        if is_cloud or is_drawable(prim):
             if state.purpose.purpose not in PURPOSES:
                 message = f"{prim.GetPath()} is not drawn: its purpose must be one of {', '.join(PURPOSES)}, got "
                 self._log.add("bad_purpose", prim.GetPath(), f"{message}{state.purpose.purpose}")
             if state.purpose.purpose in self._purposes:
                 self._note_draw_mode(prim)
                 source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-                self.found.surfaces.append(
+                (self.found.splats if is_cloud else self.found.surfaces).append(
                     Occurrence(
                         prim,
                         source.GetPath(),

@@ -128,6 +128,16 @@ RULES = {
     ),
     "HermiteCurves": Rules("tangents"),
     "Points": Rules("widths", neutral={"ids": "names of points for programs that follow them"}),
+    "ParticleField3DGaussianSplat": Rules(
+        "opacities opacitiesh orientations orientationsh positions positionsh radiance:sphericalHarmonicsCoefficients "
+        "radiance:sphericalHarmonicsCoefficientsh radiance:sphericalHarmonicsDegree scales scalesh",
+        neutral={"doubleSided orientation": "splats have no sides"},
+        ignored={
+            "primvars:displayColor primvars:displayOpacity": "splats have colours and opacities of their own",
+            "projectionModeHint": "splats are projected by perspective",
+            "sortingModeHint": "splats are sorted by their depth",
+        },
+    ),
     "TetMesh": Rules("orientation surfaceFaceVertexIndices tetVertexIndices"),
     "Capsule": Rules("axis height radius"),
     "Capsule_1": Rules("axis height radiusBottom radiusTop"),

@@ -83,6 +83,11 @@ class TilePlan:
     window: int
     tiles: tuple[Tile, ...]
 
+    @property
+    def window_size(self) -> tuple[int, int]:
+        """Width and height of the windows, layer pixels."""
+        return (self.window, self.whole.height) if self.axis == 0 else (self.whole.width, self.window)
+
     def area(self, tile: Tile, picture: PinholeView) -> tuple[int, int, int, int]:
         """Left, top, width and height of a tile in the picture."""
         length = tile.stop - tile.first

@@ -20,6 +20,7 @@ from render.trace.highlights.carrier import CarriedHighlights, HighlightCarrier
 from render.trace.highlights.chosen import Highlights, join_highlights
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle
+from render.trace.splat_layers import Paint, paint_nothing
 from render.trace.tiling.picture import TiledPicture
 from render.trace.tiling.plan import Tile, TilePlan
 from render.trace.tracer import Tracer
@@ -42,6 +43,7 @@ class TileWork:
         connections: carry highlights.
         bound_by_rays: see `Tracer.passes`.
         mattes: sum to add what the rays meet to, and numbers of the surfaces; None for no mattes.
+        paint: draws the splats between the layers of a window.
     """
 
     plan: TilePlan
@@ -54,6 +56,7 @@ class TileWork:
     connections: bool
     bound_by_rays: bool
     mattes: tuple[MatteSum, MatteNumbers] | None
+    paint: Paint = paint_nothing
 
 
 class TileTracer:
@@ -124,6 +127,7 @@ class TileTracer:
                     bound_by_rays=work.bound_by_rays,
                     area=area,
                     mattes=numbers,
+                    splats=work.paint(layers),
                 )
                 for step in carried.without(passes):
                     if step.share < 1 or tile.stop < view.size[plan.axis]:

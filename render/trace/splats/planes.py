@@ -1,0 +1,186 @@
+"""Planes of splats between the layers of a traced picture.
+
+The splats of a view are cut into bins of inverse depth (`render.trace.splats.bins`), and those of each bin are drawn far to near
+into a plane, as the pupil's centre sees them. A ray meets each plane where it crosses the mean depth of the bin's splats, and
+composites them front to back with the surfaces that it meets. What that leaves out is the parallax within a bin, which is
+below a pixel of the picture near the focus, and an eighth of the blur elsewhere.
+
+In a bin that an opaque surface cuts through, splats behind that surface are left out of its pixels, and rays pass the others in
+front of it. Splats of such a bin behind a partly transparent surface count as in front of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import moderngl
+import numpy as np
+
+from render.errors import GraphicsError
+from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.peel import Layers
+from render.layers.splats import LOW_PASS_PX2, ProjectedSplats, project_splats
+from render.model.arrays import DoubleArray, LongArray
+from render.model.splats import SplatBatch
+from render.optics.view import PinholeView
+from render.trace.picture_focus import PictureFocus
+from render.trace.splats.bins import MOST_PLANES, bin_edges
+from render.trace.splats.drawing import SplatDrawer
+
+TEXELS_PER_PX = 2.0
+"""Texels of a plane per pixel of the picture along each axis: the low-pass filter leaves no finer detail."""
+MOST_BYTES = 768 << 20
+"""Limit on the memory of the planes; beyond it they are coarser."""
+
+
+@dataclass(frozen=True, eq=False)
+class SplatPlan:
+    """Bins of the splats of a picture.
+
+    Attributes:
+        splats: splats in the view of all layers.
+        edges: ``(n + 1,)`` rows of the splats, far to near, between which the bins lie.
+        places: ``(n, 3)`` mean, least and greatest w of each bin's splats, 1/m, far to near.
+        texel_scale: texels of the planes per layer pixel.
+    """
+
+    splats: ProjectedSplats
+    edges: LongArray
+    places: DoubleArray
+    texel_scale: float
+
+
+@dataclass(frozen=True, eq=False)
+class SplatPlanes:
+    """Planes over some layers; valid until the next drawing.
+
+    Attributes:
+        texture: RGBA16F, a slice for each plane, near to far.
+        places: ``(n, 2)`` w of each, and the greatest w of its splats, 1/m.
+        scale: texture coordinates per layer pixel.
+        corner: layer pixel, counted in the whole picture's layers, at the texture's corner.
+    """
+
+    texture: moderngl.TextureArray
+    places: DoubleArray
+    scale: tuple[float, float]
+    corner: tuple[float, float]
+
+    def bind(self, program: moderngl.ComputeShader, unit: int) -> None:
+        """Bind the planes as ``trace/splat_planes.glsl`` reads them."""
+        places = np.zeros((MOST_PLANES, 2))
+        places[: len(self.places)] = self.places
+        self.texture.use(unit)
+        set_uniforms(program, splat_planes=unit, splat_count=len(self.places))
+        set_uniforms(program, splat_scale=self.scale, splat_corner=self.corner)
+        set_uniforms(program, splat_places=[tuple(place) for place in places.tolist()])
+
+
+class SplatPainter:
+    """Draws planes of splats. The projection and the texture are kept for the next picture of the same view.
+
+    Args:
+        ctx: context of the device.
+        programs: its programs.
+    """
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._ctx = ctx
+        self._drawer = SplatDrawer(ctx, programs, {})
+        self._texture: moderngl.TextureArray | None = None
+        self._projected: tuple[Sequence[SplatBatch], float, ProjectedSplats] | None = None
+
+    def plan(
+        self,
+        batches: Sequence[SplatBatch],
+        wide: PinholeView,
+        view: PinholeView,
+        focus: PictureFocus,
+        pupil_m: float,
+        held: tuple[int, int] | None = None,
+    ) -> SplatPlan | None:
+        """Cut the splats of a picture into bins; None where it sees none.
+
+        Args:
+            batches: the scene's splats.
+            wide: view of all layers.
+            view: view of the picture.
+            focus: where it is focused.
+            pupil_m: radius of the pupil.
+            held: size of the layers that are traced at once; None for all.
+        """
+        scale = wide.fx / view.fx
+        splats = self._project(batches, wide, scale)
+        if not len(splats.w):
+            return None
+        w_f, pupil = focus.over_picture()
+        pupil_px = max(view.fx, view.fy) * pupil_m * float(pupil.max())
+        edges = bin_edges((float(splats.w[0]), float(splats.w[-1])), (float(w_f.min()), float(w_f.max())), pupil_px)
+        rows = np.searchsorted(splats.w, edges[::-1][1:-1].astype(np.float32))
+        rows = np.unique(np.array([0, *rows, len(splats.w)], np.int64))
+        places = [_place(splats, first, last) for first, last in pairwise(rows.tolist())]
+        width, height = held or wide.size
+        texels = min(1.0, TEXELS_PER_PX / scale)
+        most = MOST_BYTES / (8.0 * len(places) * width * height)
+        return SplatPlan(splats, rows, np.array(places), min(texels, float(np.sqrt(most))))
+
+    def draw(self, plan: SplatPlan, layers: Layers) -> SplatPlanes:
+        """Draw the planes over layers, which may be a part of those that were planned for."""
+        texels, count = plan.texel_scale, len(plan.places)
+        # whole texels from the corner of all layers: a part has the same ones
+        first = [int(np.floor(place * texels)) for place in layers.origin]
+        width, height = (int(np.ceil(side * texels)) + 1 for side in layers.view.size)
+        corner = first[0] / texels, first[1] / texels
+        texture = self._allocate((width, height, count))
+        with self._drawer.drawing():
+            for number in range(count):
+                far, near = plan.places[count - 1 - number, 1:]
+                rows = int(plan.edges[count - 1 - number]), int(plan.edges[count - number])
+                self._drawer.draw(
+                    plan.splats,
+                    rows,
+                    texture,
+                    number,
+                    {"packed_w": layers.targets.packed_w[0]},
+                    corner_px=corner,
+                    layers_px=tuple(map(float, layers.origin)),
+                    texel_scale=texels,
+                    bin=(float(far), float(near)),
+                )
+        return SplatPlanes(texture, plan.places[::-1, [0, 2]], (texels / width, texels / height), corner)
+
+    def release(self) -> None:
+        """Release the memory."""
+        if self._texture is not None:
+            self._texture.release()
+            self._texture = None
+        self._projected = None
+        self._drawer.release()
+
+    def _project(self, batches: Sequence[SplatBatch], wide: PinholeView, scale: float) -> ProjectedSplats:
+        kept = self._projected
+        if kept is None or kept[0] is not batches or kept[1] != scale or not kept[2].view.matches(wide):
+            kept = self._projected = batches, scale, project_splats(batches, wide, LOW_PASS_PX2 * scale**2)
+        return kept[2]
+
+    def _allocate(self, size: tuple[int, int, int]) -> moderngl.TextureArray:
+        if self._texture is None or self._texture.size != size:
+            if self._texture is not None:
+                self._texture.release()
+                self._texture = None
+            try:
+                self._texture = self._ctx.texture_array(size, 4, dtype="f2")
+            except moderngl.Error as error:
+                raise GraphicsError(f"the device cannot hold {size[2]} planes of splats: {error}") from error
+            self._texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            self._texture.repeat_x = self._texture.repeat_y = False
+        return self._texture
+
+
+def _place(splats: ProjectedSplats, first: int, last: int) -> tuple[float, float, float]:
+    """Mean w of some splats, by the light that they hide, and their least and greatest."""
+    own = splats.records[first:last].astype(np.float64)
+    weights = own[:, 3] * own[:, 4] * own[:, 6]
+    return float(np.average(own[:, 2], weights=weights)), float(own[0, 2]), float(own[-1, 2])

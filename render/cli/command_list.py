@@ -8,6 +8,7 @@ COMMANDS = {
     "lenses": ("lenses", "the lens library; `lenses show NAME` has the numbers and a sheet of one"),
     "films": ("films", "the film library; `films show NAME` has the numbers and a data sheet of one"),
     "bodies": ("bodies", "camera bodies and film formats; `bodies show NAME` has fields of view and framing guides"),
+    "splats": ("splats", "write a captured set of Gaussian splats (.ply) as a USD layer"),
     "demo": ("demo", "write the demo shot"),
 }
 """Module of `render.cli` that has a command's ``add_arguments``, and its purpose, by its name."""

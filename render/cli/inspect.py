@@ -62,6 +62,7 @@ def inspection_json(inspection: Inspection) -> dict[str, Any]:
         "stereoPairs": [asdict(pair) for pair in inspection.stereo_pairs],
         "primCount": inspection.prim_count,
         "triangleCount": inspection.triangle_count,
+        "splatCount": inspection.splat_count,
         "lightCount": inspection.light_count,
         "notes": [asdict(note) for note in inspection.notes],
         "validation": [asdict(problem) for problem in inspection.validation],
@@ -73,9 +74,10 @@ def _lines(stage: str, inspection: Inspection) -> Iterator[str]:
     yield stage
     yield f"  frames    {frames.start:g} to {frames.end:g}, {frames.frames_per_second:g} a second"
     yield f"  units     {inspection.metres_per_unit:g} m, {inspection.up_axis} up"
+    splats = f", {inspection.splat_count:,} splats" if inspection.splat_count else ""
     yield (
-        f"  drawn     {inspection.prim_count:,} prims, {inspection.triangle_count:,} triangles, {inspection.light_count:,} lights"
-        f" at frame {frames.start:g}"
+        f"  drawn     {inspection.prim_count:,} prims, {inspection.triangle_count:,} triangles{splats}, "
+        f"{inspection.light_count:,} lights at frame {frames.start:g}"
     )
     yield "cameras"
     default = inspection.default_camera

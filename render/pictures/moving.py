@@ -75,13 +75,17 @@ def render_moving_frame(
         scene = shot.scene_at(float(times[index]), camera.path)
         return space.widen_moment(Moment(scene, cameras[index], parts[index, ..., None]))
 
-    # surfaces that move are carried by their depth from the pupil, which is far behind an orthographic camera
-    if settings.motion_by == "moments" or camera.orthographic is not None:
+    def by_moments() -> Frame:
         return renderer.render_moving(
             count, moment_at, space.settings, on_progress, moments_per_pixel=moments_per_pixel(parts)
         )
+
+    # surfaces that move are carried by their depth from the pupil, which is far behind an orthographic camera
+    if settings.motion_by == "moments" or camera.orthographic is not None:
+        return by_moments()
     begins, ends = time + camera.shutter_open, time + camera.shutter_close + camera.shutter.delay
-    return _render_swept(renderer, shot, camera_path, (begins, ends), times, parts, space, on_progress)
+    frame = _render_swept(renderer, shot, camera_path, (begins, ends), times, parts, space, on_progress)
+    return by_moments() if frame is None else frame
 
 
 def _render_swept(
@@ -93,12 +97,15 @@ def _render_swept(
     parts: FloatArray,
     space: ImageSpace,
     on_progress: Callable[[float], None] | None,
-) -> Frame:
-    """Render the frame from one peeling in the middle of ``span``, the time codes between which any place is exposed."""
+) -> Frame | None:
+    """Render the frame from one peeling in the middle of ``span``, the time codes between which any place is exposed; None where
+    splats move, which that does not carry."""
     size = space.requested.width, space.requested.height
     middle = sum(span) / 2
     drawn = shot.camera_at(camera_path, middle, *size)
     scenes = ShutterScenes(*(shot.scene_at(at, drawn.path) for at in (middle, *span)))
+    if not scenes.opening.splats == scenes.middle.splats == scenes.closing.splats:
+        return None
     samples = [
         space.widen_moment(Moment(scenes.middle, shot.camera_at(camera_path, float(at), *size), part[..., None]))
         for at, part in zip(times, parts, strict=True)

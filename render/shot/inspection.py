@@ -49,6 +49,7 @@ class Inspection:
         stereo_pairs: cameras of two eyes that belong together.
         prim_count: prims with geometry that are drawn.
         triangle_count: drawn, instances counted.
+        splat_count: Gaussian splats, instances counted.
         light_count: lights, a dome among them.
         notes: settings that are not honoured or cannot be used.
         validation: problems from the schemas' validators.
@@ -66,6 +67,7 @@ class Inspection:
     stereo_pairs: tuple[StereoPair, ...]
     prim_count: int
     triangle_count: int
+    splat_count: int
     light_count: int
     notes: tuple[Finding, ...]
     validation: tuple[Problem, ...]
@@ -100,8 +102,9 @@ def inspect_shot(shot: Shot) -> Inspection:
         stereo_roles={path: role for path in shot.cameras() if (role := _role(shot, path)) in EYES},
         stereo_pairs=tuple(shot.stereo_pairs()),
         back_plates=tuple(list_plates(shot.stage, shot.cameras(), first)),
-        prim_count=_count_prims(surfaces),
+        prim_count=_count_prims(surfaces) + len({batch.prim_id for batch in scene.splats}),
         triangle_count=sum(len(batch.geometry.triangles) * len(batch.poses) for batch in surfaces),
+        splat_count=sum(batch.count for batch in scene.splats),
         light_count=len(scene.lights) + (scene.dome is not None),
         notes=notes,
         validation=tuple(problem for problem in problems if problem.message not in messages),

@@ -30,6 +30,7 @@ COMMANDS = (
     "meter",
     "lenses show",
     "films show",
+    "splats",
     "demo",
     "serve",
     "push",

@@ -15,6 +15,7 @@ from render.model.arrays import FloatArray
 from render.model.moment import Moment, ShutterScenes
 from render.model.scene import Batch, Material, Scene
 from render.optics.view import PinholeView
+from render.trace.rays import make_ray_pattern
 from render.trace.tiling.plan import LayerBudget
 from tests.render.kits.lens_pictures import camera_of
 from tests.render.kits.lenses import PLANAR
@@ -145,6 +146,17 @@ def test_swept_pictures_show_splats(renderer: FrameRenderer) -> None:
     swept = renderer.render_swept(ShutterScenes(scene, scene, scene), CAMERA, moments, settings).color
     still = renderer.render(scene, CAMERA, replace(settings, motion=1, supersample=2)).color
     assert psnr_db(swept, still) > 40
+
+
+def test_previews_show_splats(renderer: FrameRenderer) -> None:
+    scene, camera = scene_of(captured_set(2_000), batches=(wall(2.5, 0.5),)), replace(CAMERA, f_stop=1.4)
+    settings = FrameSettings(*SIZE, rays=16, shading="unlit")
+    picture = renderer.render(scene, camera, settings).color
+    previewer, peeler = renderer.device.previewer, renderer.device.peeler
+    with renderer.on_device():
+        peeled, view = previewer.peel(peeler, camera, VIEW, unlit=True, sketch="never")
+        preview = previewer.trace(peeler, peeled, camera, view, make_ray_pattern(16, camera.iris), 1)
+    assert psnr_db(preview, picture) > 30
 
 
 def test_engines_that_cannot_show_splats_say_so(renderer: FrameRenderer) -> None:

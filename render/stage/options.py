@@ -31,7 +31,7 @@ class StageOptions:
         cull_backfaces: leave out back faces of what is not ``doubleSided``; as in usdrecord, both sides are drawn otherwise.
         camera_light: a stage without lights is lit by one at the camera.
         dome_visible: the camera sees the dome behind everything; it lights either way.
-        draw_modes: the stage's draw modes are wanted; they are not honoured, and make findings.
+        draw_modes: models are drawn by their draw modes; else as they are.
         session_layer: goes into the session layer, below the edits.
         resolver: ``root`` finds assets from the root layer's folder, ``inherit`` from the environment alone.
         settings_prim: path of a RenderSettings prim, in place of the one that the stage names.

@@ -8,7 +8,9 @@ from pxr import Sdf, Tf, Usd, UsdGeom, UsdLod, UsdLux, UsdProc, UsdShade
 
 from render.errors import StageError
 from render.model.scene import UNLINKED, CameraRole, LightLinks
+from render.stage.assembly.draw_modes import draw_mode, is_replaced, note_no_model
 from render.stage.findings import FindingLog
+from render.stage.geometry.stand_ins import MODES
 from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
 from render.stage.options import DRAWN_PURPOSES, PURPOSES, StageOptions
@@ -74,6 +76,7 @@ class Occurrence:
         camera_role: what the camera makes of it.
         levels: levels of detail that it is in.
         links: lights that leave it out.
+        draw_mode: draw mode of a model that is drawn by a stand-in (`render.stage.geometry.stand_ins`), else empty.
     """
 
     prim: Usd.Prim
@@ -85,6 +88,7 @@ class Occurrence:
     camera_role: CameraRole = "seen"
     levels: Levels = ()
     links: LightLinks = UNLINKED
+    draw_mode: str = ""
 
     @property
     def path(self) -> str:
@@ -102,6 +106,7 @@ class _State:
     chain: tuple[InstancerLink, ...] = ()
     moves: bool = False
     levels: Levels = ()
+    draw_mode: str = ""
     predicate: object = field(default=_DRAWN)
 
 
@@ -142,7 +147,7 @@ class _Walk:
     def __init__(self, options: StageOptions, render_pass: RenderPass | None, log: FindingLog) -> None:
         self._purposes, self._log = frozenset(options.purposes or DRAWN_PURPOSES), log
         self._mask = Usd.StagePopulationMask([Sdf.Path(p) for p in options.mask]) if options.mask is not None else None
-        self._pass, self._notes_draw_modes = render_pass, options.draw_modes
+        self._pass, self._draw_modes = render_pass, options.draw_modes
         self.found = Inventory()
         self._instanced = PrimCount()
         self._waiting: list[tuple[Usd.Prim, _State]] = []
@@ -182,6 +187,12 @@ class _Walk:
             if is_shown:
                 self._instancer(prim, below)
             return
+        if self._draw_modes and prim.IsModel():
+            below = replace(below, draw_mode=draw_mode(prim, below.draw_mode, self._log))
+            if below.draw_mode in MODES and is_replaced(prim):
+                if is_shown and below.purpose.purpose in self._purposes:
+                    self._add(prim, below, below.draw_mode)
+                return
         if is_shown:
             self._take(prim, below)
         self._descend(prim, below)
@@ -230,31 +241,36 @@ class _Walk:
             self._note_missing_clips(prim)
         if prim.HasAPI(UsdLux.LightAPI):
             self._light(prim, state)
-        is_cloud = schema_type(prim) == SPLATS
-        if is_cloud or is_drawable(prim):
+        if schema_type(prim) == SPLATS or is_drawable(prim):
             if state.purpose.purpose not in PURPOSES:
                 message = f"{prim.GetPath()} is not drawn: its purpose must be one of {', '.join(PURPOSES)}, got "
                 self._log.add("bad_purpose", prim.GetPath(), f"{message}{state.purpose.purpose}")
             if state.purpose.purpose in self._purposes:
-                self._note_draw_mode(prim)
-                source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-                (self.found.splats if is_cloud else self.found.surfaces).append(
-                    Occurrence(
-                        prim,
-                        source.GetPath(),
-                        state.mover,
-                        state.hiders,
-                        state.chain,
-                        state.moves,
-                        self._camera_role(prim, state),
-                        state.levels,
-                    )
-                )
+                self._add(prim, state)
         elif _is_geometry(prim) and state.purpose.purpose in self._purposes:
             kind, path = schema_type(prim), prim.GetPath()
             self._log.add("unsupported_geometry", path, f"{path} is not drawn: {kind} prims are not honoured")
-        elif prim.HasAPI(UsdGeom.ModelAPI):
-            self._note_draw_mode(prim)
+        if self._draw_modes and prim.HasAPI(UsdGeom.ModelAPI):
+            note_no_model(prim, self._log)
+
+    def _add(self, prim: Usd.Prim, state: _State, draw_mode: str = "") -> None:
+        """Add a surface, a cloud of splats, or a model that is drawn by its draw mode."""
+        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+        role = self._camera_role(prim, state)
+        is_cloud = not draw_mode and schema_type(prim) == SPLATS
+        (self.found.splats if is_cloud else self.found.surfaces).append(
+            Occurrence(
+                prim,
+                source.GetPath(),
+                state.mover,
+                state.hiders,
+                state.chain,
+                state.moves,
+                role,
+                state.levels,
+                draw_mode=draw_mode,
+            )
+        )
 
     def _camera_role(self, prim: Usd.Prim, state: _State) -> CameraRole:
         """Role of a surface for the camera; an instancer's are as the outermost instancer itself."""
@@ -272,15 +288,6 @@ class _Walk:
                         f"{asset.path} is missing: prim {path} refers to it as a value clip and is read without it"
                     )
                     self._log.add("missing_clip", asset.path, message)
-
-    def _note_draw_mode(self, prim: Usd.Prim) -> None:
-        if not self._notes_draw_modes:
-            return
-        attribute = prim.GetAttribute("model:drawMode")
-        mode = attribute.Get() if attribute else None
-        if mode not in (None, "default", "inherited"):
-            path = prim.GetPath()
-            self._log.add("draw_mode", path, f"draw mode {mode} of {path} is not honoured: its geometry is drawn")
 
     def _light(self, prim: Usd.Prim, state: _State) -> None:
         path = prim.GetPath()
@@ -304,7 +311,8 @@ class _Walk:
                 self._log.add("missing_prototype", target, message)
                 continue
             chain = (*state.chain, InstancerLink(prim, number, root))
-            self._waiting.append((root, replace(state, chain=chain, mover=None, moves=moves, predicate=_PROTOTYPE)))
+            below = replace(state, chain=chain, mover=None, moves=moves, draw_mode="", predicate=_PROTOTYPE)
+            self._waiting.append((root, below))
 
 
 def _is_readable(xformable: UsdGeom.Xformable) -> bool:

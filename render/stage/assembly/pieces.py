@@ -14,6 +14,7 @@ from render.stage.findings import FindingLog
 from render.stage.geometry.reading import ShapeSource, read_shapes
 from render.stage.geometry.shape import PrimvarNames, Shape, pick_faces
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.stand_ins import StandIn
 from render.stage.materials.bindings import bound_parts, face_owner
 
 
@@ -48,6 +49,7 @@ class Piece:
         primvars: primvars that the material reads.
         inherited: primvars that it takes from its point instancers.
         shape_key: the same for pieces whose surfaces have the same triangles and primvars.
+        stand_in: stand-in that is drawn in place of a model.
     """
 
     occurrence: Occurrence
@@ -60,6 +62,7 @@ class Piece:
     primvars: PrimvarNames
     inherited: InstancePrimvars
     shape_key: Hashable
+    stand_in: StandIn | None = None
 
 
 class ShapeReader:
@@ -94,8 +97,11 @@ class ShapeReader:
         whole = self.whole(piece)
         if whole is None or piece.part_count == 1:
             return whole
-        parts = bound_parts(piece.occurrence.prim, self._binding_purposes, self.time, self._log)
-        owner = face_owner(parts, int(whole.face_ids.max(initial=0)) + 1)
+        if piece.stand_in is not None:
+            owner = piece.stand_in.part_of_faces()
+        else:
+            parts = bound_parts(piece.occurrence.prim, self._binding_purposes, self.time, self._log)
+            owner = face_owner(parts, int(whole.face_ids.max(initial=0)) + 1)
         keep = owner[whole.face_ids] == piece.part
         return pick_faces(whole, keep) if keep.any() else None
 
@@ -124,4 +130,5 @@ def _source(piece: Piece, level: int) -> ShapeSource:
     Surfaces that bend may come apart at their seams: those must be closed without them.
     """
     judged = not piece.sides.culled and piece.sides.opaque
-    return ShapeSource(piece.occurrence.prim, piece.primvars, judged, seams=not piece.deforms, level=level)
+    seams = not piece.deforms
+    return ShapeSource(piece.occurrence.prim, piece.primvars, judged, seams, level, piece.stand_in)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pxr import Usd, UsdGeom
 
 from render.stage.assembly.groups import Group, InstancedGroup, RigidGroup
-from render.stage.assembly.instance_primvars import inherited_by, without
+from render.stage.assembly.instance_primvars import NONE_INHERITED, inherited_by, without
 from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.pieces import Piece, ShapeReader, Sides
 from render.stage.findings import FindingLog
@@ -17,6 +17,7 @@ from render.stage.geometry.generated import is_ribbon
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import PrimvarNames
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.stand_ins import stand_in_varies
 from render.stage.geometry.surface import surface_varies
 from render.stage.materials.bindings import bound_parts, subsets_vary
 from render.stage.materials.looks import LookReader
@@ -82,6 +83,8 @@ class PieceCutter:
 
     def cut(self, surface: Occurrence) -> list[Piece]:
         """The pieces of a surface."""
+        if surface.draw_mode:
+            return self._cut_stand_in(surface, surface.draw_mode)
         prim, time = surface.prim, self.shapes.time
         parts = bound_parts(prim, self.binding_purposes, time, self.log)
         deforms = surface_varies(prim, self.skeletons) or subsets_vary(prim)
@@ -111,6 +114,32 @@ class PieceCutter:
                 )
             )
         return pieces
+
+    def _cut_stand_in(self, surface: Occurrence, mode: str) -> list[Piece]:
+        """The pieces of a model that is drawn by its draw mode."""
+        stand_in, time = self.looks.stand_in(surface.prim, mode), self.shapes.time
+        bound = [f"{surface.prim.GetPath()}.{name}" for name in stand_in.looks]
+        materials = [self.looks.representative(path, time) for path in bound]
+        read = [self.looks.look(material, time).primvars for material in materials]
+        sides = Sides(double=False, culled=True, opaque=False)
+        deforms = stand_in_varies(stand_in, surface.prim)
+        key = (surface.source, stand_in, sides)
+        return [
+            Piece(
+                surface,
+                material,
+                "",
+                number,
+                len(bound),
+                sides,
+                deforms,
+                primvars,
+                NONE_INHERITED,
+                (*key, primvars),
+                stand_in,
+            )
+            for number, (material, primvars) in enumerate(zip(materials, read, strict=True))
+        ]
 
     def _is_opaque(self, surface: Occurrence, material: str) -> bool:
         """Whether a material hides what is behind it at all times, wherever it covers the surface."""

@@ -82,7 +82,7 @@ class SubdivisionChooser:
         self._log = log
         by_source: dict[Sdf.Path, list[Occurrence]] = defaultdict(list)
         for surface in surfaces:
-            if is_refined(surface.prim, complexity):
+            if not surface.draw_mode and is_refined(surface.prim, complexity):
                 by_source[surface.source].append(surface)
         is_auto = self._level is None
         found = ((source, _describe(tuple(places), log, is_auto=is_auto)) for source, places in by_source.items())

@@ -17,6 +17,7 @@ from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check,
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import PackFields, PrimvarNames, Shape, build_shapes
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.stand_ins import StandIn, card_coordinates, stand_in_polygons
 from render.stage.geometry.surface import read_surface
 
 # Slivers of dense meshes fold by rounding; below this share of the area it is invisible.
@@ -37,6 +38,7 @@ class ShapeSource:
         judged: whether it has a ``closed_box`` if it is closed.
         seams: whether edges with points of their own may close it where they meet.
         level: steps of refinement of a subdivision surface.
+        stand_in: stand-in that is drawn in place of a model.
     """
 
     prim: Usd.Prim
@@ -44,6 +46,7 @@ class ShapeSource:
     judged: bool
     seams: bool
     level: int = 0
+    stand_in: StandIn | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +160,7 @@ class _SurfaceReader:
     def read(self) -> _Surface | None:
         """The surface; None, and a finding, where its polygons cannot be used."""
         try:
-            polygons = read_surface(self._prim, self._time, self._skeletons, self._log, self._source.level)
+            polygons = self._polygons()
             check(polygons)
         except BadGeometry as problem:
             path = self._prim.GetPath()
@@ -176,6 +179,11 @@ class _SurfaceReader:
             self._opacity(polygons, names) if names.opacity is not None else None,
         )
 
+    def _polygons(self) -> Polygons:
+        if self._source.stand_in is not None:
+            return stand_in_polygons(self._source.stand_in, self._prim, self._time)
+        return read_surface(self._prim, self._time, self._skeletons, self._log, self._source.level)
+
     def _normals(self, polygons: Polygons) -> Field | None:
         """Authored normals, or None."""
         if polygons.normals is None:
@@ -191,6 +199,8 @@ class _SurfaceReader:
 
     def _coordinates(self, polygons: Polygons, name: str) -> Field:
         """Texture coordinates, or (0, 0) everywhere for a mesh that lacks them, as UsdPrimvarReader falls back to."""
+        if self._source.stand_in is not None:
+            return field_of(Values(card_coordinates(self._source.stand_in), "vertex"), polygons)
         found = self._primvar(polygons, name, 2)
         if found is None:
             path = self._prim.GetPath()

@@ -152,14 +152,7 @@ RULES = {
         "accelerations angularVelocities ids invisibleIds orientations orientationsf positions protoIndices prototypes "
         "scales velocities"
     ),
-    "GeomModelAPI": Rules(
-        named={"model:drawMode": "draw_mode"},
-        neutral={
-            "model:applyDrawMode model:drawModeColor model:cardGeometry model:cardVisibility model:cardTextureXNeg "
-            "model:cardTextureXPos model:cardTextureYNeg model:cardTextureYPos model:cardTextureZNeg "
-            "model:cardTextureZPos": "only with a draw mode, which is named"
-        },
-    ),
+    "GeomModelAPI": Rules(EVERYTHING),
     "LODRootAPI": Rules("lod:default:index lod:heuristics"),
     "LODOverrideAPI": Rules("lod:override:mode lod:override:index"),
     "LODHeuristic": Rules("lod:domain"),

@@ -10,7 +10,9 @@ from pxr import Usd, UsdShade
 
 from render.model.scene import TextureLookup
 from render.stage.findings import FindingLog
+from render.stage.geometry.stand_ins import StandIn
 from render.stage.materials.material import DEFAULT_LOOK, BoundMaterial, preview_surface_look
+from render.stage.materials.stand_in_looks import is_stand_in, read_stand_in, stand_in_look
 from render.stage.materials.texture_nodes import TextureNodes
 from render.stage.materials.textures import TextureCache
 
@@ -40,7 +42,7 @@ class LookReader:
         self._representative_of: dict[str, str] = {}
 
     def look(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
-        """The look of the material at a path, or the default look for an empty path.
+        """The look of the material, or of a stand-in's attribute, at a path; or the default look for an empty path.
 
         A varying material is read at each time, and stays the same object where nothing has changed.
         """
@@ -62,7 +64,13 @@ class LookReader:
             self._representative_of[path] = self._representatives.setdefault(_signature(look), path)
         return self._representative_of[path]
 
+    def stand_in(self, prim: Usd.Prim, mode: str) -> StandIn:
+        """The stand-in of a model with a draw mode; its looks are at the paths of the attributes that give them."""
+        return read_stand_in(prim, mode, self._textures, self._log)
+
     def _read(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
+        if is_stand_in(path):
+            return stand_in_look(self._stage, path, time, self._textures, self._log)
         material = UsdShade.Material(self._stage.GetPrimAtPath(path))
         if not material:
             return self._of_materialx().of_document(path, time) or self._unread(path, "does not exist")

@@ -90,6 +90,21 @@ class TextureCache:
                 self._images.pop(next(iter(self._images)))
         return self._images[key]
 
+    def header(self, resolved_path: str, names: Sequence[str]) -> object:
+        """Value of the first of some attributes that an image file's header has, or None.
+
+        Args:
+            resolved_path: as Ar resolves it; may be inside a package.
+            names: names of the attributes.
+
+        Raises:
+            TextureError: the file is missing or damaged.
+        """
+        require_inside(resolved_path, self._confined_to)
+        with as_file(resolved_path) as file, open_image(file, oiio.ImageSpec()) as handle:
+            values = (handle.spec().getattribute(name) for name in names)
+            return next((value for value in values if value is not None), None)
+
     def tiled(
         self,
         name: str,

@@ -100,12 +100,13 @@ def test_resolver(resolver: str, alpha: float, pullfocus: Command, tmp_path: Pat
 
 
 def test_disable_draw_mode(pullfocus: Command, tmp_path: Path) -> None:
-    cards = SQUARE.replace('"Square"', '"Square" (prepend apiSchemas = ["GeomModelAPI"])').replace(
-        "int[] faceVertexCounts", 'uniform token model:drawMode = "cards"\n        int[] faceVertexCounts'
+    bounds = SQUARE.replace('"Square"', '"Square" (prepend apiSchemas = ["GeomModelAPI"]; kind = "component")').replace(
+        "int[] faceVertexCounts", 'uniform token model:drawMode = "bounds"\n        int[] faceVertexCounts'
     )
-    shot = write_shot(tmp_path / "a.usda", cards, CAMERA)
-    assert "draw mode cards of /World/Square is not honoured" in record(pullfocus, shot)[0].err
-    assert "draw mode" not in record(pullfocus, shot, "--disableDrawMode")[0].err
+    shot = write_shot(tmp_path / "a.usda", bounds, CAMERA)
+    shot.write_text(shot.read_text().replace('def Xform "World"', 'def Xform "World" (kind = "assembly")'))
+    assert middle(record(pullfocus, shot)[1])[3] == pytest.approx(0, abs=1e-3)
+    assert middle(record(pullfocus, shot, "--disableDrawMode")[1])[3] == pytest.approx(1, abs=1e-3)
 
 
 def test_disable_camera_light(pullfocus: Command, tmp_path: Path) -> None:

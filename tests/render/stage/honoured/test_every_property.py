@@ -59,6 +59,7 @@ ACCESSORS = {
     "primvars:skel:jointIndices": "ComputeVaryingJointInfluences",
     "primvars:skel:jointWeights": "ComputeVaryingJointInfluences",
     "primvars:skel:skinningMethod": "GetSkinningMethod",
+    "model:drawMode": "ComputeModelDrawMode",
     "lod:default:index": "GetLodDefaultIndexAttr",
     "lod:heuristics": "GetLodHeuristicsRel",
     "lod:override": "ComputeLODOverride",

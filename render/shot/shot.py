@@ -82,7 +82,7 @@ class Shot:
     def __init__(self, path: Path, stage: Usd.Stage, edits: Edits, reader: StageReader, cameras: CameraLookup) -> None:
         """Use `Shot.open`."""
         edits.attach(stage)
-        anchors = AnchorReader(stage, reader.complexity)
+        anchors = AnchorReader(stage, reader.options)
         # The parts refer to the reader and not to the shot: without a cycle, dropping the shot closes its files at once.
         self._reader = reader
         self._cameras = cameras

@@ -104,9 +104,9 @@ class StageReader:
         return self._log.as_list()
 
     @property
-    def complexity(self) -> str:
-        """Refinement of subdivision surfaces, one of `render.stage.options.COMPLEXITIES`."""
-        return self._options.complexity
+    def options(self) -> StageOptions:
+        """Options of what is drawn, and how."""
+        return self._options
 
     @property
     def changes(self) -> int:

@@ -8,10 +8,12 @@ from pxr import Usd, UsdGeom, Vt
 from render.errors import NotFoundError
 from render.model.arrays import DoubleArray, IntArray, LongArray
 from render.model.face_places import place_in_fan
+from render.stage.assembly.draw_modes import mode_of
 from render.stage.findings import FindingLog
 from render.stage.geometry.generated import generated_varies, is_generated
-from render.stage.geometry.polygons import BadGeometry
+from render.stage.geometry.polygons import BadGeometry, Polygons
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.stand_ins import stand_in_polygons
 from render.stage.geometry.subdivision.limit_places import LimitPlaces
 from render.stage.geometry.subdivision.reading import is_refined
 from render.stage.geometry.surface import (
@@ -23,6 +25,10 @@ from render.stage.geometry.surface import (
     read_surface,
     resting_points,
 )
+from render.stage.materials.stand_in_looks import read_stand_in
+from render.stage.materials.textures import TextureCache
+from render.stage.opening import confinement
+from render.stage.options import StageOptions
 from usd_schemas import FocusPoint
 
 
@@ -33,14 +39,16 @@ class AnchorSurface:
         prim: any prim with a place.
         skeletons: bend meshes.
         log: for findings.
-        complexity: of the surfaces (`render.stage.options.StageOptions`): points on refined meshes are on the limit surface.
+        options: how the stage is drawn: points on refined meshes are on the limit surface, those on models with a draw mode on
+            their stand-ins.
     """
 
-    def __init__(self, prim: Usd.Prim, skeletons: Skeletons, log: FindingLog, complexity: str) -> None:
+    def __init__(self, prim: Usd.Prim, skeletons: Skeletons, log: FindingLog, options: StageOptions) -> None:
         self._prim, self._skeletons, self._log = prim, skeletons, log
-        self._is_generated = is_generated(prim)
-        self._reshapes = generated_varies(prim) if self._is_generated else faces_vary(prim)
-        self._is_refined = is_refined(prim, complexity)
+        self._mode = mode_of(prim) if options.draw_modes else ""
+        self._is_generated = bool(self._mode) or is_generated(prim)
+        self._reshapes = bool(self._mode) or (generated_varies(prim) if self._is_generated else faces_vary(prim))
+        self._is_refined = not self._mode and is_refined(prim, options.complexity)
         self._faces: tuple[IntArray, IntArray, LongArray] | None = None
         self._limit: LimitPlaces | None = None
         self._points: DoubleArray | None = None  # of a prim that is no mesh
@@ -54,7 +62,7 @@ class AnchorSurface:
             NotFoundError: there is no such triangle.
             BadGeometry: the faces contradict themselves.
         """
-        if point.face == -1 or not is_drawable(self._prim):
+        if point.face == -1 or not (self._mode or is_drawable(self._prim)):
             return None
         if self._faces is None or self._reshapes:
             self._faces = self._faces_at(time)
@@ -93,13 +101,19 @@ class AnchorSurface:
 
     def _faces_at(self, time: Usd.TimeCode) -> tuple[IntArray, IntArray, LongArray]:
         if self._is_generated:
-            polygons = read_surface(self._prim, time, self._skeletons, self._log)
+            polygons = self._polygons(time)
             counts, corners = polygons.counts, polygons.corners
             self._points = polygons.points.astype(np.float64)
         else:
             counts, corners = mesh_faces(self._prim, time)
         sizes = counts.astype(np.int64)
         return counts, corners, np.cumsum(sizes) - sizes
+
+    def _polygons(self, time: Usd.TimeCode) -> Polygons:
+        if not self._mode:
+            return read_surface(self._prim, time, self._skeletons, self._log)
+        textures = TextureCache(1, confined_to=confinement(self._prim.GetStage()))
+        return stand_in_polygons(read_stand_in(self._prim, self._mode, textures, self._log), self._prim, time)
 
     def _limit_at(self, time: Usd.TimeCode) -> LimitPlaces | None:
         """Limit surface of a mesh that is refined; None where the mesh is drawn by its own faces."""

@@ -19,7 +19,7 @@ from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry
 from render.stage.geometry.skinning import Skeletons
 from render.stage.opening import read_quietly
-from render.stage.options import DEFAULT_OPTIONS
+from render.stage.options import DEFAULT_OPTIONS, StageOptions
 from render.stage.world import world_from_stage
 from usd_schemas import FocusPoint
 
@@ -64,19 +64,19 @@ class AnchorReader:
 
     Args:
         stage: the stage.
-        complexity: of the surfaces (`render.stage.options.StageOptions`), by which subdivision surfaces are refined.
+        options: how the stage is drawn.
     """
 
-    def __init__(self, stage: Usd.Stage, complexity: str = DEFAULT_OPTIONS.complexity) -> None:
+    def __init__(self, stage: Usd.Stage, options: StageOptions = DEFAULT_OPTIONS) -> None:
         self._stage = stage
-        self._complexity = complexity
+        self._options = options
         self._skeletons = Skeletons(stage)
         self._log = FindingLog()
 
     def position(self, focus_point: FocusPoint, time: float) -> DoubleArray:
         """As :func:`anchor_position`."""
         with read_quietly(self._stage):
-            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log, self._complexity), time)
+            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log, self._options), time)
             return moment.world(focus_point, moment.local(focus_point))
 
     def place_in_bounds(self, focus_point: FocusPoint, position_m: DoubleArray, time: float) -> DoubleArray:
@@ -95,7 +95,7 @@ class AnchorReader:
             StageError: a transform is not finite, or flattens space.
         """
         with read_quietly(self._stage):
-            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log, self._complexity), time)
+            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log, self._options), time)
             least, most = moment.bounds(focus_point)
             local = moment.local_of_world(focus_point, position_m)
         size = most - least
@@ -126,7 +126,7 @@ class AnchorReader:
             focus_points: for each time the same number of points, as they are at that time.
             times: USD time codes.
         """
-        sources = _Sources(self._stage, self._skeletons, self._log, self._complexity)
+        sources = _Sources(self._stage, self._skeletons, self._log, self._options)
         rows = [
             self._at(_AnchorContext(sources, time), points) for points, time in zip(focus_points, times, strict=True)
         ]
@@ -158,9 +158,9 @@ _FLAT = 1e-9
 class _Sources:
     """Sources shared by all times of one request."""
 
-    def __init__(self, stage: Usd.Stage, skeletons: Skeletons, log: FindingLog, complexity: str) -> None:
+    def __init__(self, stage: Usd.Stage, skeletons: Skeletons, log: FindingLog, options: StageOptions) -> None:
         self.stage, self.skeletons, self.log = stage, skeletons, log
-        self._complexity = complexity
+        self._options = options
         self.world = world_from_stage(stage)
         self.still_poses: dict[Hashable, DoubleArray] = {}
         self._surfaces: dict[str, AnchorSurface] = {}
@@ -210,7 +210,7 @@ class _Sources:
         """The prim's surface."""
         path = str(prim.GetPath())
         if path not in self._surfaces:
-            self._surfaces[path] = AnchorSurface(prim, self.skeletons, self.log, self._complexity)
+            self._surfaces[path] = AnchorSurface(prim, self.skeletons, self.log, self._options)
         return self._surfaces[path]
 
     def chains(self, instancer: str, prim: Usd.Prim) -> list[tuple[InstancerLink, ...]]:

@@ -42,6 +42,14 @@ def is_replaced(prim: Usd.Prim) -> bool:
     return bool(Kind.Registry.IsA(Usd.ModelAPI(prim).GetKind(), Kind.Tokens.component))
 
 
+def mode_of(prim: Usd.Prim) -> str:
+    """Draw mode by which a prim is drawn; empty where it is drawn as it is."""
+    if not prim.IsModel() or not is_replaced(prim):
+        return ""
+    mode = draw_mode(prim, "", FindingLog())
+    return mode if mode in MODES else ""
+
+
 def note_no_model(prim: Usd.Prim, log: FindingLog) -> None:
     """Note a draw mode of a prim that is no model, which has no effect in USD."""
     attribute = prim.GetAttribute("model:drawMode")

@@ -247,7 +247,7 @@ def test_a_click_finds_the_place_that_the_anchor_finds_again(
         target = (pick.prim_path,) if pick.prototype_path is None else (pick.prim_path, pick.prototype_path)
         place = {"face": pick.face, "fan_triangle": pick.fan_triangle, "instance": pick.instance}
         p = point(target, barycentric=pick.barycentric, **place)
-        found = AnchorReader(stage, complexity).position(p, stage.GetStartTimeCode())
+        found = AnchorReader(stage, StageOptions(complexity=complexity)).position(p, stage.GetStartTimeCode())
         np.testing.assert_allclose(found, pick.position_m, atol=share * camera.focus_distance_m)
         hits += 1
     assert hits >= 3

@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from render import colour
 from render.model.scene import Scene
-from render.stage import StageReader
+from render.stage import AnchorReader, StageReader
 from render.stage.options import StageOptions
 from tests.render.kits.stages import (
     T,
@@ -24,8 +24,10 @@ from tests.render.kits.stages import (
     world_points,
     write_picture,
 )
+from usd_schemas import FocusPoint
 
 HALF = np.array([1.0, 2.0, 3.0])
+MIDDLE = np.array([5.0, 0.0, 0.0])
 RED = Gf.Vec3f(0.5, 0.1, 0.2)
 
 
@@ -61,8 +63,8 @@ def test_bounds_are_bars_along_the_edges_of_the_box() -> None:
     scene = read(stage)
     batch = only_batch(scene)
     out = np.linalg.norm(2 * HALF) / 300 / 2
-    np.testing.assert_allclose(box_of(scene), [[5, 0, 0] - HALF - out, [5, 0, 0, *HALF, *out]], atol=1e-5)
-    inside = np.abs(world_points(batch) - [5, 0, 0]) < HALF - 2 * out
+    np.testing.assert_allclose(box_of(scene), [MIDDLE - HALF - out, MIDDLE + HALF + out], atol=1e-5)
+    inside = np.abs(world_points(batch) - MIDDLE) < HALF - 2 * out
     assert (inside.sum(axis=1) == 0).all()  # bars end in corners, and none goes through the box
     assert len(batch.geometry.triangles) == 12 * 12
     assert batch.material.base_color == pytest.approx(colour.rgb_to_working(tuple(RED)))
@@ -72,7 +74,7 @@ def test_bounds_are_bars_along_the_edges_of_the_box() -> None:
 def test_origin_is_three_axes_of_one_unit() -> None:
     stage = new_stage()
     add_model(stage, drawMode="origin")
-    points = world_points(only_batch(read(stage))) - [5, 0, 0]
+    points = world_points(only_batch(read(stage))) - MIDDLE
     out = 1 / 60 / 2
     assert points.min() == pytest.approx(-out, abs=1e-6)
     np.testing.assert_allclose(points.max(axis=0), 1 + out, atol=1e-6)
@@ -109,7 +111,7 @@ def test_box_cards_cover_the_faces_and_face_out() -> None:
     stage = new_stage()
     add_model(stage, drawMode="cards", cardGeometry="box")
     batch = only_batch(read(stage))
-    points, triangles = world_points(batch) - [5, 0, 0], batch.geometry.triangles
+    points, triangles = world_points(batch) - MIDDLE, batch.geometry.triangles
     assert len(triangles) == 12
     assert not batch.double_sided
     assert batch.culls_backs
@@ -125,7 +127,7 @@ def test_box_cards_cover_the_faces_and_face_out() -> None:
 def test_cross_cards_stand_in_the_middle() -> None:
     stage = new_stage()
     add_model(stage, drawMode="cards")
-    points = world_points(only_batch(read(stage))) - [5, 0, 0]
+    points = world_points(only_batch(read(stage))) - MIDDLE
     assert len(points) == 24
     assert (np.sum(np.abs(points) < 1e-6, axis=1) == 1).all()
 
@@ -147,7 +149,7 @@ def test_textures_are_upright_and_the_other_side_mirrored(side: str, tmp_path: P
     add_model(stage, drawMode="cards", cardGeometry="box", **{f"cardTexture{side}": picture(tmp_path)})
     batch = only_batch(read(stage))
     assert set(batch.material.lookups) == {"base_color"}
-    points = (world_points(batch) - [5, 0, 0]) / HALF
+    points = (world_points(batch) - MIDDLE) / HALF
     assert len(points) == 8  # the other axes have no texture, and no card
     along = np.array(UPRIGHT[side], float)
     np.testing.assert_allclose(batch.geometry.uvs, (points @ along.T + 1) / 2, atol=1e-6)
@@ -200,7 +202,7 @@ def test_from_texture_places_cards_by_their_matrix(tmp_path: Path) -> None:
     add_model(stage, drawMode="cards", cardGeometry="fromTexture", cardTextureXPos=str(file), cardTextureYPos="no.exr")
     reader = StageReader(stage)
     batch = only_batch(reader.read(0.0))
-    points = world_points(batch) - [5, 0, 0]
+    points = world_points(batch) - MIDDLE
     np.testing.assert_allclose(points[:, 2], 9, atol=1e-6)
     np.testing.assert_allclose(batch.geometry.uvs, (points[:, :2] - [7, 8]) / [2, 3] * [0.5, -0.5] + 0.5, atol=1e-6)
     assert "draw_mode" in codes(reader)
@@ -217,6 +219,17 @@ def test_bounds_follow_what_moves_inside() -> None:
     np.testing.assert_allclose(boxes[1] - boxes[0], [[0, 5, 0]] * 2, atol=1e-5)
     UsdGeom.ModelAPI(prim).SetExtentsHint([Gf.Vec3f(-1), Gf.Vec3f(1)])
     assert box_of(StageReader(stage).read(5.0))[1] == pytest.approx([6, 1, 1], abs=0.02)
+
+
+def test_a_click_on_a_stand_in_stays_on_it() -> None:
+    stage = new_stage()
+    add_model(stage, drawMode="cards", cardGeometry="box")
+    batch = only_batch(read(stage))
+    corners = world_points(batch)[batch.geometry.triangles[5]]
+    face, fan = int(batch.geometry.face_ids[5]), int(batch.geometry.fan_ids[5])
+    point = FocusPoint("p", ("/set/model",), face=face, fan_triangle=fan, barycentric=(0.5, 0.25, 0.25))
+    want = np.array([0.5, 0.25, 0.25]) @ corners
+    np.testing.assert_allclose(AnchorReader(stage).position(point, 0.0), want, atol=1e-6)
 
 
 def test_stand_ins_in_native_and_point_instances() -> None:

@@ -113,8 +113,8 @@ class Material:
             (a mesh with no material bound has a white material with this set).
         unlit: show ``emissive`` alone, whatever the lights and the shading, and cast no shadow.
         lookups: textures by input name: base_color, emissive, metallic, roughness, specular, opacity, normal, occlusion,
-            clearcoat, clearcoat_roughness, ior; of a graph by the name of the sampler. They show at most `MAX_TEXTURES` images, of a
-            graph twice as many.
+            clearcoat, clearcoat_roughness, ior; of a graph by the name of the sampler. They show at most `MAX_TEXTURES` images,
+            twice as many of a graph.
         graph: the network that gives the surface in place of all inputs but ``clearcoat``, which says whether there is a clear
             coat at all; or None.
     """

@@ -9,6 +9,7 @@ from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
 from render.model.arrays import FloatArray, LongArray
 from render.stage.findings import FindingLog
+from render.stage.geometry.blend_shapes import active_shapes, shape_normals
 from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check, fan, transfer_normals
 from render.stage.world import column_matrix
 
@@ -50,7 +51,9 @@ class Skeletons:
         if not self.bends(prim):
             return polygons
         moved = self.bend_points(prim, Vt.Vec3fArray.FromNumpy(polygons.points), time, log)
-        return replace(polygons, points=moved, normals=_bend_normals(prim, polygons, moved, log))
+        if polygons.normals is None:
+            return replace(polygons, points=moved)
+        return replace(polygons, points=moved, normals=self._bend_normals(prim, polygons, moved, time, log))
 
     def bend_points(
         self, prim: Usd.Prim, points: Vt.Vec3fArray, time: Usd.TimeCode, log: FindingLog, rows: LongArray | None = None
@@ -72,9 +75,10 @@ class Skeletons:
         if found is None:
             return np.array(resting, np.float32)
         skeleton, skinning = found.skeleton, found.skinning
-        if skinning.HasBlendShapes():
+        shapes = active_shapes(skeleton, skinning, time)
+        if shapes is not None:
             points = Vt.Vec3fArray(points)
-            if not _blend(skeleton, skinning, points, time):
+            if not shapes.move(points):
                 message = f"the blend shapes of {prim.GetPath()} could not be computed"
                 log.add("blend_shapes_ignored", prim.GetPath(), message)
         selected = Vt.Vec3fArray(points) if rows is None else _pick_rows(points, rows)
@@ -86,6 +90,28 @@ class Skeletons:
             log.add("skinning_failed", prim.GetPath(), message)
             return np.array(resting, np.float32)
         return _in_prim_space(np.array(selected, np.float32), found.prim, prim, time)
+
+    def _bend_normals(
+        self, prim: Usd.Prim, polygons: Polygons, moved: FloatArray, time: Usd.TimeCode, log: FindingLog
+    ) -> Values | None:
+        """Authored normals, carried along from rest. Where blend shapes say how these change, they are carried from there on."""
+        check(polygons)
+        try:
+            return transfer_normals(shaped := self._shape_normals(prim, polygons, time), fan(shaped), moved)
+        except BadGeometry as problem:
+            path = prim.GetPath()
+            log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")
+            return None
+
+    def _shape_normals(self, prim: Usd.Prim, polygons: Polygons, time: Usd.TimeCode) -> Polygons:
+        found = self._query(prim)
+        shapes = None if found is None else active_shapes(found.skeleton, found.skinning, time)
+        offsets = None if shapes is None else shapes.normal_offsets(len(polygons.points))
+        if shapes is None or offsets is None:
+            return polygons
+        points = Vt.Vec3fArray.FromNumpy(polygons.points)
+        shapes.move(points)
+        return replace(shape_normals(polygons, offsets), points=np.array(points, np.float32))
 
     def _query(self, prim: Usd.Prim) -> _Bound | None:
         root = UsdSkel.Root.Find(prim)
@@ -106,29 +132,6 @@ class Skeletons:
                 if skeleton and (target.HasJointInfluences() or target.HasBlendShapes()):
                     bound = _Bound(binding.GetSkeleton().GetPrim(), skeleton, target)
                     self._bound[str(target.GetPrim().GetPath())] = bound
-
-
-def _blend(
-    skeleton: UsdSkel.SkeletonQuery, skinning: UsdSkel.SkinningQuery, points: Vt.Vec3fArray, time: Usd.TimeCode
-) -> bool:
-    """Add the blend shapes' offsets to the points, in place. Returns whether that could be done."""
-    animation = skeleton.GetAnimQuery()
-    mapper = skinning.GetBlendShapeMapper()
-    if not animation or mapper is None:
-        return True  # shapes without an animation rest at weight 0
-    weights = mapper.Remap(animation.ComputeBlendShapeWeights(time))
-    shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(skinning.GetPrim()))
-    sub_weights, shape_indices, sub_indices = shapes.ComputeSubShapeWeights(weights)
-    return bool(
-        shapes.ComputeDeformedPoints(
-            sub_weights,
-            shape_indices,
-            sub_indices,
-            shapes.ComputeBlendShapePointIndices(),
-            shapes.ComputeSubShapePointOffsets(),
-            points,
-        )
-    )
 
 
 def _skin(
@@ -181,15 +184,3 @@ def _in_prim_space(points: FloatArray, skeleton: Usd.Prim, prim: Usd.Prim, time:
     world_from_prim = column_matrix(transforms.GetLocalToWorldTransform(prim))
     matrix = np.linalg.solve(world_from_prim, world_from_skeleton)
     return np.array(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)
-
-
-def _bend_normals(prim: Usd.Prim, polygons: Polygons, moved: FloatArray, log: FindingLog) -> Values | None:
-    if polygons.normals is None:
-        return None
-    check(polygons)
-    try:
-        return transfer_normals(polygons, fan(polygons), moved)
-    except BadGeometry as problem:
-        path = prim.GetPath()
-        log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")
-        return None

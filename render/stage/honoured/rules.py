@@ -244,7 +244,7 @@ RULES = {
     "Skeleton": Rules("bindTransforms joints restTransforms", neutral={"jointNames": "names for users"}),
     "SkelAnimation": Rules("blendShapeWeights blendShapes joints rotations scales translations"),
     "SkelBindingAPI": Rules(EVERYTHING),
-    "BlendShape": Rules("offsets pointIndices", ignored={"normalOffsets": "normals turn with the surface"}),
+    "BlendShape": Rules("offsets pointIndices normalOffsets"),
     "RenderSettingsBase": Rules(
         "aspectRatioConformPolicy camera dataWindowNDC disableDepthOfField disableMotionBlur instantaneousShutter "
         "pixelAspectRatio resolution"

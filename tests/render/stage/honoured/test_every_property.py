@@ -50,6 +50,7 @@ ACCESSORS = {
     "rotations": "ComputeSkinningTransforms",
     "translations": "ComputeSkinningTransforms",
     "offsets": "ComputeSubShapePointOffsets",
+    "normalOffsets": "GetNormalOffsetsAttr",
     "pointIndices": "ComputeBlendShapePointIndices",
     "skel:": "ComputeSkelBindings",
     "collection": "ComputeMembershipQuery",

@@ -16,8 +16,8 @@ from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.subdivision.limit_places import LimitPlaces
 from render.stage.geometry.subdivision.reading import ATTRIBUTES as SUBDIVISION
-from render.stage.geometry.subdivision.reading import read_cage
-from render.stage.geometry.subdivision.refinement import MOST_TRIANGLES, Refinement, fitting_level
+from render.stage.geometry.subdivision.reading import has_sharpness, read_cage
+from render.stage.geometry.subdivision.refinement import MOST_TRIANGLES, Refinement, fitting_level, sharpen_control_mesh
 from render.stage.values import UNREADABLE, why_unreadable
 
 _FACES = ("faceVertexCounts", "faceVertexIndices")
@@ -53,7 +53,7 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: 
     with _translate_errors():
         if not is_generated(prim):
             polygons = _mesh_polygons(prim, time, skeletons, log)
-            return _refine(prim, polygons, level, time, log) if level > 0 else polygons
+            return _refine(prim, polygons, level, time, log)
         if skeletons.bends(prim):
             path = prim.GetPath()
             log.add("not_bent", path, f"{path} is drawn as at rest: a skeleton bends meshes alone")
@@ -165,13 +165,15 @@ def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log
 
 
 def _refine(prim: Usd.Prim, polygons: Polygons, level: int, time: Usd.TimeCode, log: FindingLog) -> Polygons:
-    """Polygons on the limit surface; the control mesh, and a finding, where its rules cannot be used."""
-    check(polygons)
+    """Polygons on the limit surface; the control mesh at level 0, and, with a finding, where its rules cannot be used."""
     level = fitting_level(len(polygons.corners), level)  # chosen for the faces of another time
-    if not level:
+    is_sharp = polygons.smooth and polygons.normals is None and has_sharpness(prim)
+    if not level and not is_sharp:
         return polygons
+    check(polygons)
     try:
-        return Refinement(read_cage(prim, time), polygons, level).refine()
+        cage = read_cage(prim, time)
+        return Refinement(cage, polygons, level).refine() if level else sharpen_control_mesh(cage, polygons)
     except UNREADABLE as problem:
         path = prim.GetPath()
         log.add("subdivision", path, f"{path} is drawn as its control mesh: {why_unreadable(problem)}")

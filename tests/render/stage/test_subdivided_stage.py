@@ -44,6 +44,21 @@ def test_each_complexity_has_its_steps(complexity: str, triangles: int) -> None:
     assert count_triangles(StageReader(stage, StageOptions(complexity=complexity)).read(0)) == triangles + 12
 
 
+@pytest.mark.parametrize("complexity", ["low", "medium", "auto"])
+def test_a_creased_cube_looks_like_a_cube(complexity: str) -> None:
+    stage = new_stage()
+    mesh = add_cube(stage)
+    rings = np.array(CUBE_CORNERS).reshape(-1, 4)
+    mesh.CreateCreaseIndicesAttr(np.column_stack([rings, rings[:, 0]]).ravel().tolist())
+    mesh.CreateCreaseLengthsAttr([5] * 6)
+    mesh.CreateCreaseSharpnessesAttr([10.0] * 6)
+    geometry = only_batch(StageReader(stage, StageOptions(complexity=complexity)).read(0)).geometry
+    corners = geometry.positions[geometry.triangles].astype(np.float64)
+    facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    facets /= np.linalg.norm(facets, axis=1, keepdims=True)
+    np.testing.assert_allclose(geometry.normals[geometry.triangles], np.repeat(facets[:, None], 3, axis=1), atol=1e-5)
+
+
 def test_automatic_levels_follow_the_size_on_screen() -> None:
     stage = new_stage()
     add_cube(stage)
@@ -134,7 +149,7 @@ def test_a_place_that_is_clicked_is_where_the_point_is() -> None:
     random = np.random.default_rng(7)
     triangles, weights = random.integers(0, len(geometry.triangles), 30), random.dirichlet([1, 1, 1], 30)
     fans, shares = geometry.fan_points(triangles, weights)
-    anchors = AnchorReader(stage, "veryhigh")
+    anchors = AnchorReader(stage, StageOptions(complexity="veryhigh"))
     for triangle, own, fan, share in zip(triangles, weights, fans, shares, strict=True):
         drawn = own @ geometry.positions[geometry.triangles[triangle]]
         face = int(geometry.face_ids[triangle])

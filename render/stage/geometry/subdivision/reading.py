@@ -35,6 +35,11 @@ def is_refined(prim: Usd.Prim, complexity: str) -> bool:
     return scheme != "none" and (scheme != "bilinear" or complexity != "auto")
 
 
+def has_sharpness(prim: Usd.Prim) -> bool:
+    """Whether a mesh states creases or corners."""
+    return any(prim.GetAttribute(name).HasAuthoredValue() for name in ("creaseIndices", "cornerIndices"))
+
+
 def read_cage(prim: Usd.Prim, time: Usd.TimeCode) -> Cage:
     """Rules of a mesh whose scheme is not none.
 

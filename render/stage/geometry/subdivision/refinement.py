@@ -11,6 +11,7 @@ from render.model.face_places import polygon_corners
 from render.stage.geometry.polygons import AuthoredFaces, BadGeometry, Polygons, Values, value_index_of_corner
 from render.stage.geometry.subdivision.face_varying import face_varying_topology, is_linear
 from render.stage.geometry.subdivision.rules import Scheme, Step, limit
+from render.stage.geometry.subdivision.sharp_normals import sharp_normals
 from render.stage.geometry.subdivision.topology import (
     Sharpness,
     Topology,
@@ -149,12 +150,15 @@ class Refinement:
         """Polygons on the limit surface."""
         polygons, last = self._polygons, self._steps.last
         holes = _hidden_faces(self._cage, polygons, self._kept, self._topology)[self._faces]
+        points = self._steps.refine(polygons.points.astype(np.float64))
+        is_smooth = self._cage.scheme != "bilinear"
         return Polygons(
-            points=self._steps.refine(polygons.points.astype(np.float64)).astype(np.float32),
+            points=points.astype(np.float32),
             counts=last.counts.astype(np.int32),
             corners=last.corners.astype(np.int32),
             left_handed=polygons.left_handed,
-            smooth=self._cage.scheme != "bilinear",
+            normals=sharp_normals(last, points, left_handed=polygons.left_handed) if is_smooth else None,
+            smooth=is_smooth,
             holes=np.flatnonzero(holes).astype(np.int32) if holes.any() else None,
             sampling=self,
             authored=AuthoredFaces(
@@ -195,6 +199,21 @@ class Refinement:
         linear = is_linear(self._cage.face_varying)
         refined = self._steps.refine(values.values[of_point].astype(np.float64), channel, linear=linear)
         return Values(refined.astype(np.float32), "faceVarying", self._steps.corners(channel).astype(np.int32))
+
+
+def sharpen_control_mesh(cage: Cage, polygons: Polygons) -> Polygons:
+    """Polygons of a control mesh with normals on both sides of what stays sharp; unchanged where nothing does.
+
+    Raises:
+        BadGeometry: as `Refinement`.
+    """
+    kept, topology = control_topology(cage, polygons)
+    normals = sharp_normals(topology, polygons.points.astype(np.float64), left_handed=polygons.left_handed)
+    if normals is None or normals.indices is None:
+        return polygons
+    indices = np.zeros(len(polygons.corners), np.int32)
+    indices[_corners_of(polygons, kept)] = normals.indices
+    return replace(polygons, normals=replace(normals, indices=indices))
 
 
 def control_topology(cage: Cage, polygons: Polygons) -> tuple[LongArray, Topology]:

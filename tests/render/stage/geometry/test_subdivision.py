@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -176,9 +177,73 @@ def test_a_cube_with_sharp_edges_stays_a_cube() -> None:
     edges = {
         tuple(sorted(pair)): INFINITE for face in CUBE_FACES for pair in zip(face, face[1:] + face[:1], strict=True)
     }
-    found = Refinement(Cage(sharpness=sharpness(edges)), cube(), 3).refine().points
+    refined = Refinement(Cage(sharpness=sharpness(edges)), cube(), 3).refine()
+    found = refined.points
     np.testing.assert_allclose(np.abs(found).max(axis=1), 1, atol=1e-6)
     assert np.abs(found).min(axis=1).min() < 0.1
+    middles = found[refined.corners.reshape(-1, 4)].mean(axis=1)
+    outward = np.where(np.abs(middles) > 1 - 1e-6, np.sign(middles), 0)
+    np.testing.assert_allclose(corner_normals(refined), np.repeat(outward[:, None], 4, axis=1), atol=1e-6)
+
+
+def corner_normals(polygons: Polygons) -> DoubleArray:
+    """``(f, 4, 3)`` normals at the corners of quads."""
+    assert polygons.normals is not None
+    assert polygons.normals.indices is not None
+    return polygons.normals.values[polygons.normals.indices].reshape(-1, 4, 3).astype(np.float64)
+
+
+def ridge(n: int = 9) -> tuple[Polygons, list[int], float]:
+    """A bicubic sheet z = y², lifted by 2x on one side of the middle; the points of the middle, and where it is."""
+    flat, faces = grid(n)
+    middle = (n - 1) / 2
+    x, y = flat.T - middle
+    heights = 2 * np.maximum(x, 0) + y**2
+    return polygons_of(np.column_stack([x, y, heights]), faces), np.flatnonzero(x == 0).tolist(), middle
+
+
+@pytest.mark.parametrize("left_handed", [False, True])
+def test_normals_on_both_sides_of_a_crease(left_handed: bool) -> None:
+    polygons, line, middle = ridge()
+    crease = sharpness(dict.fromkeys(pairwise(line), INFINITE))
+    levels = 4
+    refined = Refinement(Cage(sharpness=crease), replace(polygons, left_handed=left_handed), levels).refine()
+    corners = refined.points[refined.corners.reshape(-1, 4)].astype(np.float64)
+    slope = np.where(corners.mean(axis=1)[:, 0] > 0, 2.0, 0.0)[:, None]
+    inner = (np.abs(corners[..., :2]) < middle - 2).all(axis=(1, 2))  # of the border's creases
+    y = corners[..., 1]
+    wanted = np.stack([0 * y - slope, -2 * y, 1 + 0 * y], axis=-1) * (-1 if left_handed else 1)
+    wanted /= np.linalg.norm(wanted, axis=-1, keepdims=True)
+    np.testing.assert_allclose(corner_normals(refined)[inner], wanted[inner], atol=2e-3)
+    at_crease = np.abs(corners[..., 0]) < 1e-6
+    assert (at_crease & inner[:, None]).sum() > 100
+
+
+def test_semi_sharp_creases_do_not_split_normals() -> None:
+    polygons, line, _ = ridge()
+    soft = Refinement(Cage(sharpness=sharpness(dict.fromkeys(pairwise(line), 9.0))), polygons, 2).refine()
+    assert soft.normals is None
+
+
+def test_a_crease_that_ends_is_smooth_at_its_end() -> None:
+    polygons, line, _ = ridge()
+    half = sharpness(dict.fromkeys(pairwise(line[: len(line) // 2 + 1]), INFINITE))
+    refined = Refinement(Cage(sharpness=half), polygons, 2).refine()
+    normals, corners = corner_normals(refined).reshape(-1, 3), refined.points[refined.corners]
+    on_line = np.abs(corners[:, 0]) < 1e-6
+    end = on_line & (np.abs(corners[:, 1]) < 1e-6)
+    assert len(np.unique(np.round(normals[end], 5), axis=0)) == 1
+    beside = on_line & (np.abs(corners[:, 1] + 1.5) < 0.01)
+    assert len(np.unique(np.round(normals[beside], 5), axis=0)) == 2
+
+
+def test_each_face_has_its_own_normal_at_a_sharp_corner() -> None:
+    cone = Refinement(Cage(sharpness=sharpness({}, {0: INFINITE})), cube(), 2).refine()
+    normals = corner_normals(cone).reshape(-1, 3)
+    here = np.linalg.norm(cone.points[cone.corners] - CUBE[0], axis=1) < 1e-6
+    assert len(np.unique(np.round(normals[here], 5), axis=0)) == 3
+    elsewhere = np.unique(np.stack([cone.corners, cone.normals.indices], axis=1)[~here], axis=0)
+    assert len(elsewhere) == len(np.unique(cone.corners)) - 1
 
 
 @pytest.mark.parametrize(

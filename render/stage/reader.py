@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -132,6 +133,7 @@ class StageReader:
                 self._plan = self._make_plan(skeletons, purposes, shapes)
             else:
                 shapes = ShapeReader(self._plan.skeletons, self._plan.binding_purposes, at, self._log)
+                shapes.look = partial(self._plan.looks.look, time=at)
             key = (at, camera_path if self._plan.follows_camera else "")
             if self._scene is None or self._key != key:
                 self._scene, self._key = self._scene_at(self._plan, shapes, camera_path), key
@@ -210,12 +212,13 @@ class StageReader:
         inventory = take_inventory(self._stage, self._options, self._pass, self._log)
         surfaces = link_surfaces(inventory.surfaces, [prim for prim, _, _ in inventory.lights], self._log)
         looks = LookReader(self._stage, self._textures, self._log)
+        shapes.look = partial(looks.look, time=shapes.time)
         cutter = PieceCutter(looks, skeletons, purposes, shapes, self._options.cull_backfaces, self._log)
         groups = plan_groups(surfaces, cutter, self._log)
         self._note_up_axis()
         lights = LightReader(self._stage, self._textures, skeletons, self._log, self._options.complexity)
         levels = LevelChooser(self._stage, inventory.level_roots, self._log)
-        subdivision = SubdivisionChooser(surfaces, self._options.complexity, self._log)
+        subdivision = SubdivisionChooser(surfaces, self._options.complexity, self._log, cutter.displaced)
         return _Plan(
             inventory,
             groups,

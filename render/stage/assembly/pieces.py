@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from pxr import Usd
 
@@ -11,11 +11,13 @@ from render.stage.assembly.instance_primvars import InstancePrimvars
 from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.subdivision_levels import Levels
 from render.stage.findings import FindingLog
+from render.stage.geometry.displacement import Metric
 from render.stage.geometry.reading import ShapeSource, read_shapes
 from render.stage.geometry.shape import PrimvarNames, Shape, pick_faces
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.stand_ins import StandIn
 from render.stage.materials.bindings import bound_parts, face_owner
+from render.stage.materials.material import DEFAULT_LOOK, BoundMaterial
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,7 @@ class Piece:
         inherited: primvars that it takes from its point instancers.
         shape_key: the same for pieces whose surfaces have the same triangles and primvars.
         stand_in: stand-in that is drawn in place of a model.
+        metric: metric of its prim's space, where its material displaces it; else None.
     """
 
     occurrence: Occurrence
@@ -63,6 +66,7 @@ class Piece:
     inherited: InstancePrimvars
     shape_key: Hashable
     stand_in: StandIn | None = None
+    metric: Metric | None = None
 
 
 class ShapeReader:
@@ -77,6 +81,7 @@ class ShapeReader:
     Attributes:
         time: when.
         levels: steps of refinement of subdivision surfaces; they may be set anew before any read.
+        look: the look of a material path, for its displacement; it is set before any read.
     """
 
     def __init__(
@@ -85,6 +90,7 @@ class ShapeReader:
         self._skeletons, self._binding_purposes, self._log = skeletons, binding_purposes, log
         self.time = time
         self.levels: Levels = {}
+        self.look: Callable[[str], BoundMaterial] = lambda _: DEFAULT_LOOK
         self._shapes: dict[Hashable, Shape | None] = {}
 
     def levels_of(self, pieces: Sequence[Piece]) -> tuple[int, ...]:
@@ -115,7 +121,7 @@ class ShapeReader:
     def prepare(self, pieces: Iterable[Piece]) -> None:
         """Read the surfaces of many pieces, which is faster together than one by one."""
         new = {key: piece for piece in pieces if (key := self._key(piece)) not in self._shapes}
-        sources = [_source(piece, self.levels.get(piece.occurrence.source, 0)) for piece in new.values()]
+        sources = [self._source(piece) for piece in new.values()]
         shapes = read_shapes(sources, self.time, self._skeletons, self._log)
         self._shapes.update(zip(new, shapes, strict=True))
 
@@ -123,12 +129,16 @@ class ShapeReader:
         level = self.levels.get(piece.occurrence.source, 0)
         return (piece.shape_key, level) if level else piece.shape_key
 
+    def _source(self, piece: Piece) -> ShapeSource:
+        """A piece's surface. It is judged where back faces that it hides may be left out: they are seen from within alone.
 
-def _source(piece: Piece, level: int) -> ShapeSource:
-    """A piece's surface. It is judged where back faces that it hides may be left out, so that they are seen from within alone.
-
-    Surfaces that bend may come apart at their seams: those must be closed without them.
-    """
-    judged = not piece.sides.culled and piece.sides.opaque
-    seams = not piece.deforms
-    return ShapeSource(piece.occurrence.prim, piece.primvars, judged, seams, level, piece.stand_in)
+        Surfaces that bend may come apart at their seams: those must be closed without them.
+        """
+        judged = not piece.sides.culled and piece.sides.opaque
+        level = self.levels.get(piece.occurrence.source, 0)
+        source = ShapeSource(
+            piece.occurrence.prim, piece.primvars, judged, seams=not piece.deforms, level=level, stand_in=piece.stand_in
+        )
+        if piece.metric is None:
+            return source
+        return replace(source, displacement=self.look(piece.material).displacement, metric=piece.metric)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from pxr import Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom
 
 from render.stage.assembly.groups import Group, InstancedGroup, RigidGroup
 from render.stage.assembly.instance_primvars import NONE_INHERITED, inherited_by, without
 from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.pieces import Piece, ShapeReader, Sides
 from render.stage.findings import FindingLog
+from render.stage.geometry.displacement import metric_of
 from render.stage.geometry.generated import is_ribbon
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import PrimvarNames
@@ -21,6 +22,7 @@ from render.stage.geometry.stand_ins import stand_in_varies
 from render.stage.geometry.surface import surface_varies
 from render.stage.materials.bindings import bound_parts, subsets_vary
 from render.stage.materials.looks import LookReader
+from render.stage.materials.material import BoundMaterial
 from render.stage.values import UNREADABLE, why_unreadable
 
 # A surface that occurs several times is drawn by instancing only if that spares more than this many triangles; below it, another
@@ -72,6 +74,7 @@ class PieceCutter:
         shapes: reads triangles, at the time at which the materials' primvars are read; the plan does not depend on it.
         cull_backfaces: leave out back faces of what is not ``doubleSided``.
         log: for findings.
+        displaced: paths of the sources of the surfaces that were cut and are displaced (`Occurrence.source`).
     """
 
     looks: LookReader
@@ -80,6 +83,7 @@ class PieceCutter:
     shapes: ShapeReader
     cull_backfaces: bool
     log: FindingLog
+    displaced: set[Sdf.Path] = field(default_factory=set)
 
     def cut(self, surface: Occurrence) -> list[Piece]:
         """The pieces of a surface."""
@@ -94,11 +98,15 @@ class PieceCutter:
         sides = Sides(double, culled=self.cull_backfaces and not double, opaque=opaque)
         pieces = []
         for number, (part, material) in enumerate(zip(parts, materials, strict=True)):
-            read = self.looks.look(material, time).primvars
+            look = self.looks.look(material, time)
+            read, metric = look.primvars, metric_of(prim) if look.displacement is not None else None
             from_instancers = inherited_by(surface, read)
             own = without(read, from_instancers)
             inherited, varies = _inherited_primvars(prim, own, time)
-            key = (surface.source, own, inherited, from_instancers, sides)
+            key: Hashable = (surface.source, own, inherited, from_instancers, sides)
+            if metric is not None:
+                self.displaced.add(surface.source)
+                key = (key, material, metric)
             pieces.append(
                 Piece(
                     surface,
@@ -107,13 +115,20 @@ class PieceCutter:
                     number,
                     len(parts),
                     sides,
-                    deforms or varies,
+                    deforms or varies or (metric is not None and (look.varies or self._primvar_varies(prim, look))),
                     own,
                     from_instancers,
                     key,
+                    metric=metric,
                 )
             )
         return pieces
+
+    def _primvar_varies(self, prim: Usd.Prim, look: BoundMaterial) -> bool:
+        """Whether the primvar that a displacement reads may change over time."""
+        name = look.displacement.primvar if look.displacement is not None else None
+        found = find_primvar(prim, name) if name else None
+        return found is not None and found.varies()
 
     def _cut_stand_in(self, surface: Occurrence, mode: str) -> list[Piece]:
         """The pieces of a model that is drawn by its draw mode."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -32,7 +32,10 @@ LEVELS = {"low": 0, "medium": 1, "high": 2, "veryhigh": 3}
 """Steps of refinement by complexity, as in usdrecord."""
 SCREEN_PX = 1920
 """Width of the picture for whose pixels automatic levels are chosen: pictures of all sizes show the same surface."""
+DISPLACED_PX = 2.0
+"""Length of the edges of displaced surfaces at automatic levels."""
 _MOST_AUTO_LEVEL = 5
+_MOST_DISPLACED_LEVEL = 8
 _MOST_AUTO_TRIANGLES = 400_000
 MOST_IN_ALL, MOST_IN_ALL_AUTO = 20_000_000, 4_000_000
 """Triangles of all refined surfaces together, and of those that are refined automatically."""
@@ -54,6 +57,7 @@ class _ControlMesh:
         places: places in which it stands.
         corners: number of its faces' corners.
         bend: distance of neighbours from the planes of points; `_BENT_SHARE` of all are no farther. Of automatic levels alone.
+        edge: length of edges; 99 of 100 are no longer. Of displaced surfaces at automatic levels, else 0.
         centre: ``(3,)`` of its sphere.
         radius: of its sphere.
     """
@@ -61,6 +65,7 @@ class _ControlMesh:
     places: tuple[Occurrence, ...]
     corners: int
     bend: float
+    edge: float
     centre: DoubleArray
     radius: float
 
@@ -75,17 +80,29 @@ class SubdivisionChooser:
         surfaces: all surfaces of the stage.
         complexity: one of `render.stage.options.COMPLEXITIES`.
         log: notes surfaces that are refined less than was wanted.
+        displaced: paths of the sources of surfaces that are displaced, whose edges automatic levels keep below `DISPLACED_PX`,
+            too; of bilinear ones as well.
     """
 
-    def __init__(self, surfaces: Sequence[Occurrence], complexity: str, log: FindingLog) -> None:
+    def __init__(
+        self,
+        surfaces: Sequence[Occurrence],
+        complexity: str,
+        log: FindingLog,
+        displaced: Collection[Sdf.Path] = frozenset(),
+    ) -> None:
         self._level = LEVELS.get(complexity)
         self._log = log
         by_source: dict[Sdf.Path, list[Occurrence]] = defaultdict(list)
         for surface in surfaces:
-            if not surface.draw_mode and is_refined(surface.prim, complexity):
+            wanted = "high" if complexity == "auto" and surface.source in displaced else complexity
+            if not surface.draw_mode and is_refined(surface.prim, wanted):
                 by_source[surface.source].append(surface)
         is_auto = self._level is None
-        found = ((source, _describe(tuple(places), log, is_auto=is_auto)) for source, places in by_source.items())
+        found = (
+            (source, _describe(tuple(places), log, is_auto=is_auto, is_displaced=source in displaced))
+            for source, places in by_source.items()
+        )
         self._meshes = {source: mesh for source, mesh in found if mesh is not None}
 
     @property
@@ -124,7 +141,10 @@ class SubdivisionChooser:
         levels: dict[Sdf.Path, int] = {}
         for source, found in standing.items():
             mesh = self._meshes[source]
-            levels[source] = _auto_level(mesh, eye.pixels(found.scale * mesh.bend, found.centres, found.radius_m))
+            bend, edge = (
+                eye.pixels(found.scale * each, found.centres, found.radius_m) for each in (mesh.bend, mesh.edge)
+            )
+            levels[source] = max(_auto_level(mesh, bend), _displaced_level(mesh, edge) if mesh.edge else 0)
         return self._fit(levels, MOST_IN_ALL_AUTO)
 
     def _fit(self, levels: Levels, most_triangles: int) -> Levels:
@@ -206,7 +226,9 @@ class _Spheres:
     scale: DoubleArray
 
 
-def _describe(places: tuple[Occurrence, ...], log: FindingLog, *, is_auto: bool) -> _ControlMesh | None:
+def _describe(
+    places: tuple[Occurrence, ...], log: FindingLog, *, is_auto: bool, is_displaced: bool
+) -> _ControlMesh | None:
     """Facts of a control mesh at the earliest time at which it has faces; None where it cannot be drawn, or is so large that
     automatic refinement leaves it alone.
     """
@@ -220,7 +242,7 @@ def _describe(places: tuple[Occurrence, ...], log: FindingLog, *, is_auto: bool)
     except BadGeometry:
         return None  # it is named where it is read
     if not is_auto:
-        return _ControlMesh(places, len(corners), 0.0, np.zeros(3), 0.0)
+        return _ControlMesh(places, len(corners), 0.0, 0.0, np.zeros(3), 0.0)
     try:
         _, topology = control_topology(read_cage(prim, time), polygons)
     except UNREADABLE as problem:
@@ -230,7 +252,8 @@ def _describe(places: tuple[Occurrence, ...], log: FindingLog, *, is_auto: bool)
     points = polygons.points.astype(np.float64)
     low, high = points[corners].min(axis=0), points[corners].max(axis=0)
     radius = float(np.linalg.norm(high - low)) / 2
-    return _ControlMesh(places, len(corners), _bend(topology, points), (low + high) / 2, radius)
+    edge = _edge(topology, points) if is_displaced else 0.0
+    return _ControlMesh(places, len(corners), _bend(topology, points), edge, (low + high) / 2, radius)
 
 
 def _first_faces(prim: Usd.Prim) -> tuple[Usd.TimeCode, IntArray, IntArray]:
@@ -257,8 +280,20 @@ def _bend(topology: Topology, points: DoubleArray) -> float:
     rules = point_rules(topology)
     on_crease = points[rules.along].mean(axis=1) - points[rules.creased]
     bends = np.concatenate([*apart, np.linalg.norm(on_crease, axis=1)])
-    rank = int(_BENT_SHARE * (len(bends) - 1))
-    return float(np.partition(bends, rank)[rank])  # np.quantile would load numpy.ma at each start
+    return _most_of(bends)
+
+
+def _edge(topology: Topology, points: DoubleArray) -> float:
+    """Length of edges, but for the longest."""
+    if not len(topology.edges):
+        return 0.0
+    return _most_of(np.linalg.norm(points[topology.edges[:, 1]] - points[topology.edges[:, 0]], axis=1))
+
+
+def _most_of(values: DoubleArray) -> float:
+    """Value that `_BENT_SHARE` of all do not exceed; np.quantile would load numpy.ma at each start."""
+    rank = int(_BENT_SHARE * (len(values) - 1))
+    return float(np.partition(values, rank)[rank])
 
 
 def _spheres(
@@ -282,4 +317,10 @@ def _spheres(
 def _auto_level(mesh: _ControlMesh, bend_px: float) -> int:
     """Steps that keep edges within a quarter of a pixel of the surface, as far as the limits allow."""
     level = int(np.clip(np.ceil(np.log(max(bend_px, 1e-30)) / np.log(4)), 0, _MOST_AUTO_LEVEL))
+    return fitting_level(mesh.corners, level, _MOST_AUTO_TRIANGLES)
+
+
+def _displaced_level(mesh: _ControlMesh, edge_px: float) -> int:
+    """Steps that keep edges below `DISPLACED_PX`, as far as the limits allow."""
+    level = int(np.clip(np.ceil(np.log2(max(edge_px / DISPLACED_PX, 1e-30))), 0, _MOST_DISPLACED_LEVEL))
     return fitting_level(mesh.corners, level, _MOST_AUTO_TRIANGLES)

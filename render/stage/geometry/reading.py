@@ -12,6 +12,7 @@ from pxr import Usd
 from render.model.face_places import FacePlaces
 from render.stage.color_spaces import to_rec709
 from render.stage.findings import FindingLog
+from render.stage.geometry.displacement import UNIT_METRIC, Displacement, Metric, displace, look_up
 from render.stage.geometry.packs import Field, Pack, field_of, folded_shares, join_fields, pack_surfaces
 from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check, compute_normals, merge_duplicates
 from render.stage.geometry.primvars import find_primvar
@@ -39,6 +40,8 @@ class ShapeSource:
         seams: whether edges with points of their own may close it where they meet.
         level: steps of refinement of a subdivision surface.
         stand_in: stand-in that is drawn in place of a model.
+        displacement: by how much it is displaced, or None.
+        metric: of its prim's space, for its displacement.
     """
 
     prim: Usd.Prim
@@ -47,6 +50,8 @@ class ShapeSource:
     seams: bool
     level: int = 0
     stand_in: StandIn | None = None
+    displacement: Displacement | None = None
+    metric: Metric = UNIT_METRIC
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +167,9 @@ class _SurfaceReader:
         try:
             polygons = self._polygons()
             check(polygons)
+            if self._source.displacement is not None:
+                polygons = self._displaced(polygons, self._source.displacement)
+                check(polygons)
         except BadGeometry as problem:
             path = self._prim.GetPath()
             self._log.add("bad_geometry", path, f"{path} is not drawn: {problem}")
@@ -183,6 +191,18 @@ class _SurfaceReader:
         if self._source.stand_in is not None:
             return stand_in_polygons(self._source.stand_in, self._prim, self._time)
         return read_surface(self._prim, self._time, self._skeletons, self._log, self._source.level)
+
+    def _displaced(self, polygons: Polygons, displacement: Displacement) -> Polygons:
+        width = 2 if displacement.lookup is not None else 1
+        read = self._primvar(polygons, displacement.primvar, width) if displacement.primvar is not None else None
+        lookup = displacement.lookup
+        if read is None and lookup is not None:
+            read = self._coordinates(polygons, displacement.primvar or "")
+        if read is None:
+            amounts = np.full(len(polygons.corners), displacement.amount)
+        else:
+            amounts = (look_up(lookup, read.values) if lookup is not None else read.values[:, 0])[read.index]
+        return displace(polygons, amounts, self._source.metric)
 
     def _normals(self, polygons: Polygons) -> Field | None:
         """Authored normals, or None."""

@@ -233,7 +233,9 @@ RULES = {
     ),
     "LightListAPI": Rules(neutral={"lightList lightList:cacheBehavior": "all lights are found anyway"}),
     "ListAPI": Rules(neutral={"lightList lightList:cacheBehavior": "all lights are found anyway"}),
-    "Material": Rules("outputs:surface", ignored={"outputs:displacement": "", "outputs:volume": ""}),
+    "Material": Rules(
+        "outputs:surface", ignored={"outputs:displacement": "that of UsdPreviewSurface alone is", "outputs:volume": ""}
+    ),
     "MaterialBindingAPI": Rules(),
     "NodeGraph": Rules(),
     "Shader": Rules(),
@@ -270,7 +272,7 @@ RULES["DomeLight_1"] = Rules(
 )
 
 NODE_RULES = {
-    "UsdPreviewSurface": Rules(EVERYTHING, ignored={"displacement": "surfaces stay in place"}),
+    "UsdPreviewSurface": Rules(EVERYTHING),
     "UsdPrimvarReader_float2": Rules("varname", ignored={"fallback": "0 is used"}),
 }
 """Rules for the inputs of shader nodes; all inputs of other nodes are honoured, or the node is named as a whole."""

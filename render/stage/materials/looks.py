@@ -10,6 +10,7 @@ from pxr import Usd, UsdShade
 
 from render.model.scene import TextureLookup
 from render.stage.findings import FindingLog
+from render.stage.geometry.displacement import Displacement
 from render.stage.geometry.stand_ins import StandIn
 from render.stage.materials.material import DEFAULT_LOOK, BoundMaterial, preview_surface_look
 from render.stage.materials.stand_in_looks import is_stand_in, read_stand_in, stand_in_look
@@ -111,7 +112,15 @@ class LookReader:
 def _signature(look: BoundMaterial) -> Hashable:
     """Equal for looks that draw the same and want the same primvars, whatever their names."""
     constants = tuple((name, value) for name, value in vars(look.material).items() if name not in ("name", "lookups"))
-    return constants, tuple((name, _of_lookup(lookup)) for name, lookup in look.material.lookups.items()), look.primvars
+    lookups = tuple((name, _of_lookup(lookup)) for name, lookup in look.material.lookups.items())
+    return constants, lookups, look.primvars, _of_displacement(look.displacement)
+
+
+def _of_displacement(displacement: Displacement | None) -> Hashable:
+    if displacement is None:
+        return None
+    lookup = None if displacement.lookup is None else _of_lookup(displacement.lookup)
+    return displacement.amount, displacement.primvar, lookup
 
 
 def _of_lookup(lookup: TextureLookup) -> Hashable:

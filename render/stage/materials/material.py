@@ -10,6 +10,7 @@ from pxr import Usd, UsdShade
 from render.model.scene import MAX_TEXTURES, Material, TextureLookup
 from render.stage.color_spaces import rgb_to_working, to_rec709
 from render.stage.findings import FindingLog
+from render.stage.geometry.displacement import Displacement
 from render.stage.geometry.shape import PrimvarNames
 from render.stage.materials.shading import NetworkReader, Source, finite_numbers
 from render.stage.materials.texture_nodes import TextureNodes
@@ -39,11 +40,13 @@ class BoundMaterial:
         material: for the renderer.
         primvars: primvars that it reads.
         varies: whether it may change over time.
+        displacement: of surfaces that wear it, or None.
     """
 
     material: Material
     primvars: PrimvarNames = field(default_factory=PrimvarNames)
     varies: bool = False
+    displacement: Displacement | None = None
 
 
 DEFAULT_LOOK = BoundMaterial(
@@ -67,7 +70,7 @@ class _SurfaceReader:
         nodes: TextureNodes,
         log: FindingLog,
     ) -> None:
-        self._path = str(material.GetPath())
+        self._material, self._path = material, str(material.GetPath())
         self._shader, self._nodes, self._log = shader, nodes, log
         self._network = NetworkReader(time)
         self._constants: dict[str, float | tuple[float, float, float]] = {}
@@ -91,7 +94,33 @@ class _SurfaceReader:
             lookups=self._lookups,
             **self._constants,  # type: ignore[arg-type]
         )
-        return BoundMaterial(material, replace(self._primvars, uv=self._uv_name()), self._network.varies)
+        displacement = self._displacement()
+        return BoundMaterial(material, replace(self._primvars, uv=self._uv_name()), self._network.varies, displacement)
+
+    def _displacement(self) -> Displacement | None:
+        source = self._network.source(self._shader, "displacement")
+        (amount,) = self._numbers("displacement", source, (0.0,))
+        if source is None or (source.shader is None and amount == 0 and not self._network.varies):
+            return None
+        terminal = self._material.ComputeDisplacementSource()[0]
+        if not terminal or terminal.GetPath() != self._shader.GetPath():
+            self._ignored(
+                "displacement", "displacement is not connected to outputs:displacement: surfaces stay in place"
+            )
+            return None
+        if source.shader is None:
+            return Displacement(amount)
+        kind = self._nodes.kind(source.shader)
+        if kind == "UsdPrimvarReader_float":
+            (fallback,) = self._network.numbers(source.shader, "fallback", (0.0,))
+            return Displacement(fallback, str(self._network.constant(source.shader, "varname", "")))
+        if kind != "UsdUVTexture":
+            self._ignored(
+                "displacement", f"displacement is fed by {kind or 'an unknown shader'}, which is not honoured"
+            )
+            return None
+        texture = self._nodes.read(self._network, source, "data", self._path)
+        return Displacement(texture.fallback[max(texture.channel, 0)], texture.uv_name, texture.lookup)
 
     def _color(self, name: str, usd_name: str, default: tuple[float, ...]) -> None:
         source = self._network.source(self._shader, usd_name)

@@ -105,8 +105,7 @@ def test_an_unknown_type_with_a_known_fallback_is_that_type() -> None:
     ("node", "name", "kind", "value", "named"),
     [
         ("UsdPreviewSurface", "opacityMode", T.Token, "presence", False),
-        ("UsdPreviewSurface", "displacement", T.Float, 0.5, True),
-        ("UsdPreviewSurface", "displacement", T.Float, 0.0, False),
+        ("UsdPreviewSurface", "displacement", T.Float, 0.5, False),
         ("UsdPreviewSurface", "roughness", T.Float, 0.1, False),
         ("UsdPrimvarReader_float2", "fallback", T.Float2, (1, 1), True),
         ("UsdPrimvarReader_float3", "fallback", T.Float3, (1, 1, 1), False),
@@ -130,4 +129,4 @@ def test_the_displacement_of_a_preview_surface_is_its_input() -> None:
     material.CreateDisplacementOutput().ConnectToSource(shader.CreateOutput("displacement", T.Token))
     assert _messages(stage) == []
     shader.GetIdAttr().Set("ND_displacement_float")
-    assert _messages(stage) == ["outputs:displacement of /m is not honoured"]
+    assert _messages(stage) == ["outputs:displacement of /m is not honoured: that of UsdPreviewSurface alone is"]

@@ -290,6 +290,7 @@ def test_a_reader_of_a_missing_primvar_gives_its_fallback(fallback: tuple[float,
 def test_what_a_material_uses_that_is_not_honoured_is_reported() -> None:
     stage = new_stage()
     shader = add_material(stage, "/looks/a", displacement=0.5)
+    shader.CreateInput("opacityMode", T.Token).Set("presence")
     odd = UsdShade.Shader.Define(stage, "/looks/a/odd")
     odd.CreateIdAttr("StudioNoise")
     shader.CreateInput("diffuseColor", T.Color3f).ConnectToSource(odd.CreateOutput("result", T.Color3f))
@@ -298,8 +299,8 @@ def test_what_a_material_uses_that_is_not_honoured_is_reported() -> None:
     bind(add_mesh(stage, "/n").GetPrim(), "/looks/empty")
     reader = StageReader(stage)
     reader.read(0)
-    assert codes(reader) == {"material_diffuseColor", "material_unread"}
-    assert [finding.path for finding in find_not_honoured(stage)] == [f"{shader.GetPath()}.inputs:displacement"]
+    assert codes(reader) == {"material_diffuseColor", "material_displacement", "material_unread"}
+    assert [finding.path for finding in find_not_honoured(stage)] == [f"{shader.GetPath()}.inputs:opacityMode"]
 
 
 def test_equal_materials_are_one_draw() -> None:

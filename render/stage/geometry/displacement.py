@@ -79,20 +79,61 @@ def displace(polygons: Polygons, at_corners: FloatArray | DoubleArray, metric: M
     return replace(polygons, points=moved, normals=carried)
 
 
-def look_up(lookup: TextureLookup, coordinates: FloatArray) -> DoubleArray:
-    """``(n,)`` values of a texture's channel at texture coordinates ``(n, 2)``, bilinear between texels."""
+def look_up(lookup: TextureLookup, coordinates: FloatArray, step: int = 1) -> DoubleArray:
+    """``(n,)`` values of a texture's channel at texture coordinates ``(n, 2)``, bilinear between texels.
+
+    Args:
+        lookup: the texture.
+        coordinates: before the texture's own transform.
+        step: values are means over so many texels each way.
+    """
     channel = max(lookup.channel, 0)
-    places = np.column_stack([coordinates, np.ones(len(coordinates))]) @ lookup.uv_transform.T.astype(np.float64)
-    texels = lookup.image.pixels[..., channel]
+    places = _places(lookup, coordinates)
+    texels = lookup.image.pixels[..., channel].astype(np.float64)
+    across, down = texels.shape[1] / step, texels.shape[0] / step
+    texels = _means(texels, step)
     height, width = texels.shape
-    x, y = places[:, 0] * width - 0.5, (1 - places[:, 1]) * height - 0.5
+    x, y = places[:, 0] * across - 0.5, (1 - places[:, 1]) * down - 0.5
     left, top = np.floor(x), np.floor(y)
     value = np.zeros(len(places))
     for column, share_x in ((left, 1 - (x - left)), (left + 1, x - left)):
         for row, share_y in ((top, 1 - (y - top)), (top + 1, y - top)):
             (i, in_y), (j, in_x) = _wrap(row, height, lookup.wrap_t), _wrap(column, width, lookup.wrap_s)
-            value += share_x * share_y * np.where(in_x & in_y, texels[i, j].astype(np.float64), 0.0)
+            value += share_x * share_y * np.where(in_x & in_y, texels[i, j], 0.0)
     return np.asarray(value * float(lookup.scale[channel]) + float(lookup.bias[channel]))
+
+
+def texels_between(lookup: TextureLookup, at_corners: FloatArray, polygons: Polygons) -> int:
+    """Texels between neighbours on a surface, at least 1: detail that is finer than its points would be taken at random.
+
+    Args:
+        lookup: the texture.
+        at_corners: ``(c, 2)`` texture coordinates of the surface's corners.
+        polygons: the surface.
+    """
+    counts = polygons.counts[polygons.counts > 0].astype(np.int64)
+    following = np.arange(1, len(at_corners) + 1)
+    ends = np.cumsum(counts)
+    following[ends - 1] = ends - counts
+    places = _places(lookup, at_corners)
+    height, width = lookup.image.pixels.shape[:2]
+    steps = np.abs(places[following] - places) @ np.diag([width, height])
+    longest = np.sort(steps.max(axis=1))
+    return int(np.clip(longest[len(longest) // 2], 1, min(width, height)))
+
+
+def _places(lookup: TextureLookup, coordinates: FloatArray) -> DoubleArray:
+    homogeneous = np.column_stack([coordinates, np.ones(len(coordinates))])
+    return np.asarray(homogeneous @ lookup.uv_transform.T.astype(np.float64))
+
+
+def _means(texels: DoubleArray, step: int) -> DoubleArray:
+    """Means of squares of texels; those at the right and at the bottom may be cut."""
+    for axis in range(2):
+        firsts = np.arange(0, texels.shape[axis], step)
+        sizes = np.minimum(step, texels.shape[axis] - firsts)
+        texels = np.add.reduceat(texels, firsts, axis=axis) / np.expand_dims(sizes, 1 - axis)
+    return texels
 
 
 def _wrap(place: DoubleArray, count: int, wrap: Wrap) -> tuple[LongArray, BoolArray]:

@@ -12,7 +12,7 @@ from pxr import Usd
 from render.model.face_places import FacePlaces
 from render.stage.color_spaces import to_rec709
 from render.stage.findings import FindingLog
-from render.stage.geometry.displacement import UNIT_METRIC, Displacement, Metric, displace, look_up
+from render.stage.geometry.displacement import UNIT_METRIC, Displacement, Metric, displace, look_up, texels_between
 from render.stage.geometry.packs import Field, Pack, field_of, folded_shares, join_fields, pack_surfaces
 from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check, compute_normals, merge_duplicates
 from render.stage.geometry.primvars import find_primvar
@@ -200,8 +200,11 @@ class _SurfaceReader:
             read = self._coordinates(polygons, displacement.primvar or "")
         if read is None:
             amounts = np.full(len(polygons.corners), displacement.amount)
+        elif lookup is None:
+            amounts = read.values[read.index, 0]
         else:
-            amounts = (look_up(lookup, read.values) if lookup is not None else read.values[:, 0])[read.index]
+            step = texels_between(lookup, read.values[read.index], polygons)
+            amounts = look_up(lookup, read.values, step)[read.index]
         return displace(polygons, amounts, self._source.metric)
 
     def _normals(self, polygons: Polygons) -> Field | None:

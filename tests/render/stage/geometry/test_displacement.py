@@ -134,6 +134,17 @@ def test_textures_are_read_between_texels_and_wrapped() -> None:
     assert found["black"] == pytest.approx([1, 2, 3, 1.5, 0])
 
 
+def test_detail_between_points_is_its_mean(tmp_path: Path) -> None:
+    """Stripes of 0 and 1, finer than the points are apart, are a half everywhere."""
+    stage = new_stage()
+    mesh = add_mesh(stage, "/m", scheme="bilinear")
+    set_primvar(mesh.GetPrim(), "st", T.TexCoord2fArray, "vertex", UNIT_UVS)
+    stripes = np.zeros((96, 96, 3))
+    stripes[:, ::2] = 1
+    add_displaced_texture(stage, add_displaced(stage, mesh.GetPrim()), stripes, tmp_path)
+    np.testing.assert_allclose(geometry_of(stage, "veryhigh").positions[:, 2], 0.5, atol=1e-3)
+
+
 def test_a_primvar_displaces_each_point() -> None:
     stage = new_stage()
     mesh = add_mesh(stage, "/m")

@@ -8,6 +8,7 @@ from pxr import Usd, UsdGeom, Vt
 from render.errors import NotFoundError
 from render.model.arrays import DoubleArray, IntArray, LongArray
 from render.model.face_places import place_in_fan
+from render.stage.anchors.displaced_places import DisplacedPlaces
 from render.stage.assembly.draw_modes import mode_of
 from render.stage.findings import FindingLog
 from render.stage.geometry.generated import generated_varies, is_generated
@@ -41,10 +42,18 @@ class AnchorSurface:
         log: for findings.
         options: how the stage is drawn: points on refined meshes are on the limit surface, those on models with a draw mode on
             their stand-ins.
+        displaced: finds places on displaced surfaces.
     """
 
-    def __init__(self, prim: Usd.Prim, skeletons: Skeletons, log: FindingLog, options: StageOptions) -> None:
-        self._prim, self._skeletons, self._log = prim, skeletons, log
+    def __init__(
+        self,
+        prim: Usd.Prim,
+        skeletons: Skeletons,
+        log: FindingLog,
+        options: StageOptions,
+        displaced: DisplacedPlaces,
+    ) -> None:
+        self._prim, self._skeletons, self._log, self._displaced = prim, skeletons, log, displaced
         self._mode = mode_of(prim) if options.draw_modes else ""
         self._is_generated = bool(self._mode) or is_generated(prim)
         self._reshapes = bool(self._mode) or (generated_varies(prim) if self._is_generated else faces_vary(prim))
@@ -55,13 +64,25 @@ class AnchorSurface:
         self._resting: tuple[Usd.TimeCode, Vt.Vec3fArray] | None = None
         self._moves = prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(prim).GetPointsAttr().ValueMightBeTimeVarying()
 
-    def place(self, point: FocusPoint, time: Usd.TimeCode) -> tuple[LongArray, DoubleArray] | None:
-        """Point indices and their weights, ``(n,)`` each, that give the place of a focus point; None where it is on no face.
+    def find(self, point: FocusPoint, time: Usd.TimeCode) -> DoubleArray | None:
+        """``(3,)`` the place of a focus point in the prim's own space and units; None where it is on no face.
 
         Raises:
             NotFoundError: there is no such triangle.
-            BadGeometry: the faces contradict themselves.
+            BadGeometry: the faces contradict themselves, or the points are not there, or not finite.
         """
+        place = self._place(point, time)
+        if place is None:
+            return None
+        if not self._mode:
+            weights = np.array(point.barycentric, np.float64)
+            displaced = self._displaced.find(self._prim, point.face, point.fan_triangle, weights, time)
+            if displaced is not None:
+                return displaced
+        return np.asarray(place[1] @ self._points_at(place[0], time))
+
+    def _place(self, point: FocusPoint, time: Usd.TimeCode) -> tuple[LongArray, DoubleArray] | None:
+        """Point indices and their weights, ``(n,)`` each, that give the place of a focus point; None where it is on no face."""
         if point.face == -1 or not (self._mode or is_drawable(self._prim)):
             return None
         if self._faces is None or self._reshapes:
@@ -82,16 +103,8 @@ class AnchorSurface:
                 return found
         return np.asarray(corners[starts[face] + np.array([0, fan + 1, fan + 2])], np.int64), weights
 
-    def points(self, rows: LongArray, time: Usd.TimeCode) -> DoubleArray:
-        """``(n, 3)`` where some of the surface's points are at a time, in the prim's own space and units.
-
-        Args:
-            rows: ``(n,)`` which, of those that `place` gave for this time.
-            time: when.
-
-        Raises:
-            BadGeometry: they are not there, or not finite.
-        """
+    def _points_at(self, rows: LongArray, time: Usd.TimeCode) -> DoubleArray:
+        """``(n, 3)`` where some of the surface's points are, of those that `_place` gave for this time."""
         if self._points is not None:
             return self._points[rows]
         if self._resting is None or (self._moves and self._resting[0] != time):

@@ -12,6 +12,7 @@ from pxr import Sdf, Usd, UsdGeom
 from render.errors import InputError, NotFoundError, StageError
 from render.model.arrays import DoubleArray
 from render.stage.anchors.anchor_surfaces import AnchorSurface
+from render.stage.anchors.displaced_places import DisplacedPlaces
 from render.stage.anchors.part_bounds import Box, Boxes, PartBounds
 from render.stage.assembly.inventory import InstancerLink
 from render.stage.assembly.poses import InstanceReader, pose_of_instance, world_pose
@@ -164,6 +165,7 @@ class _Sources:
         self.world = world_from_stage(stage)
         self.still_poses: dict[Hashable, DoubleArray] = {}
         self._surfaces: dict[str, AnchorSurface] = {}
+        self._displaced = DisplacedPlaces(stage, skeletons, log, options.complexity)
         self._boxes = Boxes(skeletons, log)
         self._bounds: dict[str, PartBounds] = {}
         self._chains: dict[tuple[str, str], list[tuple[InstancerLink, ...]]] = {}
@@ -210,7 +212,7 @@ class _Sources:
         """The prim's surface."""
         path = str(prim.GetPath())
         if path not in self._surfaces:
-            self._surfaces[path] = AnchorSurface(prim, self.skeletons, self.log, self._options)
+            self._surfaces[path] = AnchorSurface(prim, self.skeletons, self.log, self._options, self._displaced)
         return self._surfaces[path]
 
     def chains(self, instancer: str, prim: Usd.Prim) -> list[tuple[InstancerLink, ...]]:
@@ -248,8 +250,8 @@ class _AnchorContext:
         prim = self._sources.prim(focus_point)
         surface = self._sources.surface(prim)
         try:
-            place = surface.place(focus_point, self._time)
-            on_surface = np.zeros(3) if place is None else place[1] @ surface.points(place[0], self._time)
+            found = surface.find(focus_point, self._time)
+            on_surface = np.zeros(3) if found is None else found
         except BadGeometry as problem:
             raise StageError(f"focus point {focus_point.name} is on {prim.GetPath()}, but {problem}") from problem
         return np.asarray(on_surface + np.array(focus_point.offset, np.float64))

@@ -13,7 +13,7 @@ from render.stage.assembly.instance_primvars import NONE_INHERITED, inherited_by
 from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.pieces import Piece, ShapeReader, Sides
 from render.stage.findings import FindingLog
-from render.stage.geometry.displacement import metric_of
+from render.stage.geometry.displacement import Displacement, metric_of
 from render.stage.geometry.generated import is_ribbon
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import PrimvarNames
@@ -22,7 +22,6 @@ from render.stage.geometry.stand_ins import stand_in_varies
 from render.stage.geometry.surface import surface_varies
 from render.stage.materials.bindings import bound_parts, subsets_vary
 from render.stage.materials.looks import LookReader
-from render.stage.materials.material import BoundMaterial
 from render.stage.values import UNREADABLE, why_unreadable
 
 # A surface that occurs several times is drawn by instancing only if that spares more than this many triangles; below it, another
@@ -115,7 +114,7 @@ class PieceCutter:
                     number,
                     len(parts),
                     sides,
-                    deforms or varies or (metric is not None and (look.varies or self._primvar_varies(prim, look))),
+                    deforms or varies or _displacement_varies(prim, look.displacement),
                     own,
                     from_instancers,
                     key,
@@ -123,12 +122,6 @@ class PieceCutter:
                 )
             )
         return pieces
-
-    def _primvar_varies(self, prim: Usd.Prim, look: BoundMaterial) -> bool:
-        """Whether the primvar that a displacement reads may change over time."""
-        name = look.displacement.primvar if look.displacement is not None else None
-        found = find_primvar(prim, name) if name else None
-        return found is not None and found.varies()
 
     def _cut_stand_in(self, surface: Occurrence, mode: str) -> list[Piece]:
         """The pieces of a model that is drawn by its draw mode."""
@@ -165,6 +158,13 @@ class PieceCutter:
         return name is None or (
             find_primvar(surface.prim, name) is None and not inherited_by(surface, look.primvars).opacity
         )
+
+
+def _displacement_varies(prim: Usd.Prim, displacement: Displacement | None) -> bool:
+    if displacement is None:
+        return False
+    found = find_primvar(prim, displacement.primvar) if displacement.primvar else None
+    return displacement.varies or (found is not None and found.varies())
 
 
 def _inherited_primvars(prim: Usd.Prim, primvars: PrimvarNames, time: Usd.TimeCode) -> tuple[Hashable, bool]:

@@ -25,11 +25,13 @@ class Displacement:
         amount: distance, in stage units, where nothing else gives it.
         primvar: name of the primvar that it is read from, or that a texture's coordinates are; None for a constant.
         lookup: texture, or None.
+        varies: whether it may be another at other times, but for the primvar's values.
     """
 
     amount: float
     primvar: str | None = None
     lookup: TextureLookup | None = None
+    varies: bool = False
 
 
 Metric = tuple[float, ...]

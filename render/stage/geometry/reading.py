@@ -106,6 +106,18 @@ def read_shapes(
     return shapes
 
 
+def read_displaced(source: ShapeSource, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons | None:
+    """Polygons of a surface at a time, displaced; None, and a finding, where they cannot be used.
+
+    Args:
+        source: the surface.
+        time: when.
+        skeletons: bend meshes.
+        log: for findings.
+    """
+    return _SurfaceReader(source, time, skeletons, log).polygons()
+
+
 def _make_shapes(surfaces: Sequence[_Surface], log: FindingLog) -> list[Shape | None]:
     """Shapes of surfaces of one kind."""
     pack = pack_surfaces([surface.polygons for surface in surfaces])
@@ -162,10 +174,10 @@ class _SurfaceReader:
         self._source, self._time, self._skeletons, self._log = source, time, skeletons, log
         self._prim = source.prim
 
-    def read(self) -> _Surface | None:
-        """The surface; None, and a finding, where its polygons cannot be used."""
+    def polygons(self) -> Polygons | None:
+        """Polygons of the surface, displaced; None, and a finding, where they cannot be used."""
         try:
-            polygons = self._polygons()
+            polygons = self._undisplaced()
             check(polygons)
             if self._source.displacement is not None:
                 polygons = self._displaced(polygons, self._source.displacement)
@@ -173,6 +185,13 @@ class _SurfaceReader:
         except BadGeometry as problem:
             path = self._prim.GetPath()
             self._log.add("bad_geometry", path, f"{path} is not drawn: {problem}")
+            return None
+        return polygons
+
+    def read(self) -> _Surface | None:
+        """The surface; None, and a finding, where its polygons cannot be used."""
+        polygons = self.polygons()
+        if polygons is None:
             return None
         if not len(polygons.corners):
             _note_no_faces(self._prim, self._log)
@@ -187,7 +206,7 @@ class _SurfaceReader:
             self._opacity(polygons, names) if names.opacity is not None else None,
         )
 
-    def _polygons(self) -> Polygons:
+    def _undisplaced(self) -> Polygons:
         if self._source.stand_in is not None:
             return stand_in_polygons(self._source.stand_in, self._prim, self._time)
         return read_surface(self._prim, self._time, self._skeletons, self._log, self._source.level)

@@ -12,7 +12,12 @@ from render.model.scene import TextureLookup
 from render.stage.findings import FindingLog
 from render.stage.geometry.displacement import Displacement
 from render.stage.geometry.stand_ins import StandIn
-from render.stage.materials.material import DEFAULT_LOOK, BoundMaterial, preview_surface_look
+from render.stage.materials.material import (
+    DEFAULT_LOOK,
+    BoundMaterial,
+    preview_surface_displacement,
+    preview_surface_look,
+)
 from render.stage.materials.stand_in_looks import is_stand_in, read_stand_in, stand_in_look
 from render.stage.materials.texture_nodes import TextureNodes
 from render.stage.materials.textures import TextureCache
@@ -64,6 +69,14 @@ class LookReader:
                 return path
             self._representative_of[path] = self._representatives.setdefault(_signature(look), path)
         return self._representative_of[path]
+
+    def displacement(self, path: str, time: Usd.TimeCode) -> Displacement | None:
+        """The displacement of surfaces that wear the material at a path; its other textures are not read."""
+        material = UsdShade.Material(self._stage.GetPrimAtPath(path))
+        shader = material.ComputeDisplacementSource()[0] if material else None
+        if not shader or self._nodes.kind(shader) != "UsdPreviewSurface":
+            return None
+        return preview_surface_displacement(material, shader, time, self._nodes, self._log)
 
     def stand_in(self, prim: Usd.Prim, mode: str) -> StandIn:
         """The stand-in of a model with a draw mode; its looks are at the paths of the attributes that give them."""

@@ -61,6 +61,13 @@ def preview_surface_look(
     return _SurfaceReader(material, shader, time, nodes, log).look()
 
 
+def preview_surface_displacement(
+    material: UsdShade.Material, shader: UsdShade.Shader, time: Usd.TimeCode, nodes: TextureNodes, log: FindingLog
+) -> Displacement | None:
+    """Read the displacement alone of a material whose surface is a UsdPreviewSurface."""
+    return _SurfaceReader(material, shader, time, nodes, log).displacement()
+
+
 class _SurfaceReader:
     def __init__(
         self,
@@ -94,10 +101,10 @@ class _SurfaceReader:
             lookups=self._lookups,
             **self._constants,  # type: ignore[arg-type]
         )
-        displacement = self._displacement()
+        displacement = self.displacement()
         return BoundMaterial(material, replace(self._primvars, uv=self._uv_name()), self._network.varies, displacement)
 
-    def _displacement(self) -> Displacement | None:
+    def displacement(self) -> Displacement | None:
         source = self._network.source(self._shader, "displacement")
         (amount,) = self._numbers("displacement", source, (0.0,))
         if source is None or (source.shader is None and amount == 0 and not self._network.varies):
@@ -109,18 +116,20 @@ class _SurfaceReader:
             )
             return None
         if source.shader is None:
-            return Displacement(amount)
+            return Displacement(amount, varies=self._network.varies)
         kind = self._nodes.kind(source.shader)
         if kind == "UsdPrimvarReader_float":
             (fallback,) = self._network.numbers(source.shader, "fallback", (0.0,))
-            return Displacement(fallback, str(self._network.constant(source.shader, "varname", "")))
+            varname = str(self._network.constant(source.shader, "varname", ""))
+            return Displacement(fallback, varname, varies=self._network.varies)
         if kind != "UsdUVTexture":
             self._ignored(
                 "displacement", f"displacement is fed by {kind or 'an unknown shader'}, which is not honoured"
             )
             return None
         texture = self._nodes.read(self._network, source, "data", self._path)
-        return Displacement(texture.fallback[max(texture.channel, 0)], texture.uv_name, texture.lookup)
+        amount = texture.fallback[max(texture.channel, 0)]
+        return Displacement(amount, texture.uv_name, texture.lookup, self._network.varies)
 
     def _color(self, name: str, usd_name: str, default: tuple[float, ...]) -> None:
         source = self._network.source(self._shader, usd_name)

@@ -9,7 +9,7 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdShade
 
 from render.model.scene import Geometry, Image, TextureLookup
-from render.stage import StageReader
+from render.stage import AnchorReader, StageReader
 from render.stage.geometry.displacement import look_up
 from render.stage.options import StageOptions
 from tests.render.kits.stages import (
@@ -26,6 +26,7 @@ from tests.render.kits.stages import (
     world_points,
     write_picture,
 )
+from usd_schemas import FocusPoint
 
 UNIT_UVS = [(0, 0), (1, 0), (1, 1), (0, 1)]
 CUBE_POINTS = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
@@ -169,6 +170,26 @@ def test_seams_of_texture_coordinates_stay_closed(tmp_path: Path) -> None:
     corners = np.round(geometry.positions[geometry.triangles], 5)
     edges = [tuple(sorted((tuple(t[i]), tuple(t[(i + 1) % 3])))) for t in corners.tolist() for i in range(3)]
     assert {edges.count(edge) for edge in edges} == {2}
+
+
+@pytest.mark.parametrize("scheme", ["none", "catmullClark"])
+def test_a_click_on_a_displaced_surface_stays_on_it(scheme: str, tmp_path: Path) -> None:
+    stage = new_stage()
+    mesh = add_mesh(stage, "/cube", CUBE_POINTS, [4] * 6, CUBE_CORNERS, scheme)
+    set_primvar(mesh.GetPrim(), "st", T.TexCoord2fArray, "faceVarying", UNIT_UVS * 6)
+    noise = np.random.default_rng(5).uniform(0, 0.5, (16, 16, 1)).repeat(3, axis=2)
+    add_displaced_texture(stage, add_displaced(stage, mesh.GetPrim()), noise, tmp_path)
+    options = StageOptions(complexity="high")
+    geometry = only_batch(StageReader(stage, options).read(0.0)).geometry
+    random = np.random.default_rng(7)
+    triangles, weights = random.integers(0, len(geometry.triangles), 12), random.dirichlet([1, 1, 1], 12)
+    fans, shares = geometry.fan_points(triangles, weights)
+    anchors = AnchorReader(stage, options)
+    for triangle, own, fan, share in zip(triangles, weights, fans, shares, strict=True):
+        face = int(geometry.face_ids[triangle])
+        point = FocusPoint("p", ("/cube",), face=face, fan_triangle=int(fan), barycentric=tuple(share.tolist()))
+        drawn = own @ geometry.positions[geometry.triangles[triangle]]
+        np.testing.assert_allclose(anchors.position(point, 0.0), drawn, atol=2e-5)
 
 
 def test_animated_displacement_moves() -> None:

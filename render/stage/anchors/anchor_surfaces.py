@@ -12,6 +12,7 @@ from render.stage.anchors.displaced_places import DisplacedPlaces
 from render.stage.assembly.draw_modes import mode_of
 from render.stage.findings import FindingLog
 from render.stage.geometry.generated import generated_varies, is_generated
+from render.stage.geometry.points_data import has_velocities
 from render.stage.geometry.polygons import BadGeometry, Polygons
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.stand_ins import stand_in_polygons
@@ -62,7 +63,8 @@ class AnchorSurface:
         self._limit: LimitPlaces | None = None
         self._points: DoubleArray | None = None  # of a prim that is no mesh
         self._resting: tuple[Usd.TimeCode, Vt.Vec3fArray] | None = None
-        self._moves = prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(prim).GetPointsAttr().ValueMightBeTimeVarying()
+        points = UsdGeom.Mesh(prim).GetPointsAttr() if prim.IsA(UsdGeom.Mesh) else None
+        self._moves = points is not None and (points.ValueMightBeTimeVarying() or has_velocities(prim))
 
     def find(self, point: FocusPoint, time: Usd.TimeCode) -> DoubleArray | None:
         """``(3,)`` the place of a focus point in the prim's own space and units; None where it is on no face.

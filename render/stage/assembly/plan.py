@@ -15,6 +15,7 @@ from render.stage.assembly.pieces import Piece, ShapeReader, Sides
 from render.stage.findings import FindingLog
 from render.stage.geometry.displacement import Displacement, metric_of
 from render.stage.geometry.generated import is_ribbon
+from render.stage.geometry.points_data import note_velocities
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import PrimvarNames
 from render.stage.geometry.skinning import Skeletons
@@ -90,6 +91,7 @@ class PieceCutter:
             return self._cut_stand_in(surface, surface.draw_mode)
         prim, time = surface.prim, self.shapes.time
         parts = bound_parts(prim, self.binding_purposes, time, self.log)
+        note_velocities(prim, self.log)
         deforms = surface_varies(prim, self.skeletons) or subsets_vary(prim)
         double = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)) or is_ribbon(prim)
         materials = [self.looks.representative(part.material, time) for part in parts]

@@ -9,6 +9,7 @@ from pxr import Usd
 
 from render.stage.findings import FindingLog
 from render.stage.geometry import curves, implicit, particles, patches, tetrahedra
+from render.stage.geometry.points_data import has_velocities
 from render.stage.geometry.polygons import Polygons
 from render.stage.values import schema_type
 
@@ -35,7 +36,7 @@ def generated_varies(prim: Usd.Prim) -> bool:
     if implicit.is_implicit(prim):
         return implicit.shape_varies(prim)
     found = (prim.GetAttribute(name) for name in _ATTRIBUTES[schema_type(prim)])
-    return any(attribute and attribute.ValueMightBeTimeVarying() for attribute in found)
+    return has_velocities(prim) or any(attribute and attribute.ValueMightBeTimeVarying() for attribute in found)
 
 
 def generated_polygons(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> Polygons:

@@ -16,6 +16,9 @@ from render.stage.values import format_value
 DEFAULT_WIDTH = 1.0
 """Width of curves and points that have none, in units of the prim, as in Storm."""
 
+_MOST_CHECKED = 4
+"""Samples of velocities that are compared with those of the points."""
+
 
 def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray:
     """``(n, 3)`` points of a prim.
@@ -23,7 +26,49 @@ def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray:
     Raises:
         BadGeometry: there are none, or the value is no list of points.
     """
-    return as_points(UsdGeom.PointBased(prim).GetPointsAttr().Get(time))
+    return as_points(point_values(prim, time))
+
+
+def point_values(prim: Usd.Prim, time: Usd.TimeCode) -> object:
+    """Points of a prim as USD has them: between samples by their velocities and accelerations where it has these, as
+    UsdGeomPointBased wants it, else between those of both samples.
+    """
+    based = UsdGeom.PointBased(prim)
+    if has_velocities(prim) and not time.IsDefault():
+        samples = [attribute.GetBracketingTimeSamples(time.GetValue()) for attribute in _moving(based)]
+        if samples[0][:1] == samples[1][:1]:
+            return based.ComputePointsAtTime(time, time)
+    return based.GetPointsAttr().Get(time)
+
+
+def has_velocities(prim: Usd.Prim) -> bool:
+    """Whether a prim's points move between samples by velocities."""
+    velocities = UsdGeom.PointBased(prim).GetVelocitiesAttr()
+    return bool(velocities and velocities.HasAuthoredValue())
+
+
+def note_velocities(prim: Usd.Prim, log: FindingLog) -> None:
+    """Note velocities that belong to no sample of the points."""
+    if not has_velocities(prim):
+        return
+    points, velocities = _moving(UsdGeom.PointBased(prim))
+    times, path = points.GetTimeSamples(), prim.GetPath()
+    if times != velocities.GetTimeSamples():
+        message = f"velocities of {path} are used where they have the times of samples of its points alone"
+        log.add("bad_velocities", path, message)
+    for time in times[:_MOST_CHECKED]:
+        values = (attribute.Get(time) for attribute in (points, velocities))
+        sizes = [len(value) if isinstance(value, Sized) else 0 for value in values]
+        if sizes[0] != sizes[1]:
+            message = (
+                f"velocities of {path} are not used where there are not as many as points: {sizes[1]} for {sizes[0]}"
+            )
+            log.add("bad_velocities", path, message)
+            return
+
+
+def _moving(based: UsdGeom.PointBased) -> tuple[Usd.Attribute, Usd.Attribute]:
+    return based.GetPointsAttr(), based.GetVelocitiesAttr()
 
 
 def as_points(value: object) -> FloatArray:

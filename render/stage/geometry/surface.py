@@ -11,7 +11,14 @@ from pxr import Usd, UsdGeom, Vt
 from render.model.arrays import FloatArray, IntArray, LongArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.generated import generated_polygons, generated_varies, is_generated
-from render.stage.geometry.points_data import as_points, authored_normals, whole_numbers
+from render.stage.geometry.points_data import (
+    as_points,
+    authored_normals,
+    has_velocities,
+    point_values,
+    read_points,
+    whole_numbers,
+)
 from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, check, check_counts
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.subdivision.limit_places import LimitPlaces
@@ -33,7 +40,7 @@ def surface_varies(prim: Usd.Prim, skeletons: Skeletons) -> bool:
     """Whether the prim's polygons may change over time in its own space."""
     if is_generated(prim):
         return generated_varies(prim)
-    return _varies(prim, _MESH_ATTRIBUTES) or skeletons.bends(prim)
+    return _varies(prim, _MESH_ATTRIBUTES) or has_velocities(prim) or skeletons.bends(prim)
 
 
 def read_surface(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog, level: int = 0) -> Polygons:
@@ -104,9 +111,8 @@ def resting_points(prim: Usd.Prim, time: Usd.TimeCode) -> Vt.Vec3fArray:
     Raises:
         BadGeometry: there are no points, or they are not valid.
     """
-    attribute = UsdGeom.Mesh(prim).GetPointsAttr()
     with _translate_errors():
-        value = attribute.Get(time)
+        value = point_values(prim, time)
         whole = isinstance(value, Vt.Vec3fArray) and len(value) > 0
         return value if whole else Vt.Vec3fArray.FromNumpy(as_points(value))
 
@@ -152,7 +158,7 @@ def _translate_errors() -> Iterator[None]:
 def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
     mesh = UsdGeom.Mesh(prim)
     polygons = Polygons(
-        points=as_points(mesh.GetPointsAttr().Get(time)),
+        points=read_points(prim, time),
         counts=whole_numbers(mesh.GetFaceVertexCountsAttr(), time),
         corners=whole_numbers(mesh.GetFaceVertexIndicesAttr(), time),
         normals=authored_normals(prim, time),

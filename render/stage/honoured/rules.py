@@ -110,10 +110,7 @@ RULES = {
     "ColorSpaceDefinitionAPI": Rules(EVERYTHING),
     "Xform": Rules(),
     "Gprim": Rules("doubleSided primvars:displayColor primvars:displayOpacity"),
-    "PointBased": Rules(
-        "points normals",
-        ignored={"velocities accelerations": "points move as they are authored at each time"},
-    ),
+    "PointBased": Rules("points normals velocities accelerations"),
     "Mesh": Rules(
         "faceVertexCounts faceVertexIndices holeIndices orientation subdivisionScheme cornerIndices cornerSharpnesses "
         "creaseIndices creaseLengths creaseSharpnesses interpolateBoundary faceVaryingLinearInterpolation "

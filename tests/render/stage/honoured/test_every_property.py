@@ -60,6 +60,8 @@ ACCESSORS = {
     "primvars:skel:jointIndices": "ComputeVaryingJointInfluences",
     "primvars:skel:jointWeights": "ComputeVaryingJointInfluences",
     "primvars:skel:skinningMethod": "GetSkinningMethod",
+    "velocities": "GetVelocitiesAttr",
+    "accelerations": "ComputePointsAtTime",
     "model:drawMode": "ComputeModelDrawMode",
     "lod:default:index": "GetLodDefaultIndexAttr",
     "lod:heuristics": "GetLodHeuristicsRel",

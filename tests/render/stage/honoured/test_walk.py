@@ -13,22 +13,32 @@ def _messages(stage: Usd.Stage) -> list[str]:
     return [finding.message for finding in find_not_honoured(stage)]
 
 
+def scale_blur(prim: UsdGeom.Mesh, value: float | None = 0.5) -> Usd.Attribute:
+    """Author a property that is not honoured."""
+    attribute = UsdGeom.MotionAPI.Apply(prim.GetPrim()).CreateMotionBlurScaleAttr()
+    if value is not None:
+        attribute.Set(value)
+    return attribute
+
+
 def test_prims_with_the_same_property_make_one_finding() -> None:
     stage = new_stage()
     for number in range(1200):
-        add_mesh(stage, f"/m{number}").CreateVelocitiesAttr([(0, 0, 1)])
+        scale_blur(add_mesh(stage, f"/m{number}"))
     (finding,) = find_not_honoured(stage)
-    assert (finding.code, finding.path, finding.count) == ("not_honoured", "/m0.velocities", 1200)
-    assert finding.message.startswith("velocities of /m0 and 1,199 other prims is not honoured: ")
+    assert (finding.code, finding.path, finding.count) == ("not_honoured", "/m0.motion:blurScale", 1200)
+    assert finding.message.startswith("motion:blurScale of /m0 and 1,199 other prims is not honoured: ")
 
 
-@pytest.mark.parametrize("value", [None, [], "samples"])
+@pytest.mark.parametrize("value", [None, 1.0, "samples"])
 def test_what_says_nothing_is_not_named(value: object) -> None:
     stage = new_stage()
-    attribute = add_mesh(stage, "/m").CreateVelocitiesAttr()
+    attribute = scale_blur(add_mesh(stage, "/m"), None)
     if value == "samples":
-        attribute.Set([(1, 0, 0)], 5)
-        assert _messages(stage) == ["velocities of /m is not honoured: points move as they are authored at each time"]
+        attribute.Set(0.5, 5)
+        assert _messages(stage) == [
+            "motion:blurScale of /m is not honoured: motion is blurred as long as the shutter is open"
+        ]
         attribute.Clear()
     elif value is None:
         attribute.Block()
@@ -39,15 +49,15 @@ def test_what_says_nothing_is_not_named(value: object) -> None:
 
 def test_a_value_of_another_type_is_named() -> None:
     stage = new_stage()
-    add_mesh(stage, "/m")
-    spec = Sdf.AttributeSpec(stage.GetRootLayer().GetPrimAtPath("/m"), "accelerations", T.Float)
-    spec.default = 2.0
+    UsdGeom.MotionAPI.Apply(add_mesh(stage, "/m").GetPrim())
+    spec = Sdf.AttributeSpec(stage.GetRootLayer().GetPrimAtPath("/m"), "motion:blurScale", T.Token)
+    spec.default = "much"
     assert len(_messages(stage)) == 1
 
 
 def test_a_prototype_counts_once_under_its_first_instance() -> None:
     stage = new_stage()
-    add_mesh(stage, "/class/leaf/mesh").CreateVelocitiesAttr([(0, 0, 1)])
+    scale_blur(add_mesh(stage, "/class/leaf/mesh"))
     stage.GetPrimAtPath("/class").SetSpecifier(Sdf.SpecifierClass)
     for tree in ("/class/tree/a", "/class/tree/b"):
         prim = stage.DefinePrim(tree)
@@ -64,10 +74,10 @@ def test_a_prototype_counts_once_under_its_first_instance() -> None:
 
 def test_prototypes_of_an_instancer_that_are_overs_count() -> None:
     stage = new_stage()
-    add_mesh(stage, "/pi/protos/ball").CreateVelocitiesAttr([(0, 0, 1)])
+    scale_blur(add_mesh(stage, "/pi/protos/ball"))
     stage.GetPrimAtPath("/pi/protos").SetSpecifier(Sdf.SpecifierOver)
     instancer(stage, "/pi", ["/pi/protos/ball"], [0, 0])
-    assert [finding.path for finding in find_not_honoured(stage)] == ["/pi/protos/ball.velocities"]
+    assert [finding.path for finding in find_not_honoured(stage)] == ["/pi/protos/ball.motion:blurScale"]
 
 
 def test_inactive_prims_and_properties_of_no_schema_do_not_count() -> None:
@@ -76,7 +86,7 @@ def test_inactive_prims_and_properties_of_no_schema_do_not_count() -> None:
     prim.CreateAttribute("studio:version", T.Int).Set(3)
     prim.CreateAttribute("primvars:mask", T.Float).Set(1.0)
     inactive = add_mesh(stage, "/n")
-    inactive.CreateVelocitiesAttr([(0, 0, 1)])
+    scale_blur(inactive)
     inactive.GetPrim().SetActive(False)
     assert _messages(stage) == []
 
@@ -97,8 +107,8 @@ def test_an_unknown_type_with_a_known_fallback_is_that_type() -> None:
     stage.SetMetadata("fallbackPrimTypes", {"StudioMesh": Vt.TokenArray(["Mesh"])})
     stage = Usd.Stage.Open(stage.GetRootLayer())
     prim = stage.DefinePrim("/m", "StudioMesh")
-    UsdGeom.Mesh(prim).CreateVelocitiesAttr([(0, 0, 1)])
-    assert [finding.path for finding in find_not_honoured(stage)] == ["/m.velocities"]
+    scale_blur(UsdGeom.Mesh(prim))
+    assert [finding.path for finding in find_not_honoured(stage)] == ["/m.motion:blurScale"]
 
 
 @pytest.mark.parametrize(

@@ -183,16 +183,17 @@ class _Walk:
         if below is None:
             return
         is_shown = self._pass is None or bool(state.chain) or self._pass.shows(prim.GetPath())
+        if self._draw_modes and prim.IsModel():
+            mode = draw_mode(prim, below.draw_mode, self._log)
+            if mode in MODES and is_replaced(prim):
+                if is_shown and below.purpose.purpose in self._purposes:
+                    self._add(prim, below, mode)
+                return
+            below = below if mode == below.draw_mode else replace(below, draw_mode=mode)
         if prim.IsA(UsdGeom.PointInstancer):
             if is_shown:
                 self._instancer(prim, below)
             return
-        if self._draw_modes and prim.IsModel():
-            below = replace(below, draw_mode=draw_mode(prim, below.draw_mode, self._log))
-            if below.draw_mode in MODES and is_replaced(prim):
-                if is_shown and below.purpose.purpose in self._purposes:
-                    self._add(prim, below, below.draw_mode)
-                return
         if is_shown:
             self._take(prim, below)
         self._descend(prim, below)

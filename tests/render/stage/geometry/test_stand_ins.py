@@ -247,6 +247,18 @@ def test_stand_ins_in_native_and_point_instances() -> None:
     assert scene.triangle_count == 144 * (1 + 1 + 2 + 3)
 
 
+def test_an_instancer_that_is_a_model_is_replaced_as_a_whole() -> None:
+    stage = new_stage()
+    Usd.ModelAPI(UsdGeom.Xform.Define(stage, "/set")).SetKind("group")
+    add_mesh(stage, "/set/many/quad")
+    prim = instancer(stage, "/set/many", ["/set/many/quad"], [0, 0, 0]).GetPrim()
+    Usd.ModelAPI(prim).SetKind("component")
+    UsdGeom.ModelAPI.Apply(prim).CreateModelDrawModeAttr("bounds")
+    scene = read(stage)
+    assert scene.triangle_count == 144
+    np.testing.assert_allclose(box_of(scene), [[0, 0, 0], [21, 1, 0]], atol=0.05)
+
+
 @pytest.mark.parametrize(
     ("attribute", "value"),
     [("drawMode", "wires"), ("cardGeometry", "round"), ("drawModeColor", Gf.Vec3f(float("nan")))],

@@ -64,7 +64,7 @@ _NOT_USED_OF_GL = (
     "vboimplementation",
 )
 """Modules of OpenGL.GL that it imports all names of."""
-_USED_OF_GL_4 = ("base_instance", "copy_image", "texture_storage")
+_USED_OF_GL_4 = ("base_instance", "copy_image", "texture_storage", "texture_view")
 """Extensions that became part of these versions, and are used."""
 
 _had_infty = hasattr(np, "infty")

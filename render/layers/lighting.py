@@ -16,7 +16,7 @@ from render.layers.light_parts import light_parts
 from render.layers.light_profiles import ProfileMaps
 from render.layers.lights import dome_irradiance, lighting_options, pack_lights, row_order, select_lights, unit_axes
 from render.layers.materials import HalfTexture
-from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerRenderer
+from render.layers.renderer import DOME_UNIT, LayerRenderer
 from render.layers.shadow_maps import ShadowMaps
 from render.layers.shadows import ShadowPlan, Sphere, plan_shadows
 from render.layers.targets import LayerTargets
@@ -38,7 +38,7 @@ class Lighting:
         self._dome_map = _dome_texture(None)
         self._harmonics = dome_irradiance(None)
         self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
-        self._maps = ShadowMaps(renderer.draw_shadow)
+        self._maps = ShadowMaps(renderer.draw_shadow, ctx, programs)
 
     def load(self, scene: Scene) -> None:
         """Load a scene's lights and dome; its shadows are out of date until `cast_shadows`."""
@@ -67,12 +67,13 @@ class Lighting:
         for path, slot in paths.items() if any(draw.batch.links.unshadowed for draw in draws) else ():
             own = [draw for draw in draws if path not in draw.batch.links.unshadowed]
             casting[slot.first : slot.first + slot.count] = [own] * slot.count
-        return self._maps.cast(self._plan.clip_from_world, casting)
+        soft = {slot.first + i for slot in self._plan.slots.values() if slot.outline[2] for i in range(slot.count)}
+        return self._maps.cast(self._plan.clip_from_world, casting, soft)
 
     @property
     def options(self) -> dict[str, int | float | str]:
         """Defines of the shaders that light surfaces, by what the scene's lights need."""
-        return lighting_options(self._lights) | self._links.options
+        return lighting_options(self._lights, self._plan.slots.values()) | self._links.options
 
     def bind(self, view: PinholeView) -> None:
         """Bind the lighting of surfaces, in the space that they are drawn in."""
@@ -87,11 +88,9 @@ class Lighting:
 
     def bind_maps(self) -> None:
         """Bind the dome's image, the shadow maps and the profiles to their texture units, which other passes may use too."""
-        shadows = self._maps.texture
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
         self._dome_map._bind()
-        GL.glActiveTexture(GL.GL_TEXTURE0 + SHADOW_UNIT)
-        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, shadows)
+        self._maps.bind()
         self._profiles.bind()
 
     def draw_background(self, view: PinholeView, targets: LayerTargets) -> None:

@@ -6,7 +6,7 @@ frame has room for all that a shot uses and costs nothing per primitive.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,6 +17,7 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Dome, Light
 
 MAX_LIGHTS = 96
+_ROWS = 11
 _KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0, "cylinder": 3.0}
 
 
@@ -29,12 +30,17 @@ class ShadowSlot:
         count: number of maps.
         texel_m: width of a texel at 1 m (distant: anywhere), metres.
         origin: ``(3,)`` place that they are seen from, world.
+        per_depth: change of depth in a map to that of 1/distance, 1/m (distant: of distance, m).
+        outline: of the light's kernel (``layers/soft_shadow.glsl``): half its size along X and along Y, or its radius, metres
+            (distant: tangent of its half angle); and 1 for a ball, 2 a disk, 3 a rect, 4 a tube, 0 for a light that is a point.
     """
 
     first: int
     count: int
     texel_m: float
     origin: DoubleArray
+    per_depth: float = 0.0
+    outline: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def select_lights(lights: tuple[Light, ...]) -> tuple[Light, ...]:
@@ -64,13 +70,18 @@ def area_m2(light: Light) -> float:
     return float(np.pi * light.radius_m**2)
 
 
-def lighting_options(lights: Sequence[Light]) -> dict[str, int | float | str]:
-    """Defines of the parts of ``layers/lighting.glsl`` that lights need, so that others cost nothing."""
+def lighting_options(lights: Sequence[Light], slots: Collection[ShadowSlot]) -> dict[str, int | float | str]:
+    """Defines of the parts of ``layers/lighting.glsl`` that lights need, so that others cost nothing.
+
+    Args:
+        lights: lights that are drawn.
+        slots: their shadow slots.
+    """
     needs = {
         "TUBES": any(light.kind == "cylinder" for light in lights),
         "PROFILES": any(light.profile is not None for light in lights),
         "FOCUSED": any(light.focus > 0 for light in lights),
-        "SHADOW_COLORS": any(any(light.shadow_color) for light in lights if light.casts_shadow),
+        "SOFT_SHADOWS": any(slot.outline[2] for slot in slots),
     }
     return {name: 1 for name, is_needed in needs.items() if is_needed}
 
@@ -111,10 +122,11 @@ def pack_lights(
     if dome is not None:
         dome_from_camera[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ world_from_camera[:3, :3]
         radiance[:3] = np.multiply(dome.radiance, dome.specular)
-    rows = np.zeros((MAX_LIGHTS, 9, 4), np.float32)
-    drawn = ((part, i) for i in dict.fromkeys(order) for part in parts[i])
-    for row, (part, i) in enumerate(drawn):
+    rows = np.zeros((MAX_LIGHTS, _ROWS, 4), np.float32)
+    drawn = ((part, i, number) for i in dict.fromkeys(order) for number, part in enumerate(parts[i]))
+    for row, (part, i, number) in enumerate(drawn):
         rows[row] = _light_rows(part, camera_from_world, shadows.get(i))
+        rows[row, 9, 3] = 0 if number else len(parts[i])
         rows[row, 6, 3] = next((n for n, profile in enumerate(profiles, 1) if profile is part.profile), 0)
     blocks = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
     return np.concatenate([np.asarray(part, np.float32).ravel() for part in blocks]).tobytes()
@@ -171,7 +183,7 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     radius = np.sqrt(area / np.pi)
     if light.kind in ("distant", "cylinder"):
         radius = np.sin(light.angle_rad / 2) if light.kind == "distant" else light.radius_m
-    rows = np.zeros((9, 4), np.float32)
+    rows = np.zeros((_ROWS, 4), np.float32)
     rows[0] = [*position, _KINDS[light.kind]]
     rows[1] = [*(-rotation[:, 2]), radius]
     rows[2] = [*light.radiance, area]
@@ -184,6 +196,9 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     rows[7, :3] = light.shadow_color
     if shadow is not None:
         rows[8, :3] = (camera_from_world @ [*shadow.origin, 1.0])[:3]
+        rows[9, :3] = shadow.outline
+        reach_m = light.shadow_reach_m if np.isfinite(light.shadow_reach_m) else -1.0
+        rows[10] = [shadow.per_depth, reach_m, min(light.shadow_fade_m, max(reach_m, 0.0)), light.shadow_gamma]
     return rows
 
 

@@ -35,7 +35,7 @@ OPAQUE = 0.999
 """Opacity from which a surface hides the surfaces behind it."""
 _ANY_OPACITY = 1e-6
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING, _LINK_BINDING = 1, 2, 3, 4
-DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materials use those below 8
+DOME_UNIT = 9  # texture unit as the shaders bind it; materials use those below 8
 _PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT, _REST_UNIT = 8, 11, 12, 13, 14, 15
 
 

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
+import moderngl
 import numpy as np
 
 from render.gl.compat import GL
 from render.gl.resources import Construction
+from render.gl.shaders import ProgramCache
 from render.layers.index import Draw
+from render.layers.shadow_cells import ShadowCells
 from render.layers.shadows import SHADOW_MAP_SIDE_PX
 from render.model.arrays import DoubleArray
 
+SHADOW_UNIT = 10
+"""Texture unit as ``layers/shadow.glsl`` binds it."""
 DrawMap = Callable[[int, DoubleArray, Sequence[Draw]], None]
 """Function that draws into the bound map: side in pixels, ``(4, 4)`` clip from world, draws."""
 
@@ -25,11 +30,13 @@ class _CachedMap:
         view: ``(4, 4)`` clip from world.
         draws: all draws that cast shadows in it.
         still: those of them that are in the cached map of still draws.
+        is_soft: whether it has a pyramid of nearest casters.
     """
 
     view: DoubleArray
     draws: tuple[Draw, ...]
     still: tuple[Draw, ...] = ()
+    is_soft: bool = False
 
 
 class ShadowMaps:
@@ -37,10 +44,13 @@ class ShadowMaps:
 
     Args:
         draw: function that draws into a bound map.
+        ctx: context.
+        programs: its programs.
     """
 
-    def __init__(self, draw: DrawMap) -> None:
-        self._draw = draw
+    def __init__(self, draw: DrawMap, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._draw, self._ctx, self._programs = draw, ctx, programs
+        self._cells: ShadowCells | None = None
         self._all, self._still = _Maps(), _Maps()
         self._cast: dict[int, _CachedMap] = {}
 
@@ -50,27 +60,43 @@ class ShadowMaps:
         self._all.reserve(1)
         return self._all.texture
 
-    def cast(self, views: DoubleArray, casting: Sequence[Sequence[Draw]]) -> bool:
+    def bind(self) -> None:
+        """Bind the maps to their texture unit, and their cells, where lights have a size."""
+        GL.glActiveTexture(GL.GL_TEXTURE0 + SHADOW_UNIT)
+        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, self.texture)
+        if self._cells is not None:
+            self._cells.bind()
+
+    def cast(self, views: DoubleArray, casting: Sequence[Sequence[Draw]], soft: Collection[int]) -> bool:
         """Draw the maps that have changed.
 
         Args:
             views: ``(n, 4, 4)`` clip from world of each map.
             casting: all draws that cast shadows, for each map.
+            soft: maps of lights with a size.
 
         Returns:
             Whether any map was drawn.
         """
         if self._all.reserve(len(views)):
             self._cast = {}
+            self._release_cells()
+        if soft and self._cells is None:
+            self._cells = ShadowCells(
+                self._ctx, self._programs, self._all.texture, SHADOW_MAP_SIDE_PX, self._all.layers
+            )
         changed = False
         for layer, (view, draws) in enumerate(zip(views, casting, strict=True)):
             last = self._cast.get(layer)
             if last is not None and not np.array_equal(last.view, view):
                 last = None
-            if last is not None and _ids(last.draws) == _ids(draws):
+            if last is not None and _ids(last.draws) == _ids(draws) and last.is_soft >= (layer in soft):
                 continue
             self._cast.pop(layer, None)  # until it is drawn
-            self._cast[layer] = self._draw_map(layer, view, tuple(draws), last, len(views))
+            drawn = self._draw_map(layer, view, tuple(draws), last, len(views))
+            if self._cells is not None and layer in soft:
+                self._cells.build(layer)
+            self._cast[layer] = replace(drawn, is_soft=layer in soft)
             changed = True
         return changed
 
@@ -98,8 +124,14 @@ class ShadowMaps:
     def release(self) -> None:
         """Release the memory on the device."""
         self._cast = {}
+        self._release_cells()
         self._all.release()
         self._still.release()
+
+    def _release_cells(self) -> None:
+        if self._cells is not None:
+            self._cells.release()
+        self._cells = None
 
 
 class _Maps:
@@ -108,19 +140,19 @@ class _Maps:
     def __init__(self) -> None:
         self.texture = 0
         self._framebuffer = 0
-        self._layers = 0
+        self.layers = 0
 
     def reserve(self, layers: int) -> bool:
         """Allocate at least ``layers`` maps, and at least one; true where they are new and empty."""
         layers = max(1, layers)
-        if self._layers >= layers:
+        if self.layers >= layers:
             return False
         self.release()
         with Construction() as making:
             self.texture = _depth_array(SHADOW_MAP_SIDE_PX, layers)
             making.callback(GL.glDeleteTextures, [self.texture])
             self._framebuffer = GL.glGenFramebuffers(1)
-        self._layers = layers
+        self.layers = layers
         return True
 
     def draw(self, draw: DrawMap, layer: int, view: DoubleArray, draws: Sequence[Draw], *, clear: bool) -> None:
@@ -145,10 +177,10 @@ class _Maps:
 
     def release(self) -> None:
         """Release the memory on the device."""
-        if self._layers:
+        if self.layers:
             GL.glDeleteTextures([self.texture])
             GL.glDeleteFramebuffers(1, [self._framebuffer])
-        self.texture = self._framebuffer = self._layers = 0
+        self.texture = self._framebuffer = self.layers = 0
 
 
 def _ids(draws: Sequence[Draw]) -> set[int]:
@@ -166,18 +198,7 @@ def _depth_array(side_px: int, layers: int) -> int:
     with Construction() as making:
         making.callback(GL.glDeleteTextures, [name])
         GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, name)
-        GL.glTexImage3D(
-            GL.GL_TEXTURE_2D_ARRAY,
-            0,
-            GL.GL_DEPTH_COMPONENT32F,
-            side_px,
-            side_px,
-            layers,
-            0,
-            GL.GL_DEPTH_COMPONENT,
-            GL.GL_FLOAT,
-            None,
-        )
+        GL.glTexStorage3D(GL.GL_TEXTURE_2D_ARRAY, 1, GL.GL_DEPTH_COMPONENT32F, side_px, side_px, layers)
         for parameter, value in (
             (GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR),
             (GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR),

@@ -6,15 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.layers.lights import ShadowSlot, light_power, unit_axes
+from render.layers.lights import ShadowSlot, area_m2, light_power, unit_axes
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
-from render.model.scene import Light
+from render.model.scene import POINT_RADIUS_M, Light
 
 MAX_SHADOW_MAPS = 12
 SHADOW_MAP_SIDE_PX = 1024
 _WIDEST_RAD = np.radians(150.0)
 _ALL_AROUND = ("sphere", "cylinder", "mesh")
+_FACE_MARGIN = 1.2  # of six maps: a penumbra near the edge of one is all in it
+_SHAPES = {"distant": 1.0, "sphere": 1.0, "mesh": 1.0, "disk": 2.0, "rect": 3.0, "cylinder": 4.0}
+_LEAST_HALF = 1e-5
 _CUBE_AXES = ((0, 1), (0, -1), (1, 1), (1, -1), (2, 1), (2, -1))
 
 
@@ -64,9 +67,10 @@ def plan_shadows(lights: tuple[Light, ...], whole: Sphere, region: Sphere | None
     matrices: list[DoubleArray] = []
     casters = [i for i, light in enumerate(lights) if light.casts_shadow]
     for i in sorted(casters, key=lambda i: -light_power(lights[i])):
-        maps, texel_m = _light_maps(lights[i], whole, part)
+        maps, texel_m, per_depth = _light_maps(lights[i], whole, part)
         if len(matrices) + len(maps) <= MAX_SHADOW_MAPS:
-            slots[i] = ShadowSlot(len(matrices), len(maps), texel_m, lights[i].pose[:3, 3])
+            place = lights[i].pose[:3, 3]
+            slots[i] = ShadowSlot(len(matrices), len(maps), texel_m, place, per_depth, light_outline(lights[i]))
             matrices += maps
     return ShadowPlan(slots, np.array(matrices).reshape(-1, 4, 4))
 
@@ -86,18 +90,40 @@ def sphere_around(corners: DoubleArray) -> Sphere:
     return Sphere(x, y, z, float(np.linalg.norm(high - low) / 2) or 1.0)
 
 
-def _light_maps(light: Light, whole: Sphere, part: Sphere) -> tuple[list[DoubleArray], float]:
+def light_outline(light: Light) -> tuple[float, float, float]:
+    """Outline of a light's kernel, as of `ShadowSlot`. A point whose shadows end has one too, since that takes their distance."""
+    match light.kind:
+        case "distant":
+            half_x = half_y = float(np.tan(min(light.angle_rad / 2, _WIDEST_RAD / 2)))
+        case "rect":
+            half_x, half_y = light.width_m / 2, light.height_m / 2
+        case "cylinder":
+            half_x, half_y = light.length_m / 2, light.radius_m
+        case "mesh":
+            half_x = half_y = float(np.sqrt(area_m2(light) / np.pi))
+        case _:
+            half_x = half_y = light.radius_m
+    least = 0.0 if light.kind == "distant" else POINT_RADIUS_M
+    is_point = max(half_x, half_y) <= least and np.isinf(light.shadow_reach_m)
+    return max(half_x, _LEAST_HALF), max(half_y, _LEAST_HALF), 0.0 if is_point else _SHAPES[light.kind]
+
+
+def _light_maps(light: Light, whole: Sphere, part: Sphere) -> tuple[list[DoubleArray], float, float]:
+    """Matrices of a light's maps, the width of a texel at 1 m, and the change of 1/distance (or distance) with depth."""
     position = light.pose[:3, 3]
     forward = -unit_axes(light.pose)[:, 2]
     if light.kind == "distant":
-        return [_orthographic(forward, whole, part)], 2 * part.radius_m / SHADOW_MAP_SIDE_PX
-    far_m = float(np.linalg.norm(position - whole.centre)) + whole.radius_m
+        return [_orthographic(forward, whole, part)], 2 * part.radius_m / SHADOW_MAP_SIDE_PX, 2 * whole.radius_m
     near_m = max(0.02, light.radius_m * 1.01 if light.kind in _ALL_AROUND else 0.02)
+    far_m = max(float(np.linalg.norm(position - whole.centre)) + whole.radius_m, near_m * 1.001)
+    per_depth = 1 / near_m - 1 / far_m
     if light.kind in _ALL_AROUND and light.cone_angle_rad >= _WIDEST_RAD / 2:
-        maps = [_perspective(position, sign * np.eye(3)[axis], np.pi / 2, near_m, far_m) for axis, sign in _CUBE_AXES]
-        return maps, 2 / SHADOW_MAP_SIDE_PX
-    field = min(2 * light.cone_angle_rad, _WIDEST_RAD)
-    return [_perspective(position, forward, field, near_m, far_m)], 2 * np.tan(field / 2) / SHADOW_MAP_SIDE_PX
+        field = 2 * float(np.arctan(_FACE_MARGIN if light_outline(light)[2] else 1.0))
+        maps = [_perspective(position, sign * np.eye(3)[axis], field, near_m, far_m) for axis, sign in _CUBE_AXES]
+    else:
+        field = min(2 * light.cone_angle_rad, _WIDEST_RAD)
+        maps = [_perspective(position, forward, field, near_m, far_m)]
+    return maps, 2 * float(np.tan(field / 2)) / SHADOW_MAP_SIDE_PX, per_depth
 
 
 def _view_matrix(position: DoubleArray, forward: DoubleArray) -> DoubleArray:
@@ -131,7 +157,6 @@ def _perspective(
     position: DoubleArray, forward: DoubleArray, field_rad: float, near_m: float, far_m: float
 ) -> DoubleArray:
     scale = 1 / np.tan(field_rad / 2)
-    far_m = max(far_m, near_m * 1.001)
     clip = np.zeros((4, 4))
     clip[0, 0] = clip[1, 1] = scale
     clip[2, 2] = near_m / (far_m - near_m)

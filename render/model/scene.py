@@ -257,6 +257,8 @@ class Batch:
 
 PROFILE_SHAPE = 64, 256
 """Directions of a light's profile: around its axis, and away from it."""
+POINT_RADIUS_M = 1e-3
+"""Radius of the sphere that a light without a size is drawn as. Its shadows are those of a point."""
 LightKind = Literal["distant", "sphere", "disk", "rect", "cylinder", "mesh"]
 
 
@@ -286,6 +288,9 @@ class Light:
         focus_tint: ``(3,)`` colour that the light fades to off its axis.
         casts_shadow: UsdLuxShadowAPI.
         shadow_color: ``(3,)`` share of its light that its shadows keep.
+        shadow_reach_m: how far from what casts it a shadow falls; infinity for any distance.
+        shadow_fade_m: the last part of that, in which the shadow fades.
+        shadow_gamma: exponent of that fading; 1 for a linear one.
         path: prim path.
     """
 
@@ -308,6 +313,9 @@ class Light:
     focus_tint: tuple[float, float, float] = (0.0, 0.0, 0.0)
     casts_shadow: bool = True
     shadow_color: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    shadow_reach_m: float = float("inf")
+    shadow_fade_m: float = 0.0
+    shadow_gamma: float = 1.0
     path: str = ""
 
 

@@ -16,7 +16,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux
 from render import colour
 from render.errors import InputError
 from render.model.arrays import DoubleArray, FloatArray
-from render.model.scene import Dome, Image, Light
+from render.model.scene import POINT_RADIUS_M, Dome, Image, Light
 from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.color_spaces import rgb_to_working, space_of, to_rec709
 from render.stage.findings import FindingLog
@@ -32,8 +32,6 @@ from render.stage.world import is_y_up, rigid_frame, world_from_stage
 
 RGB = tuple[float, float, float]
 _DOMES = ("DomeLight", "DomeLight_1")
-# A zero-radius light with `normalize` has all its power at a point; it is drawn as a sphere this wide.
-_POINT_RADIUS_M = 1e-3
 # Beyond these a light's power overflows single precision; the sun's disc has a radiance of 2e9 nits and a radius of 7e8 m.
 _MAX_RADIANCE = 1e18
 _MAX_MEASURE = 1e10
@@ -194,7 +192,7 @@ class LightReader:
             path = prim.GetPath()
             self._log.add("light_without_area", path, f"light {path} is dark: its radius is 0 and it is not normalised")
             return None
-        radius_m = max(radius_m, _POINT_RADIUS_M)
+        radius_m = max(radius_m, POINT_RADIUS_M)
         factor = 1 / (area_factor * (radius_m / self._metres_per_unit) ** 2) if normalised else 1.0
         return self._light(prim, kind, pose, time, factor, radius_m=radius_m)
 
@@ -221,7 +219,7 @@ class LightReader:
             which = "radius is 0 and it is not normalised" if length_m > 0 else "length is 0"
             self._log.add("light_without_area", path, f"light {path} is dark: its {which}")
             return None
-        radius_m = max(radius_m, _POINT_RADIUS_M)
+        radius_m = max(radius_m, POINT_RADIUS_M)
         area = 2 * np.pi * radius_m * length_m / self._metres_per_unit**2  # its ends are dark
         factor = 1 / area if normalised else 1.0
         return self._light(prim, "cylinder", pose, time, factor, radius_m=radius_m, length_m=length_m)
@@ -262,6 +260,18 @@ class LightReader:
             self._log.add("bad_profile", path, message)
             return None
 
+    def _shadow_limits(self, prim: Usd.Prim, time: Usd.TimeCode) -> dict[str, float]:
+        """Fields of a `Light` that end its shadows; none where ``distance`` is negative, as by default: they reach anywhere."""
+        reach = _number(prim, "inputs:shadow:distance", time)
+        if not prim.HasAPI(UsdLux.ShadowAPI) or not 0 <= reach <= _MAX_MEASURE:
+            return {}
+        fade, gamma = (_number(prim, f"inputs:shadow:{name}", time) for name in ("falloff", "falloffGamma"))
+        return {
+            "shadow_reach_m": reach * self._metres_per_unit,
+            "shadow_fade_m": min(max(fade, 0.0), reach) * self._metres_per_unit,
+            "shadow_gamma": min(max(gamma, 0.0), _MAX_FOCUS) if np.isfinite(gamma) else 1.0,
+        }
+
     def _light(
         self, prim: Usd.Prim, kind: str, pose: DoubleArray, time: Usd.TimeCode, factor: float, **measures: float
     ) -> Light:
@@ -284,6 +294,7 @@ class LightReader:
             shadow_color=_color(prim, "inputs:shadow:color", time, self._log) if shadow else (0.0, 0.0, 0.0),
             path=str(prim.GetPath()),
             **measures,  # type: ignore[arg-type]
+            **self._shadow_limits(prim, time),  # type: ignore[arg-type]
         )
 
 

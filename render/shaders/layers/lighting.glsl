@@ -15,6 +15,10 @@ struct Light {
     vec4 focus_tint;        // colour that the focus leaves off the axis; number of the profile, 0 for none
     vec4 shadow_color;      // share of its light that shadows keep
     vec4 shadow_origin;     // place that its shadow maps are seen from
+    vec4 extent;            // half its size along X and Y, or its radius (m; distant: tangent of its half angle); its outline: 0 a point,
+                            // 1 a ball, 2 a disk, 3 a rect, 4 a tube; with shadows: number of rows of its light, in the first of them
+    vec4 soft;              // change of its shadow maps' depth to that of 1/distance (distant: of distance); farthest that shadows reach
+                            // from casters, or -1; width of the zone within where they fade (m), and the exponent of that
 };
 
 layout(std140, binding = 2) uniform LightBlock {
@@ -117,13 +121,13 @@ vec3 shaping(Light light, vec3 direction)
 #include "layers/tube.glsl"
 #endif
 
-Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l)
+Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v)
 {
 #ifdef TUBES
-    if (light.position_kind.w > 2.5) return tube_contribution(light, s, p, v, l);
+    if (light.position_kind.w > 2.5) return tube_contribution(light, s, p, v);
 #endif
     float spread;
-    vec3 irradiance = light.radiance_area.rgb;
+    vec3 l, irradiance = light.radiance_area.rgb;
     if (light.position_kind.w < 0.5) {
         l = -light.axis_radius.xyz;
         spread = light.axis_radius.w * 0.5;
@@ -176,21 +180,26 @@ Reflected reflected_light(Reflector s, vec3 p, vec3 v)
     Reflected sum = Reflected(vec3(0.0), vec3(0.0));
     if (lighting.count.y > 0.5 && shines(127)) sum = dome_contribution(s, v);
     int n = int(lighting.count.x), shadowed = int(lighting.count.w);
-    vec3 l;
     // two loops, since a CPU runs both sides of a branch: only lights with shadow maps pay for them
-    for (int i = 0; i < shadowed; ++i) {
-        if (!shines(i)) continue;
-        Reflected own = light_contribution(lighting.lights[i], s, p, v, l);
-#ifdef SHADOW_COLORS
-        vec3 visible = mix(lighting.lights[i].shadow_color.rgb, vec3(1.0), shadow_visibility(lighting.lights[i], p, s.normal, l));
-#else
-        float visible = shadow_visibility(lighting.lights[i], p, s.normal, l);
-#endif
-        sum = Reflected(sum.diffuse + visible * own.diffuse, sum.specular + visible * own.specular);
+    for (int i = 0; i < shadowed;) {
+        int rows = int(lighting.lights[i].extent.w);
+        Reflected own = Reflected(vec3(0.0), vec3(0.0));
+        bool is_lit = shines(i);
+        for (int row = i; is_lit && row < i + rows; ++row) {
+            Reflected part = light_contribution(lighting.lights[row], s, p, v);
+            own = Reflected(own.diffuse + part.diffuse, own.specular + part.specular);
+        }
+        // what the light does not reach needs no shadow
+        is_lit = is_lit && any(greaterThan(own.diffuse + own.specular, vec3(0.0)));
+        for (int once = 0; is_lit && once < 1; ++once) {
+            vec3 visible = mix(lighting.lights[i].shadow_color.rgb, vec3(1.0), shadow_visibility(lighting.lights[i], p, s.normal));
+            sum = Reflected(sum.diffuse + visible * own.diffuse, sum.specular + visible * own.specular);
+        }
+        i += rows;
     }
     for (int i = shadowed; i < n; ++i) {
         if (!shines(i)) continue;
-        Reflected own = light_contribution(lighting.lights[i], s, p, v, l);
+        Reflected own = light_contribution(lighting.lights[i], s, p, v);
         sum = Reflected(sum.diffuse + own.diffuse, sum.specular + own.specular);
     }
     return sum;

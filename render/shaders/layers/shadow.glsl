@@ -1,6 +1,8 @@
 // Visibility of a light from a point, by shadow maps (one for a distant, disk, rect or spot light, six for one that
 // shines all around).
-// The maps hold reversed depth (1 near, 0 far); four bilinear comparisons soften the edge over about two texels.
+// The maps hold reversed depth (1 near, 0 far). A light without size: four bilinear comparisons soften the edge over about two
+// texels. One with a size: percentage-closer soft shadows (Fernando 2005), with the light's own outline as the kernel
+// (soft_shadow.glsl).
 
 layout(std140, binding = 3) uniform ShadowBlock {
     mat4 clip_from_camera[MAX_SHADOW_MAPS];
@@ -16,11 +18,28 @@ int cube_face(vec3 d)  // the order of the maps of a sphere light: +X -X +Y -Y +
     return d.z > 0.0 ? 4 : 5;
 }
 
-float shadow_visibility(Light light, vec3 p, vec3 n, vec3 l)
+float hard_visibility(float map, vec3 at)
+{
+    vec2 uv = at.xy * 0.5 + 0.5, texel = 0.75 / vec2(textureSize(shadow_maps, 0).xy);
+    float lit = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        vec2 offset = vec2((i & 1) * 2 - 1, (i >> 1) * 2 - 1) * texel;
+        lit += texture(shadow_maps, vec4(uv + offset, map, at.z));
+    }
+    return lit * 0.25;
+}
+
+#ifdef SOFT_SHADOWS
+#include "layers/soft_shadow.glsl"
+#endif
+
+float shadow_visibility(Light light, vec3 p, vec3 n)
 {
     int map = int(light.shadow.x);
     bool distant = light.position_kind.w < 0.5;
-    float distance_m = distant ? 1.0 : length(light.shadow_origin.xyz - p);
+    vec3 to_light = distant ? -light.axis_radius.xyz : light.shadow_origin.xyz - p;
+    float distance_m = distant ? 1.0 : length(to_light);
+    vec3 l = to_light / max(distance_m, 1e-6);
     // offset the point from its surface by the size of its texel, more at grazing light
     float texel_m = light.shadow.w * distance_m;
     p += n * texel_m * (1.0 + 2.0 * (1.0 - clamp(dot(n, l), 0.0, 1.0))) + l * light.shadow.z;
@@ -29,11 +48,9 @@ float shadow_visibility(Light light, vec3 p, vec3 n, vec3 l)
     if (clip.w <= 0.0) return 1.0;
     vec3 at = clip.xyz / clip.w;
     if (any(greaterThan(abs(at.xy), vec2(1.0))) || at.z <= 0.0) return 1.0;
-    vec2 uv = at.xy * 0.5 + 0.5, texel = 0.75 / vec2(textureSize(shadow_maps, 0).xy);
-    float lit = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        vec2 offset = vec2((i & 1) * 2 - 1, (i >> 1) * 2 - 1) * texel;
-        lit += texture(shadow_maps, vec4(uv + offset, float(map), at.z));
-    }
-    return lit * 0.25;
+#ifdef SOFT_SHADOWS
+    return light.extent.z > 0.5 ? soft_visibility(light, map, at, l, distance_m, clip.w) : hard_visibility(float(map), at);
+#else
+    return hard_visibility(float(map), at);
+#endif
 }

@@ -25,7 +25,7 @@ float weighed_angle(float alpha, float spread, float off, float narrow, vec2 end
     return 2.0 * sin(0.5 * angle) * cos(clamp(shown, first + 0.5 * angle, last - 0.5 * angle));
 }
 
-Reflected tube_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l)
+Reflected tube_contribution(Light light, Reflector s, vec3 p, vec3 v)
 {
     vec3 centre = light.position_kind.xyz - p;
     float half_m = length(light.tube_focus.xyz), radius = light.axis_radius.w;
@@ -36,7 +36,7 @@ Reflected tube_contribution(Light light, Reflector s, vec3 p, vec3 v, out vec3 l
     float nearer = 1.0 - 0.25 * PI * radius * inversesqrt(far2), h2 = nearer * nearer * far2, h = sqrt(h2);
     foot *= nearer;
     radius *= nearer;  // as wide as before from the surface
-    l = normalize(centre);
+    vec3 l = normalize(centre);
     // the part above the horizon, as distances along the line from its foot
     float rise = dot(s.normal, axis), height = dot(s.normal, foot);
     float from = along - half_m, to = along + half_m;

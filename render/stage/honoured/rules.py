@@ -192,12 +192,7 @@ RULES = {
     "CollectionAPI:lightLink": Rules(EVERYTHING),
     "CollectionAPI:shadowLink": Rules(EVERYTHING),
     "CollectionAPI": Rules(neutral={f"collection collection:includes {_WHICH}": "a set for other properties to name"}),
-    "ShadowAPI": Rules(
-        "inputs:shadow:color inputs:shadow:enable",
-        ignored={
-            "inputs:shadow:distance inputs:shadow:falloff inputs:shadow:falloffGamma": "shadows reach as far as light does"
-        },
-    ),
+    "ShadowAPI": Rules(EVERYTHING),
     "ShapingAPI": Rules(f"{_CONE} {_PROFILE}"),
     "DiskLight": Rules("inputs:radius"),
     "DistantLight": Rules(
@@ -224,7 +219,9 @@ RULES = {
             "portals": "they guide the sampling of a dome, which is not sampled",
         },
         ignored={
-            "inputs:shadow:color inputs:shadow:enable": "domes cast no shadows",
+            "inputs:shadow:color inputs:shadow:distance inputs:shadow:enable inputs:shadow:falloff inputs:shadow:falloffGamma": (
+                "domes cast no shadows"
+            ),
             f"{_CONE} {_PROFILE}": "a dome has no cone",
         },
     ),

@@ -159,7 +159,6 @@ def test_what_is_not_honoured_is_reported() -> None:
     light = UsdLux.SphereLight.Define(stage, "/l")
     UsdLux.LightFilter.Define(stage, "/filter")
     light.GetFiltersRel().AddTarget("/filter")
-    UsdLux.ShadowAPI.Apply(light.GetPrim()).CreateShadowDistanceAttr(2.0)
     UsdLux.DomeLight.Define(stage, "/dome1")
     UsdLux.DomeLight.Define(stage, "/dome2")
     reader = StageReader(stage)
@@ -170,7 +169,6 @@ def test_what_is_not_honoured_is_reported() -> None:
     assert {finding.path for finding in find_not_honoured(stage)} == {
         "/filter",
         "/l.light:filters",
-        "/l.inputs:shadow:distance",
     }
 
 
@@ -210,6 +208,25 @@ def test_focus_and_the_colour_of_shadows_are_read() -> None:
     prim.GetAttribute("inputs:shadow:color").Set(Gf.Vec3f(float("nan"), 0, 0))
     prim.GetAttribute("inputs:shaping:focus").Set(float("inf"))
     assert np.isfinite([light_of(stage).focus, *light_of(stage).shadow_color]).all()
+
+
+def test_how_far_shadows_reach_is_read() -> None:
+    """In units of the stage; a negative distance, the default, is none."""
+    stage = new_stage(0.01)
+    shadow = UsdLux.ShadowAPI.Apply(UsdLux.DiskLight.Define(stage, "/l").GetPrim())
+    assert np.isinf(light_of(stage).shadow_reach_m)
+    shadow.CreateShadowDistanceAttr(200.0)
+    shadow.CreateShadowFalloffAttr(50.0)
+    shadow.CreateShadowFalloffGammaAttr(2.0)
+    found = light_of(stage)
+    assert (found.shadow_reach_m, found.shadow_fade_m, found.shadow_gamma) == pytest.approx((2.0, 0.5, 2.0))
+    assert find_not_honoured(stage) == []
+    shadow.GetShadowFalloffAttr().Set(900.0)
+    shadow.GetShadowFalloffGammaAttr().Set(float("nan"))
+    found = light_of(stage)
+    assert (found.shadow_fade_m, found.shadow_gamma) == pytest.approx((2.0, 1.0))
+    shadow.GetShadowDistanceAttr().Set(float("nan"))
+    assert np.isinf(light_of(stage).shadow_reach_m)
 
 
 def test_a_rect_light_has_its_picture(tmp_path: Path) -> None:

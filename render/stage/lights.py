@@ -19,6 +19,7 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import POINT_RADIUS_M, Dome, Image, Light
 from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.color_spaces import rgb_to_working, space_of, to_rec709
+from render.stage.dome_formats import FORMATS, latlong_image
 from render.stage.findings import FindingLog
 from render.stage.geometry.skinning import Skeletons
 from render.stage.limits import PlaceError
@@ -58,6 +59,7 @@ class LightReader:
         self._world = world_from_stage(stage)
         self._skeletons, self._complexity = skeletons, complexity
         self._profiles: dict[tuple[str, float, bool], FloatArray] = {}
+        self._converted: tuple[Image, str, Image] | None = None
         self._confined_to = confinement(stage)
         self._metres_per_unit = float(np.linalg.norm(self._world[:3, 0]))
 
@@ -147,11 +149,16 @@ class LightReader:
 
     def _dome_image(self, prim: Usd.Prim, time: Usd.TimeCode) -> Image | None:
         path = prim.GetPath()
-        layout = prim.GetAttribute("inputs:texture:format").Get(time)
-        if layout not in ("automatic", "latlong") and _texture(prim, time) is not None:
-            self._log.add("dome_format", path, f"dome {path} is uniform: texture format {layout} is not honoured")
+        layout = str(prim.GetAttribute("inputs:texture:format").Get(time))
+        if layout not in ("automatic", "latlong", *FORMATS) and _texture(prim, time) is not None:
+            self._log.add("dome_format", path, f"dome {path} is uniform: USD knows no texture format {layout}")
             return None
-        return self._image(prim, time, f"dome texture {{}}; dome {path} is uniform")
+        image = self._image(prim, time, f"dome texture {{}}; dome {path} is uniform")
+        if image is None or layout not in FORMATS:
+            return image
+        if self._converted is None or self._converted[:2] != (image, layout):
+            self._converted = image, layout, latlong_image(image, layout)
+        return self._converted[2]
 
     def _image(self, prim: Usd.Prim, time: Usd.TimeCode, message: str) -> Image | None:
         """Image that a light names; None, and a finding by ``message``, where it cannot be read."""

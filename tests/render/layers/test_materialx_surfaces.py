@@ -275,3 +275,20 @@ def test_a_cut_out_leaves_holes(renderer: FrameRenderer, tmp_path: Path) -> None
     surface = f'<standard_surface name="S" type="surfaceshader">{opacity}</standard_surface>'
     got = picture(renderer, wall(tmp_path, document(surface, nodes)), 8)[4, :, 3]
     assert sorted({round(float(value)) for value in (got[1], got[6])}) == [0, 1]
+
+
+def test_a_set_of_udim_tiles_is_drawn(renderer: FrameRenderer, tmp_path: Path) -> None:
+    """Tiles 1001 and 1012, of unlike sizes; where there is none, the default."""
+    write_picture(tmp_path / "t.1001.png", np.tile(np.array([255, 0, 0], np.uint8), (8, 8, 1)))
+    write_picture(tmp_path / "t.1012.png", np.tile(np.array([0, 255, 0], np.uint8), (32, 32, 1)))
+    image = (
+        '<image name="i" type="color3"><input name="file" type="filename" value="t.&lt;UDIM&gt;.png"/>'
+        '<input name="default" type="color3" value="0,0,0.5"/></image>'
+    )
+    stage = wall(tmp_path, glowing(image, 'nodename="i"'))
+    prim = stage.GetPrimAtPath("/wall")
+    set_primvar(prim, "st", Sdf.ValueTypeNames.TexCoord2fArray, "vertex", [(0, 0), (2, 0), (2, 2), (0, 2)])
+    got = picture(renderer, stage)[..., :3]
+    np.testing.assert_allclose(got[12, 3], (1, 0, 0), atol=0.01)
+    np.testing.assert_allclose(got[3, 12], (0, 1, 0), atol=0.01)
+    np.testing.assert_allclose(got[3, 3], (0, 0, 0.5), atol=0.01)

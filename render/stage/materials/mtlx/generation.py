@@ -241,11 +241,11 @@ class ProgramWriter:
         value = given.value or ""
         if kind == "filename":
             name = f"f{len(self._files)}"
-            self._files[name] = (given, node, _numbers_of(node.inputs.get("default")))
+            self._files[name] = (given, node, numbers_of(node.inputs.get("default")))
             return name
         if kind == "string":
             if key == "geomprop":
-                return self._primvar(value, _numbers_of(node.inputs.get("default")))
+                return self._primvar(value, numbers_of(node.inputs.get("default")))
             return value if _WORD.fullmatch(value) else None
         if kind == "boolean":
             return value if value in ("true", "false") else None
@@ -401,7 +401,8 @@ def _numbers(text: str) -> tuple[float, ...]:
     return values if all(math.isfinite(value) and abs(value) <= _MOST for value in values) else ()
 
 
-def _numbers_of(given: Input | None) -> tuple[float, ...]:
+def numbers_of(given: Input | None) -> tuple[float, ...]:
+    """Numbers of an input's value; none where it has none, or no finite ones."""
     return _numbers(given.value) if given is not None and given.value is not None else ()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,9 +17,10 @@ from render.stage.materials.image_files import TextureError
 from render.stage.materials.material import BoundMaterial
 from render.stage.materials.mtlx.document_networks import DocumentNetworks
 from render.stage.materials.mtlx.documents import DocumentError, file_in, read_document, studio_documents
-from render.stage.materials.mtlx.generation import GeometryUse, ImageUse, Program, ProgramWriter
-from render.stage.materials.mtlx.network import Input, Network, NetworkError
+from render.stage.materials.mtlx.generation import GeometryUse, ImageUse, Program, ProgramWriter, numbers_of
+from render.stage.materials.mtlx.network import Input, Network, NetworkError, Node
 from render.stage.materials.mtlx.surfaces import SURFACES, SurfaceShader
+from render.stage.materials.mtlx.udim import TileGrid, grid_of, spread_coordinates, tile_files
 from render.stage.materials.mtlx.usd_networks import surface_network
 from render.stage.materials.textures import TextureCache
 
@@ -38,6 +39,7 @@ class MaterialXLooks:
     def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
         self._stage, self._textures, self._log = stage, textures, log
         self._documents: dict[str, DocumentNetworks | None] = {}
+        self._grids: dict[tuple[int, tuple[float, ...]], TileGrid] = {}
 
     def of_document(self, path: str, time: Usd.TimeCode) -> BoundMaterial | None:
         """Look of a material prim that a .mtlx reference should have provided; None where there is none."""
@@ -98,6 +100,7 @@ class MaterialXLooks:
             self._unread(path, f"its surface is a {category[:60]}; {', '.join(SURFACES)} are drawn")
             return None
         frame = 0.0 if time.IsDefault() else time.GetValue()
+        grids = spread_coordinates(network, lambda node, given: self._grid(path, node, given))
         writer = ProgramWriter(network, frame, frame / self._stage.GetTimeCodesPerSecond())
         try:
             program = writer.write()
@@ -107,15 +110,41 @@ class MaterialXLooks:
         for note in writer.notes:
             self._log.add("materialx_node", f"{path} {note}", f"in material {path}, {note}: its default is used")
         self._note_lobes(path, network, shader)
-        return _LookWriter(path, network, shader, program, self._stage, self._textures, self._log).look(
+        return _LookWriter(path, network, shader, program, grids, self._stage, self._textures, self._log).look(
             varies or program.animated
         )
+
+    def _grid(self, path: str, node: Node, given: Input) -> TileGrid | None:
+        """The tiles of a UDIM set; None, and a finding, where there are none."""
+        name, files = given.value or "", tile_files(given)
+        try:
+            if not files:
+                raise TextureError("has no tiles")
+            tiles, problems = self._textures.tiled(name, files, _space_of(given, node), "data")
+        except (TextureError, InputError) as problem:
+            message = f"texture {name[:200]} {problem}; a constant is used in {path} instead"
+            self._log.add("texture_unreadable", f"{path} {name[:200]}", message)
+            return None
+        for number, reason in problems.items():
+            message = f"tile {number} of texture {name[:200]} {reason}; a constant is used in {path} instead"
+            self._log.add("texture_unreadable", f"{path} tile {number}", message)
+        key = id(tiles), numbers_of(node.inputs.get("default"))
+        if key not in self._grids:
+            self._grids[key] = grid_of(tiles, key[1])
+        return self._grids[key]
 
     def _note_lobes(self, path: str, network: Network, shader: SurfaceShader) -> None:
         used = [name for name in shader.lobes if _is_used(network.surface.inputs.get(name))]
         if used:
             message = f"in material {path}, {', '.join(used)} of {network.surface.category} are not drawn"
             self._log.add("materialx_lobes", path, message)
+
+
+def _space_of(given: Input, node: Node | None) -> str:
+    """Colour space of an image that a node reads, as textures name it."""
+    is_color = node is None or node.type in ("color3", "color4", "")
+    space = given.color_space if is_color and given.color_space else "raw"
+    return {"srgb_texture": "sRGB", "none": "raw"}.get(space, space)
 
 
 def _is_used(given: Input | None) -> bool:
@@ -140,6 +169,7 @@ class _LookWriter:
     network: Network
     shader: SurfaceShader
     program: Program
+    grids: Mapping[int, Image]
     stage: Usd.Stage
     textures: TextureCache
     log: FindingLog
@@ -205,10 +235,10 @@ class _LookWriter:
         )
 
     def _image(self, use: ImageUse) -> Image:
+        if id(use.input) in self.grids:
+            return self.grids[id(use.input)]
         name = use.input.value or ""
-        is_color = use.node is None or use.node.type in ("color3", "color4", "")
-        space = use.input.color_space if is_color and use.input.color_space else "raw"
-        space = {"srgb_texture": "sRGB", "none": "raw"}.get(space, space)
+        space = _space_of(use.input, use.node)
         try:
             if not name:
                 raise TextureError("is not named")

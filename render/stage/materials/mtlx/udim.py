@@ -1,0 +1,106 @@
+"""UDIM sets in networks of MaterialX: tiles side by side in one image, since the library's functions read single images."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.model.scene import Image
+from render.model.udim import FIRST_TILE, LAST_TILE, TILES_A_ROW
+from render.stage.materials.mtlx.documents import file_in
+from render.stage.materials.mtlx.network import Input, Link, Network, Node
+
+TOKEN = "<UDIM>"
+MOST_SIDE_PX = 8192
+_COORDINATES = {"image": "texcoord", "UsdUVTexture": "st"}
+"""Inputs for texture coordinates of the nodes that may read sets, by category."""
+
+
+@dataclass(frozen=True, eq=False)
+class TileGrid:
+    """Tiles side by side.
+
+    Attributes:
+        image: the tiles; where there is none, the set's fallback.
+        first: column and row of the tile at the lower left, from 0.
+        size: number of columns and rows.
+    """
+
+    image: Image
+    first: tuple[int, int]
+    size: tuple[int, int]
+
+
+def tile_files(given: Input) -> dict[int, str]:
+    """Paths of the tiles of a set by their numbers: of the files that are there."""
+    pattern = file_in(given.folder, given.value or "")
+    folder, name = os.path.split(pattern)
+    before, _, after = name.partition(TOKEN)
+    expression = re.compile(rf"{re.escape(before)}(\d{{4}}){re.escape(after)}")
+    try:
+        names = os.listdir(folder)
+    except OSError:
+        return {}
+    found = {int(match[1]): os.path.join(folder, match[0]) for match in map(expression.fullmatch, names) if match}
+    return {number: path for number, path in sorted(found.items()) if FIRST_TILE <= number <= LAST_TILE}
+
+
+def grid_of(tiles: Image, fallback: tuple[float, ...]) -> TileGrid:
+    """Put the tiles of a set side by side, averaged down where the whole would be too large.
+
+    Args:
+        tiles: the set.
+        fallback: colour where there is no tile; black where it is empty.
+    """
+    numbers = np.array(tiles.tiles) - FIRST_TILE
+    columns, rows = numbers % TILES_A_ROW, numbers // TILES_A_ROW
+    first = int(columns.min()), int(rows.min())
+    size = int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1
+    height, width = tiles.pixels.shape[1:3]
+    step = max(1, -(-width * size[0] // MOST_SIDE_PX), -(-height * size[1] // MOST_SIDE_PX))
+    height, width = max(1, height // step), max(1, width // step)
+    whole = np.empty((height * size[1], width * size[0], 4), np.float16)
+    whole[:] = np.array([*(fallback[:3] if len(fallback) >= 3 else fallback[:1] * 3 or (0, 0, 0)), 1], np.float16)
+    for pixels, column, row in zip(tiles.pixels, columns, rows, strict=True):
+        left, top = (column - first[0]) * width, (size[1] - 1 - (row - first[1])) * height
+        cut = pixels[: height * step, : width * step].reshape(height, step, width, step, 4)
+        whole[top : top + height, left : left + width] = cut.mean(axis=(1, 3), dtype=np.float32)
+    return TileGrid(Image(whole, tiles.name, tiles.channels), first, size)
+
+
+def spread_coordinates(network: Network, grid: Callable[[Node, Input], TileGrid | None]) -> dict[int, Image]:
+    """Make the nodes of a network that read sets read grids of tiles in their place.
+
+    Args:
+        network: it, which is changed.
+        grid: the grid of a set, by the node and its input; None where it cannot be read.
+
+    Returns:
+        Images of the grids, by the identity of the inputs that name them.
+    """
+    images = {}
+    for node in list(network.nodes()):
+        given = node.inputs.get("file")
+        key = _COORDINATES.get(node.category)
+        found = grid(node, given) if given is not None and key and TOKEN in (given.value or "") else None
+        if given is None or key is None or found is None:
+            continue
+        plain = Link(Node("texcoord", "vector2", name=f"{node.name} coordinates"))
+        own = node.inputs.get(key, Input("vector2", source=plain))
+        moved = Node("subtract", "vector2", {"in1": own, "in2": _pair(found.first)}, name=f"{node.name} place")
+        scaled = Node("divide", "vector2", {"in1": Input("vector2", source=Link(moved)), "in2": _pair(found.size)})
+        node.inputs |= {
+            key: Input("vector2", source=Link(scaled)),
+            "uaddressmode": Input("string", "clamp"),
+            "vaddressmode": Input("string", "clamp"),
+        }
+        images[id(given)] = found.image
+    return images
+
+
+def _pair(values: tuple[int, int]) -> Input:
+    return Input("vector2", f"{values[0]}, {values[1]}")

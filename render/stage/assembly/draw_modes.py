@@ -19,6 +19,8 @@ def draw_mode(prim: Usd.Prim, above: str, log: FindingLog) -> str:
         above: mode that holds above it; empty where that is not known.
         log: notes a mode that USD does not have.
     """
+    if above and not prim.GetAttribute("model:drawMode"):
+        return above
     try:
         found = str(UsdGeom.ModelAPI(prim).ComputeModelDrawMode(above))
     except UNREADABLE:

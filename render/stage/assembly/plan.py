@@ -91,8 +91,9 @@ class PieceCutter:
             return self._cut_stand_in(surface, surface.draw_mode)
         prim, time = surface.prim, self.shapes.time
         parts = bound_parts(prim, self.binding_purposes, time, self.log)
-        note_velocities(prim, self.log)
         deforms = surface_varies(prim, self.skeletons) or subsets_vary(prim)
+        if deforms:
+            note_velocities(prim, self.log)
         double = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)) or is_ribbon(prim)
         materials = [self.looks.representative(part.material, time) for part in parts]
         opaque = len(parts) == 1 or all(self._is_opaque(surface, material) for material in materials)

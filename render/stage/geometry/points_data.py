@@ -43,7 +43,7 @@ def point_values(prim: Usd.Prim, time: Usd.TimeCode) -> object:
 
 def has_velocities(prim: Usd.Prim) -> bool:
     """Whether a prim's points move between samples by velocities."""
-    velocities = UsdGeom.PointBased(prim).GetVelocitiesAttr()
+    velocities = prim.GetAttribute("velocities")  # faster than by the schema: all prims are asked
     return bool(velocities and velocities.HasAuthoredValue())
 
 

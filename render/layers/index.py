@@ -16,6 +16,9 @@ from render.model.scene import Batch, Geometry, Image, Material, Scene, Wrap
 
 DrawKey = tuple[int, int, int, bool]
 """Ids of geometry and material, the number among draws with the same two, and whether the draw is mirrored."""
+_FIRST_VALUES = (
+    4  # further numbers of a vertex in pyrender's attribute for tangents; the others are in its second coordinates
+)
 _POSE_BUFFER = 1  # index among the buffers of pyrender's primitive: vertices, poses, indices
 CachedNode = tuple[pyrender.Node, tuple[object, ...]]
 """Node, and the objects whose ids its key holds: kept alive so that no new object gets their id."""
@@ -187,6 +190,8 @@ class SceneIndex:
             normals=g.normals,
             texcoord_0=g.uvs,
             color_0=g.colors,
+            tangents=None if g.values is None else g.values[:, :_FIRST_VALUES],
+            texcoord_1=None if g.values is None else g.values[:, _FIRST_VALUES:],
             indices=g.triangles,
             material=self._material(batch.material),
         )

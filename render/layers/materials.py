@@ -174,6 +174,9 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
             self.defines[f"MAP_{name.upper()}"] = "sampler2DArray" if textures[name].image.tiles else "sampler2D"
             if textures[name].image.tiles:
                 self.defines["TILED"] = 1
+            at = material.lookups[name].uv_at
+            self.defines[f"PLACE_{name.upper()}"] = "uv" if at < 0 else f"value_pair({at})"
+        self.defines |= {f"FROM_{name.upper()}": first for name, first in material.values.items()}
         self.block = _pack(material)
 
     @property

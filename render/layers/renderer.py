@@ -406,13 +406,16 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             tuple(material.defines.items()),
             primitive.texcoord_0 is None,
             primitive.color_0 is None,
+            primitive.tangents is None,
         )
         if draw.batch.instance_colors is not None:
             defines["INSTANCE_COLORS"] = 1
         key += tuple(sorted(defines.items()))
         if key not in self._programs:
             attributes = ["NORMAL_LOC"]
+            attributes += ["VALUES_0_LOC"] * (primitive.tangents is not None)
             attributes += ["TEXCOORD_0_LOC"] * (primitive.texcoord_0 is not None)
+            attributes += ["VALUES_1_LOC"] * (primitive.texcoord_1 is not None)
             attributes += ["COLOR_0_LOC"] * (primitive.color_0 is not None) + ["INST_M_LOC"]
             constants = {"OPAQUE": OPAQUE, "MAX_HALF": MOST_RADIANCE}
             places = {name: place for place, name in enumerate(attributes, start=1)}

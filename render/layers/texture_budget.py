@@ -121,6 +121,8 @@ class TextureBudget:
                 if texture is None:
                     continue
                 texels = density * metres_at_1_m * _least_stretch(texture, lookup) / np.sqrt(2)
+                if lookup.uv_at >= 0:  # densities are those of the first texture coordinates
+                    texels = 0.0
                 level = np.log2(max(texels, _EVERYTHING)) - np.log2(detail * texture.anisotropy) - _SLACK
                 levels[texture] = min(levels[texture], max(0, int(np.floor(level))))
         return levels

@@ -23,6 +23,8 @@ from render.model.face_places import FacePlaces
 from render.model.splats import SplatBatch
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
+VALUES_WIDTH = 6
+"""Further numbers of a vertex that a material may read."""
 MAX_TEXTURES = 8
 """Images, or ways to wrap them, that one material looks up."""
 CameraRole = Literal["seen", "holdout", "unseen"]
@@ -62,6 +64,7 @@ class TextureLookup:
         wrap_t: wrapping up the image.
         channel: which channel a scalar input takes: 0 red, 1 green, 2 blue, 3 alpha; -1 where the input is a colour.
         fallback: ``(4,)`` float32 value, without scale and bias, where a set of tiles has none. Sets ignore the wrapping.
+        uv_at: first of the two numbers of ``Geometry.values`` that are its texture coordinates; -1 for ``Geometry.uvs``.
     """
 
     image: Image
@@ -72,6 +75,7 @@ class TextureLookup:
     wrap_t: Wrap = "repeat"
     channel: int = -1
     fallback: FloatArray = field(default_factory=lambda: np.zeros(4, np.float32))
+    uv_at: int = -1
 
 
 @dataclass(frozen=True)
@@ -112,6 +116,8 @@ class Material:
         uses_display_color: multiply base_color and opacity by the mesh's displayColor and displayOpacity
             (a mesh with no material bound has a white material with this set).
         unlit: show ``emissive`` alone, whatever the lights and the shading, and cast no shadow.
+        values: first of the numbers of ``Geometry.values`` that replace the constant of an input, by its name: one number, or
+            three of colours.
         lookups: textures by input name: base_color, emissive, metallic, roughness, specular, opacity, normal, occlusion,
             clearcoat, clearcoat_roughness, ior; of a graph by the name of the sampler. They show at most `MAX_TEXTURES` images,
             twice as many of a graph.
@@ -134,6 +140,7 @@ class Material:
     clearcoat_roughness: float = 0.01
     uses_display_color: bool = False
     unlit: bool = False
+    values: dict[str, int] = field(default_factory=dict)
     lookups: dict[str, TextureLookup] = field(default_factory=dict)
     graph: SurfaceGraph | None = None
 
@@ -153,6 +160,7 @@ class Geometry:
         normals: ``(n, 3)`` float32, unit length.
         uvs: ``(n, 2)`` float32 or None.
         colors: ``(n, 4)`` float32 displayColor and displayOpacity, or None for white.
+        values: ``(n, VALUES_WIDTH)`` float32 further numbers that the material reads, or None.
         triangles: ``(m, 3)`` int32 vertex indices, counter-clockwise seen from outside in this space: a pose that mirrors it
             turns the winding in the world around, and not the side that is outside.
         prim_ids: ``(m,)`` int32 index into ``Scene.prim_paths`` for each triangle.
@@ -176,6 +184,13 @@ class Geometry:
     swapped: NDArray[np.bool_] | None = None
     material_ids: IntArray | None = None
     places: FacePlaces | None = None
+    values: FloatArray | None = None
+
+    def coordinates(self, lookup: TextureLookup) -> FloatArray | None:
+        """Texture coordinates ``(n, 2)`` of a look-up; None where there are none."""
+        if lookup.uv_at < 0 or self.values is None:
+            return self.uvs
+        return self.values[:, lookup.uv_at : lookup.uv_at + 2]
 
     def fan_points(self, triangles: NDArray[np.integer], weights: DoubleArray) -> tuple[IntArray, DoubleArray]:
         """Triangles ``(n,)`` of the fans of authored faces, and weights ``(n, 3)`` there, of points of triangles.

@@ -143,13 +143,17 @@ def _base_colour(batch: Batch, corners: IndexArray, u: DoubleArray, v: DoubleArr
         a, b, c = (values[corners[:, i]].astype(np.float64) for i in range(3))
         return a + u[:, None] * (b - a) + v[:, None] * (c - a)
 
-    uv = np.zeros((len(u), 2)) if geometry.uvs is None else between(geometry.uvs)
+    def places(lookup: TextureLookup) -> DoubleArray:
+        uvs = geometry.coordinates(lookup)
+        return np.zeros((len(u), 2)) if uvs is None else between(uvs)
+
     colour = np.tile([*material.base_color, material.opacity], (len(u), 1)).astype(np.float64)
     if "base_color" in material.lookups:
-        colour[:, :3] = looked_up(material.lookups["base_color"], uv)[:, :3]
+        lookup = material.lookups["base_color"]
+        colour[:, :3] = looked_up(lookup, places(lookup))[:, :3]
     if "opacity" in material.lookups:
         lookup = material.lookups["opacity"]
-        colour[:, 3] = looked_up(lookup, uv)[:, max(lookup.channel, 0)]
+        colour[:, 3] = looked_up(lookup, places(lookup))[:, max(lookup.channel, 0)]
     if material.uses_display_color and geometry.colors is not None:
         colour *= between(geometry.colors)
     colour[:, 3] = np.clip(colour[:, 3], 0, 1)

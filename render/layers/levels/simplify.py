@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from render.layers.bounds import CLUSTER_TRIANGLES
 from render.layers.clusters import GeometryClusters, cut_clusters
 from render.model.arrays import DoubleArray, FloatArray, IndexArray, IntArray
-from render.model.scene import Geometry
+from render.model.scene import VALUES_WIDTH, Geometry
 
 LEAST_TRIANGLES = 4096
 """Triangles of the smallest geometry that has levels, and of the smallest section that is cut off."""
@@ -177,7 +177,7 @@ def cut_sections(prim_ids: IntArray) -> list[int]:
 
 def _values(geometry: Geometry) -> FloatArray:
     """Attributes of the vertices side by side."""
-    parts = [geometry.normals, geometry.uvs, geometry.colors]
+    parts = [geometry.normals, geometry.uvs, geometry.values, geometry.colors]
     return np.concatenate([part for part in parts if part is not None], axis=1)
 
 
@@ -369,5 +369,8 @@ def _join(meshes: list[tuple[_Mesh, DoubleArray]], of: Geometry) -> Geometry:
     normals = values[:, :3] / np.maximum(np.linalg.norm(values[:, :3], axis=1), 1e-12)[:, None]
     uvs = None if of.uvs is None else np.ascontiguousarray(values[:, 3:5], np.float32)
     colors = None if of.colors is None else np.ascontiguousarray(values[:, -4:], np.float32)
+    first = 3 if of.uvs is None else 5
+    further = None if of.values is None else np.ascontiguousarray(values[:, first : first + VALUES_WIDTH], np.float32)
     none = np.zeros(0, np.int32)
-    return Geometry(positions, normals.astype(np.float32), np.concatenate(triangles), none, none, none, uvs, colors)
+    joined, smooth = np.concatenate(triangles), normals.astype(np.float32)
+    return Geometry(positions, smooth, joined, none, none, none, uvs, colors, values=further)

@@ -1,6 +1,7 @@
 // UsdPreviewSurface inputs at a fragment.
 // HAS_<INPUT> is defined for inputs that are read from a texture; their look-up is at LOOKUP_<INPUT> in `lookups`, and MAP_<INPUT> is
-// the kind of its sampler: one image, or an array of UDIM tiles, of which there are any where TILED is defined.
+// the kind of its sampler: one image, or an array of UDIM tiles, of which there are any where TILED is defined. PLACE_<INPUT> are its
+// texture coordinates. FROM_<INPUT> is defined for inputs that are further numbers of the vertices, of which it is the first.
 
 #include "layers/fragment_w.glsl"
 
@@ -76,6 +77,31 @@ uniform MAP_CLEARCOAT_ROUGHNESS clearcoat_roughness_map;
 #ifdef HAS_IOR
 uniform MAP_IOR ior_map;
 #endif
+
+#ifdef VALUES_0_LOC
+in vec4 frag_values_0;
+in vec2 frag_values_1;
+#endif
+
+// Further number of the vertices, 0 where there are none.
+float value_at(int i)
+{
+#ifdef VALUES_0_LOC
+    return i < 4 ? frag_values_0[i] : frag_values_1[i - 4];
+#else
+    return 0.0;
+#endif
+}
+
+vec2 value_pair(int i)
+{
+    return vec2(value_at(i), value_at(i + 1));
+}
+
+vec3 value_color(int i)
+{
+    return vec3(value_at(i), value_at(i + 1), value_at(i + 2));
+}
 
 vec2 lookup_uv(Lookup l, vec2 uv)
 {
@@ -198,36 +224,60 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     s.clearcoat_roughness = material.clearcoat_occlusion_glass.y;
     s.is_glass = material.clearcoat_occlusion_glass.w > 0.5;
     float ior = material.roughness_ior_threshold.y;
+#ifdef FROM_EMISSIVE
+    s.emissive = value_color(FROM_EMISSIVE);
+#endif
+#ifdef FROM_METALLIC
+    s.metallic = value_at(FROM_METALLIC);
+#endif
+#ifdef FROM_ROUGHNESS
+    s.roughness = value_at(FROM_ROUGHNESS);
+#endif
+#ifdef FROM_SPECULAR
+    specular = value_color(FROM_SPECULAR);
+#endif
+#ifdef FROM_OCCLUSION
+    s.occlusion = value_at(FROM_OCCLUSION);
+#endif
+#ifdef FROM_CLEARCOAT
+    s.clearcoat = value_at(FROM_CLEARCOAT);
+#endif
+#ifdef FROM_CLEARCOAT_ROUGHNESS
+    s.clearcoat_roughness = value_at(FROM_CLEARCOAT_ROUGHNESS);
+#endif
+#ifdef FROM_IOR
+    ior = value_at(FROM_IOR);
+#endif
 #ifdef HAS_BASE_COLOR
-    s.base_color = lookup_color(material.lookups[LOOKUP_BASE_COLOR], base_color_map, uv).rgb;
+    s.base_color = lookup_color(material.lookups[LOOKUP_BASE_COLOR], base_color_map, PLACE_BASE_COLOR).rgb;
 #endif
 #ifdef HAS_EMISSIVE
-    s.emissive = lookup_color(material.lookups[LOOKUP_EMISSIVE], emissive_map, uv).rgb;
+    s.emissive = lookup_color(material.lookups[LOOKUP_EMISSIVE], emissive_map, PLACE_EMISSIVE).rgb;
 #endif
 #ifdef HAS_METALLIC
-    s.metallic = lookup_scalar(material.lookups[LOOKUP_METALLIC], metallic_map, uv);
+    s.metallic = lookup_scalar(material.lookups[LOOKUP_METALLIC], metallic_map, PLACE_METALLIC);
 #endif
 #ifdef HAS_ROUGHNESS
-    s.roughness = lookup_scalar(material.lookups[LOOKUP_ROUGHNESS], roughness_map, uv);
+    s.roughness = lookup_scalar(material.lookups[LOOKUP_ROUGHNESS], roughness_map, PLACE_ROUGHNESS);
 #endif
 #ifdef HAS_SPECULAR
-    specular = lookup_color(material.lookups[LOOKUP_SPECULAR], specular_map, uv).rgb;
+    specular = lookup_color(material.lookups[LOOKUP_SPECULAR], specular_map, PLACE_SPECULAR).rgb;
 #endif
 #ifdef HAS_OPACITY
     Lookup cut_out = material.lookups[LOOKUP_OPACITY];  // cut-outs keep their edges
-    s.opacity = lookup(cut_out, opacity_map, uv, -log2(detail))[int(cut_out.rows[0].w)];
+    s.opacity = lookup(cut_out, opacity_map, PLACE_OPACITY, -log2(detail))[int(cut_out.rows[0].w)];
 #endif
 #ifdef HAS_OCCLUSION
-    s.occlusion = lookup_scalar(material.lookups[LOOKUP_OCCLUSION], occlusion_map, uv);
+    s.occlusion = lookup_scalar(material.lookups[LOOKUP_OCCLUSION], occlusion_map, PLACE_OCCLUSION);
 #endif
 #ifdef HAS_CLEARCOAT
-    s.clearcoat = lookup_scalar(material.lookups[LOOKUP_CLEARCOAT], clearcoat_map, uv);
+    s.clearcoat = lookup_scalar(material.lookups[LOOKUP_CLEARCOAT], clearcoat_map, PLACE_CLEARCOAT);
 #endif
 #ifdef HAS_CLEARCOAT_ROUGHNESS
-    s.clearcoat_roughness = lookup_scalar(material.lookups[LOOKUP_CLEARCOAT_ROUGHNESS], clearcoat_roughness_map, uv);
+    s.clearcoat_roughness = lookup_scalar(material.lookups[LOOKUP_CLEARCOAT_ROUGHNESS], clearcoat_roughness_map, PLACE_CLEARCOAT_ROUGHNESS);
 #endif
 #ifdef HAS_IOR
-    ior = lookup_scalar(material.lookups[LOOKUP_IOR], ior_map, uv);
+    ior = lookup_scalar(material.lookups[LOOKUP_IOR], ior_map, PLACE_IOR);
 #endif
     s.base_color *= display.rgb;
     s.opacity = clamp(s.opacity * display.a, 0.0, 1.0);
@@ -245,11 +295,11 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     float shortening = 0.0;
     s.normal = facing_normal(position, normal, front);
 #ifdef HAS_NORMAL
-    vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, uv).xyz;
+    vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, PLACE_NORMAL).xyz;
     shortening = max(1.0 - length(tangent), 0.0);
     bool is_mapped = dot(tangent, tangent) > 1e-12;
     vec3 mapped = mapped_normal(is_mapped ? normalize(tangent) : vec3(0.0, 0.0, 1.0), s.normal, position,
-                                lookup_uv(material.lookups[LOOKUP_NORMAL], uv));  // outside the branch: it takes derivatives
+                                lookup_uv(material.lookups[LOOKUP_NORMAL], PLACE_NORMAL));  // outside the branch: it takes derivatives
     if (is_mapped) s.normal = mapped;
 #endif
     s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, shortening);  // highlights of roughness 0 have no size

@@ -12,6 +12,12 @@ layout(location = TEXCOORD_0_LOC) in vec2 texcoord_0;
 #ifdef COLOR_0_LOC
 layout(location = COLOR_0_LOC) in vec4 color_0;
 #endif
+#ifdef VALUES_0_LOC
+layout(location = VALUES_0_LOC) in vec4 values_0;
+layout(location = VALUES_1_LOC) in vec2 values_1;
+out vec4 frag_values_0;
+out vec2 frag_values_1;
+#endif
 layout(location = INST_M_LOC) in mat4 inst_m;
 
 #ifdef MOVES
@@ -83,6 +89,10 @@ void main()
     frag_color = color_0;
 #else
     frag_color = vec4(1.0);
+#endif
+#ifdef VALUES_0_LOC
+    frag_values_0 = values_0;
+    frag_values_1 = values_1;
 #endif
 #ifdef INSTANCE_COLORS
     frag_color *= instance_colors[first_instance + gl_InstanceID];

@@ -27,7 +27,8 @@ def opacity_at(
     opacity = np.full(len(u), material.opacity)
     lookup = material.lookups.get("opacity")
     if lookup is not None:
-        uv = np.zeros((len(u), 2)) if geometry.uvs is None else np.sum(shares * geometry.uvs[corners], axis=1)
+        uvs = geometry.coordinates(lookup)
+        uv = np.zeros((len(u), 2)) if uvs is None else np.sum(shares * uvs[corners], axis=1)
         places = np.asarray(np.concatenate([uv, np.ones((len(uv), 1))], axis=1) @ lookup.uv_transform.T, np.float64)
         channel = max(lookup.channel, 0)
         opacity = _looked_up(lookup, places)[:, channel]

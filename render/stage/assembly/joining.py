@@ -9,7 +9,7 @@ import numpy as np
 
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.face_places import FacePlaces
-from render.model.scene import Geometry
+from render.model.scene import VALUES_WIDTH, Geometry
 from render.stage.geometry.polygons import unit
 from render.stage.geometry.shape import Shape
 
@@ -65,6 +65,7 @@ def place_shapes(parts: Sequence[PlacedShape]) -> Geometry:
         swapped=swapped if swapped.any() else None,
         material_ids=np.repeat(material_ids, counts) if (material_ids >= 0).any() else None,
         places=_join_places(shapes),
+        values=_join_or_none([shape.values for shape in shapes], sizes, 0.0, VALUES_WIDTH),
     )
 
 

@@ -174,8 +174,8 @@ def _inherited_primvars(prim: Usd.Prim, primvars: PrimvarNames, time: Usd.TimeCo
     """Key of the inherited primvars by which instances of one prim may differ; and whether any primvar varies over time."""
     values: list[Hashable] = []
     varies = False
-    for name in (primvars.uv, primvars.color, primvars.opacity):
-        found = find_primvar(prim, name) if name else None
+    for name in primvars.all_names:
+        found = find_primvar(prim, name)
         if found is not None:
             varies = varies or found.varies()
             if found.inherited:

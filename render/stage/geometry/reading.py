@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd
 
+from render import colour
 from render.model.face_places import FacePlaces
 from render.stage.color_spaces import to_rec709
 from render.stage.findings import FindingLog
@@ -16,7 +17,7 @@ from render.stage.geometry.displacement import UNIT_METRIC, Displacement, Metric
 from render.stage.geometry.packs import Field, Pack, field_of, folded_shares, join_fields, pack_surfaces
 from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check, compute_normals, merge_duplicates
 from render.stage.geometry.primvars import find_primvar
-from render.stage.geometry.shape import PackFields, PrimvarNames, Shape, build_shapes
+from render.stage.geometry.shape import PackFields, PrimvarNames, Shape, ValuePrimvar, build_shapes
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.stand_ins import StandIn, card_coordinates, stand_in_polygons
 from render.stage.geometry.surface import read_surface
@@ -64,11 +65,14 @@ class _Surface:
     uv: Field | None
     color: Field | None
     opacity: Field | None
+    values: tuple[Field, ...]
 
     @property
     def kind(self) -> Hashable:
         """Surfaces of the same kind go into one pack."""
-        return self.polygons.left_handed, self.polygons.smooth, *(getattr(self, name) is None for name in _FIELDS)
+        widths = tuple(field.values.shape[1] for field in self.values)
+        fields = (getattr(self, name) is None for name in _FIELDS)
+        return self.polygons.left_handed, self.polygons.smooth, widths, *fields
 
 
 def read_shapes(
@@ -128,7 +132,8 @@ def _make_shapes(surfaces: Sequence[_Surface], log: FindingLog) -> list[Shape | 
             log.add("concave_faces", path, message)
     normals, uv, color, opacity = (_join([getattr(surface, name) for surface in surfaces]) for name in _FIELDS)
     judged, seams = (np.array([getattr(surface.source, name) for surface in surfaces]) for name in ("judged", "seams"))
-    fields = PackFields(normals or _computed_normals(pack), uv, color, opacity)
+    values = tuple(join_fields(fields) for fields in zip(*(surface.values for surface in surfaces), strict=True))
+    fields = PackFields(normals or _computed_normals(pack), uv, color, opacity, values)
     shapes: list[Shape | None] = []
     for surface, built in zip(surfaces, build_shapes(pack, fields, judged, seams), strict=True):
         shape = _on_authored_faces(built, surface.polygons)
@@ -201,9 +206,10 @@ class _SurfaceReader:
             self._source,
             polygons,
             self._normals(polygons),
-            self._coordinates(polygons, names.uv) if names.uv is not None else None,
+            self._coordinates(polygons, names.uv, names.uv_fallback) if names.uv is not None else None,
             self._color(polygons, names) if names.color is not None else None,
             self._opacity(polygons, names) if names.opacity is not None else None,
+            tuple(self._value(polygons, each) for each in names.values),
         )
 
     def _undisplaced(self) -> Polygons:
@@ -216,7 +222,7 @@ class _SurfaceReader:
         read = self._primvar(polygons, displacement.primvar, width) if displacement.primvar is not None else None
         lookup = displacement.lookup
         if read is None and lookup is not None:
-            read = self._coordinates(polygons, displacement.primvar or "")
+            read = self._coordinates(polygons, displacement.primvar or "", (0.0, 0.0))
         if read is None:
             amounts = np.full(len(polygons.corners), displacement.amount)
         elif lookup is None:
@@ -239,8 +245,14 @@ class _SurfaceReader:
             self._log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")
             return None
 
-    def _coordinates(self, polygons: Polygons, name: str) -> Field:
-        """Texture coordinates, or (0, 0) everywhere for a mesh that lacks them, as UsdPrimvarReader falls back to."""
+    def _value(self, polygons: Polygons, read: ValuePrimvar) -> Field:
+        """A further primvar, or its fallback."""
+        found = self._primvar(polygons, read.name, len(read.fallback), is_color=read.is_color)
+        field = found or _constant(polygons, read.fallback)
+        return replace(field, values=colour.to_working(field.values)) if read.is_color else field
+
+    def _coordinates(self, polygons: Polygons, name: str, fallback: tuple[float, ...]) -> Field:
+        """Texture coordinates, or what UsdPrimvarReader falls back to everywhere for a mesh that lacks them."""
         if self._source.stand_in is not None:
             return field_of(Values(card_coordinates(self._source.stand_in), "vertex"), polygons)
         found = self._primvar(polygons, name, 2)
@@ -248,7 +260,7 @@ class _SurfaceReader:
             path = self._prim.GetPath()
             message = f"{path} has no texture coordinates {name}: its textures are read at one place"
             self._log.add("no_texture_coordinates", path, message)
-        return found or _constant(polygons, (0.0, 0.0))
+        return found or _constant(polygons, fallback)
 
     def _color(self, polygons: Polygons, names: PrimvarNames) -> Field:
         return self._primvar(polygons, names.color, 3, is_color=True) or _constant(polygons, names.color_fallback)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from render import colour
 from render.model.arrays import BoolArray, FloatArray, IntArray, LongArray
 from render.model.face_places import FacePlaces
+from render.model.scene import VALUES_WIDTH
 from render.stage.geometry.closed import find_closed
 from render.stage.geometry.packs import Field, Pack
 from render.stage.geometry.polygons import unit, weld
@@ -20,6 +21,21 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 # Hydra's colour without an authored displayColor.
 FALLBACK_DISPLAY_COLOR = (0.5, 0.5, 0.5)
+
+
+@dataclass(frozen=True)
+class ValuePrimvar:
+    """Further primvar that a material reads.
+
+    Attributes:
+        name: of the primvar.
+        fallback: its numbers where a prim has no such primvar; as many as are read.
+        is_color: whether it is a colour, whose fallback is linear Rec. 709.
+    """
+
+    name: str
+    fallback: tuple[float, ...]
+    is_color: bool = False
 
 
 @dataclass(frozen=True)
@@ -33,6 +49,8 @@ class PrimvarNames:
         color_fallback: linear Rec. 709 colour where the mesh has no such primvar.
         opacity_fallback: opacity where the mesh has no such primvar.
         place: whether it reads the place in the prim's own space, in its units, which is held in place of the colours.
+        uv_fallback: texture coordinates where the mesh has none.
+        values: further ones, at most `render.model.scene.VALUES_WIDTH` numbers together.
     """
 
     uv: str | None = "st"
@@ -41,6 +59,13 @@ class PrimvarNames:
     color_fallback: tuple[float, float, float] = FALLBACK_DISPLAY_COLOR
     opacity_fallback: float = 1.0
     place: bool = False
+    uv_fallback: tuple[float, float] = (0.0, 0.0)
+    values: tuple[ValuePrimvar, ...] = ()
+
+    @property
+    def all_names(self) -> tuple[str, ...]:
+        """Names of all of them."""
+        return *(name for name in (self.uv, self.color, self.opacity) if name), *(each.name for each in self.values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +84,7 @@ class Shape:
         closed_box: ``(2, 3)`` float32 least and greatest corners of the whole surface, where it is closed
             (`render.stage.geometry.closed`); None where it is open.
         places: places of triangles that are finer than the fans of their faces, or None.
+        values: ``(n, VALUES_WIDTH)`` float32 further primvars, colours in the working space, or None.
     """
 
     positions: FloatArray
@@ -71,6 +97,7 @@ class Shape:
     colors: FloatArray | None = None
     closed_box: FloatArray | None = None
     places: FacePlaces | None = None
+    values: FloatArray | None = None
 
 
 def pick_faces(shape: Shape, keep: NDArray[np.bool_]) -> Shape:
@@ -89,6 +116,7 @@ def pick_faces(shape: Shape, keep: NDArray[np.bool_]) -> Shape:
         None if shape.colors is None else shape.colors[used],
         shape.closed_box,
         None if shape.places is None else shape.places.pick(keep),
+        None if shape.values is None else shape.values[used],
     )
 
 
@@ -101,12 +129,14 @@ class PackFields:
         uv: texture coordinates, or None where no material reads any.
         color: colours in linear Rec. 709, or None.
         opacity: opacities, or None.
+        values: further ones, colours in the working space.
     """
 
     normals: Field
     uv: Field | None
     color: Field | None
     opacity: Field | None
+    values: tuple[Field, ...] = ()
 
 
 def build_shapes(pack: Pack, fields: PackFields, judged: BoolArray, seams: BoolArray) -> Iterator[Shape]:
@@ -122,7 +152,11 @@ def build_shapes(pack: Pack, fields: PackFields, judged: BoolArray, seams: BoolA
         The shape of each surface, in order.
     """
     polygons, fan = pack.polygons, pack.fan
-    read = [field for field in (fields.normals, fields.uv, fields.color, fields.opacity) if field is not None]
+    read = [
+        field
+        for field in (fields.normals, fields.uv, fields.color, fields.opacity, *fields.values)
+        if field is not None
+    ]
     corner, vertex_of_corner = weld(polygons, [field.splits for field in read if field.splits is not None])
     vertices = np.searchsorted(polygons.corners[corner], pack.points)
     owner = pack.owners(pack.triangles)
@@ -131,6 +165,7 @@ def build_shapes(pack: Pack, fields: PackFields, judged: BoolArray, seams: BoolA
     normals = unit(fields.normals.values[fields.normals.index[corner]])
     uvs = np.nan_to_num(fields.uv.values[fields.uv.index[corner]]) if fields.uv else None
     colors = _colors(fields, corner)
+    values = _values(fields, corner)
     if polygons.left_handed:
         triangles = triangles[:, [0, 2, 1]]
     face_ids = fan.face_ids - pack.faces[owner].astype(np.int32)
@@ -148,6 +183,7 @@ def build_shapes(pack: Pack, fields: PackFields, judged: BoolArray, seams: BoolA
             uvs=None if uvs is None else _cut(uvs, own),
             colors=None if colors is None else _cut(colors, own),
             closed_box=np.stack([place.min(axis=0), place.max(axis=0)]) if closed[number] else None,
+            values=None if values is None else _cut(values, own),
         )
 
 
@@ -159,6 +195,18 @@ def _colors(fields: PackFields, corner: LongArray) -> FloatArray | None:
         out[:, :3] = colour.to_working(fields.color.values)[fields.color.index[corner]]
     if fields.opacity is not None:
         out[:, 3] = fields.opacity.values[fields.opacity.index[corner], 0]
+    return np.nan_to_num(out)
+
+
+def _values(fields: PackFields, corner: LongArray) -> FloatArray | None:
+    if not fields.values:
+        return None
+    out = np.zeros((len(corner), VALUES_WIDTH), np.float32)
+    first = 0
+    for field in fields.values:
+        own = field.values[field.index[corner]]
+        out[:, first : first + own.shape[1]] = own
+        first += own.shape[1]
     return np.nan_to_num(out)
 
 

@@ -267,6 +267,5 @@ RULES["DomeLight_1"] = Rules(
 
 NODE_RULES = {
     "UsdPreviewSurface": Rules(EVERYTHING),
-    "UsdPrimvarReader_float2": Rules("varname", ignored={"fallback": "0 is used"}),
 }
 """Rules for the inputs of shader nodes; all inputs of other nodes are honoured, or the node is named as a whole."""

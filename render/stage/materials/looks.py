@@ -124,7 +124,8 @@ class LookReader:
 
 def _signature(look: BoundMaterial) -> Hashable:
     """Equal for looks that draw the same and want the same primvars, whatever their names."""
-    constants = tuple((name, value) for name, value in vars(look.material).items() if name not in ("name", "lookups"))
+    own = {**vars(look.material), "values": tuple(look.material.values.items())}
+    constants = tuple((name, value) for name, value in own.items() if name not in ("name", "lookups"))
     lookups = tuple((name, _of_lookup(lookup)) for name, lookup in look.material.lookups.items())
     return constants, lookups, look.primvars, _of_displacement(look.displacement)
 
@@ -137,5 +138,5 @@ def _of_displacement(displacement: Displacement | None) -> Hashable:
 
 
 def _of_lookup(lookup: TextureLookup) -> Hashable:
-    arrays = (lookup.uv_transform.tobytes(), lookup.scale.tobytes(), lookup.bias.tobytes())
-    return id(lookup.image), arrays, lookup.wrap_s, lookup.wrap_t, lookup.channel
+    arrays = tuple(a.tobytes() for a in (lookup.uv_transform, lookup.scale, lookup.bias, lookup.fallback))
+    return id(lookup.image), arrays, lookup.wrap_s, lookup.wrap_t, lookup.channel, lookup.uv_at

@@ -7,15 +7,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from pxr import Usd, UsdShade
 
-from render.model.scene import MAX_TEXTURES, Material, TextureLookup
+from render.model.scene import MAX_TEXTURES, VALUES_WIDTH, Image, Material, TextureLookup
 from render.stage.color_spaces import rgb_to_working, to_rec709
 from render.stage.findings import FindingLog
 from render.stage.geometry.displacement import Displacement
-from render.stage.geometry.shape import PrimvarNames
+from render.stage.geometry.shape import PrimvarNames, ValuePrimvar
 from render.stage.materials.shading import NetworkReader, Source, finite_numbers
 from render.stage.materials.texture_nodes import TextureNodes
 from render.stage.values import format_value
 
+_TOO_MANY = (
+    f"a material reads at most {VALUES_WIDTH} numbers of primvars beside a colour, an opacity and texture coordinates"
+)
 WHITE = (1.0, 1.0, 1.0)
 _COLORS = {"base_color": ("diffuseColor", (0.18,) * 3), "emissive": ("emissiveColor", (0.0,) * 3)}
 _SCALARS = {
@@ -28,6 +31,16 @@ _SCALARS = {
     "opacity_threshold": ("opacityThreshold", 0.0),
     "occlusion": ("occlusion", 1.0),
 }
+_READERS = {
+    "UsdPrimvarReader_float": 1,
+    "UsdPrimvarReader_int": 1,
+    "UsdPrimvarReader_float3": 3,
+    "UsdPrimvarReader_vector": 3,
+    "UsdPrimvarReader_point": 3,
+    "UsdPrimvarReader_normal": 3,
+}
+"""Readers of primvars of as many numbers."""
+_UP = (0.0, 0.0, 1.0)
 _UNIFORM_SCALARS = ("opacity_threshold",)
 """Inputs that take constants alone."""
 
@@ -82,8 +95,9 @@ class _SurfaceReader:
         self._network = NetworkReader(time)
         self._constants: dict[str, float | tuple[float, float, float]] = {}
         self._lookups: dict[str, TextureLookup] = {}
-        self._uv_names: dict[str, str] = {}
+        self._coordinates: dict[str, tuple[str, tuple[float, float]]] = {}
         self._primvars = PrimvarNames(uv=None)
+        self._values: dict[str, int] = {}
 
     def look(self) -> BoundMaterial:
         for name, (usd_name, default) in _COLORS.items():
@@ -94,15 +108,17 @@ class _SurfaceReader:
             self._color("specular", "specularColor", (0.0,) * 3)
         self._normal()
         self._drop_excess()
+        self._place_coordinates()
         material = Material(
             name=self._path,
             uses_display_color=self._primvars.color is not None or self._primvars.opacity is not None,
             fades_highlights=self._opacity_mode() == "presence",
+            values=self._values,
             lookups=self._lookups,
             **self._constants,  # type: ignore[arg-type]
         )
         displacement = self.displacement()
-        return BoundMaterial(material, replace(self._primvars, uv=self._uv_name()), self._network.varies, displacement)
+        return BoundMaterial(material, self._primvars, self._network.varies, displacement)
 
     def displacement(self) -> Displacement | None:
         source = self._network.source(self._shader, "displacement")
@@ -164,6 +180,11 @@ class _SurfaceReader:
         source = self._network.source(self._shader, "normal")
         if source is not None and source.shader is not None:
             self._read_connection("normal", "normal", source, (0.0, 0.0, 1.0), "normal")
+            return
+        x, y, z = self._numbers("normal", source, _UP)
+        if (x, y, z) != _UP:
+            self._lookups["normal"] = TextureLookup(Image(np.array([[[x, y, z, 1]]], np.float16), "normal"))
+            self._coordinates["normal"] = "st", (0.0, 0.0)
 
     def _read_connection(
         self, name: str, usd_name: str, source: Source, default: tuple[float, ...], purpose: str
@@ -173,6 +194,8 @@ class _SurfaceReader:
             self._read_texture(name, usd_name, source, default, purpose)
         elif kind.startswith("UsdPrimvarReader") and name in ("base_color", "opacity"):
             self._from_primvar(name, source)
+        elif _READERS.get(kind) == len(default) and name != "normal":
+            self._from_value(name, usd_name, source)
         else:
             self._ignored(usd_name, f"{usd_name} is fed by {kind or 'an unknown shader'}, which is not honoured")
 
@@ -180,7 +203,7 @@ class _SurfaceReader:
         texture = self._nodes.read(self._network, source, purpose, self._path)
         if texture.lookup is not None:
             self._lookups[name] = texture.lookup
-            self._uv_names[name] = texture.uv_name
+            self._coordinates[name] = texture.uv_name, texture.uv_fallback
         elif purpose == "color":
             shader = source.shader
             self._constants[name] = self._nodes.working_color(self._network, shader, texture.fallback)
@@ -194,9 +217,7 @@ class _SurfaceReader:
         if name == "base_color":
             self._constants[name] = WHITE
             rgb = self._network.rgba(source.shader, "fallback", (0.0, 0.0, 0.0, 1.0))[:3]
-            authored = self._network.source(source.shader, "fallback")
-            if authored is not None and authored.attribute is not None:
-                rgb = tuple(to_rec709(np.array(rgb, np.float32), authored.attribute, self._log).tolist())
+            rgb = self._linear_fallback(source.shader, rgb)
             self._primvars = replace(self._primvars, color=varname, color_fallback=(rgb[0], rgb[1], rgb[2]))
         else:
             self._constants[name] = 1.0
@@ -220,15 +241,57 @@ class _SurfaceReader:
                 what = f"its {len(images)} textures are more than {MAX_TEXTURES}: that of {name} is not drawn"
                 self._ignored(f"textures_{name}", what)
 
-    def _uv_name(self) -> str | None:
-        """The one set of texture coordinates that a geometry carries: the base colour's if it has one."""
-        names = list(dict.fromkeys(self._uv_names.values()))
-        if not names:
+    def _from_value(self, name: str, usd_name: str, source: Source) -> None:
+        """A primvar as any other input, in place of its constant."""
+        assert source.shader is not None
+        is_color = name in ("emissive", "specular")
+        fallback = self._network.numbers(source.shader, "fallback", (0.0, 0.0, 0.0) if is_color else (0.0,))
+        if is_color:
+            fallback = self._linear_fallback(source.shader, fallback)
+        primvar = ValuePrimvar(str(self._network.constant(source.shader, "varname", "")), fallback, is_color)
+        at = self._add_value(primvar)
+        if at is None:
+            self._ignored(usd_name, f"{usd_name} is not read from {primvar.name}: {_TOO_MANY}")
+        else:
+            self._values[name] = at
+
+    def _linear_fallback(self, shader: UsdShade.Shader, rgb: tuple[float, ...]) -> tuple[float, ...]:
+        """The colour of a reader's ``fallback`` as linear Rec. 709."""
+        authored = self._network.source(shader, "fallback")
+        if authored is None or authored.attribute is None:
+            return rgb
+        return tuple(to_rec709(np.array(rgb, np.float32), authored.attribute, self._log).tolist())
+
+    def _add_value(self, primvar: ValuePrimvar) -> int | None:
+        """Place of a further primvar among the vertices' numbers; None where there is no more."""
+        at = 0
+        for known in self._primvars.values:
+            if known == primvar:
+                return at
+            at += len(known.fallback)
+        if at + len(primvar.fallback) > VALUES_WIDTH:
             return None
-        chosen = self._uv_names.get("base_color", names[0])
-        if len(names) > 1:
-            self._ignored("uv", f"several texture coordinates are used ({', '.join(names)}); only {chosen} is honoured")
-        return chosen
+        self._primvars = replace(self._primvars, values=(*self._primvars.values, primvar))
+        return at
+
+    def _place_coordinates(self) -> None:
+        """Choose the texture coordinates of vertices, those of the base colour if it has any; others are further numbers."""
+        moved = {name: look for name, look in self._lookups.items() if look.uv_transform[:, :2].any()}
+        used = {name: self._coordinates[name] for name in moved}
+        if not used:
+            return
+        first = used.get("base_color", next(iter(used.values())))
+        self._primvars = replace(self._primvars, uv=first[0], uv_fallback=first[1])
+        for name, coordinates in used.items():
+            if coordinates == first:
+                continue
+            at = self._add_value(ValuePrimvar(*coordinates))
+            if at is None:
+                self._ignored(
+                    "uv", f"the texture of {name} has coordinates {first[0]}, not {coordinates[0]}: {_TOO_MANY}"
+                )
+            else:
+                self._lookups[name] = replace(self._lookups[name], uv_at=at)
 
     def _ignored(self, what: str, message: str) -> None:
         self._log.add(f"material_{what}", self._path, f"in material {self._path}, {message}")

@@ -15,7 +15,7 @@ from render.model.udim import FIRST_TILE, LAST_TILE
 from render.stage.color_spaces import SpaceName, rgb_to_working
 from render.stage.findings import FindingLog
 from render.stage.materials.image_files import TextureError
-from render.stage.materials.shading import NetworkReader, Source
+from render.stage.materials.shading import NetworkReader, Source, finite_numbers
 from render.stage.materials.textures import TextureCache
 
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3, "rgb": -1}
@@ -30,12 +30,14 @@ class Texture:
         fallback: ``rgba`` to use instead.
         channel: which channel a scalar takes, or -1.
         uv_name: the primvar of its texture coordinates.
+        uv_fallback: texture coordinates where a surface has no such primvar.
     """
 
     lookup: TextureLookup | None
     fallback: tuple[float, ...]
     channel: int
     uv_name: str
+    uv_fallback: tuple[float, float] = (0.0, 0.0)
 
 
 class TextureNodes:
@@ -65,14 +67,14 @@ class TextureNodes:
         shader = source.shader
         channel = _CHANNELS.get(source.output, -1)
         fallback = network.rgba(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
-        uv_name, uv_transform = self._coordinates(network, shader, material_path)
+        uv_name, uv_fallback, uv_transform = self._coordinates(network, shader, material_path)
         scale = network.rgba(shader, "scale", (1.0,) * 4)
         bias = network.rgba(shader, "bias", (0.0,) * 4)
         # Tinting and the change of primaries do not commute, so a colour's scale and bias go into its image.
         in_image = purpose == "color" and (len(set(scale[:3])) > 1 or any(bias[:3]))
         image = self._image(network, shader, purpose, (scale, bias) if in_image else ((1.0,) * 4, (0.0,) * 4))
         if image is None:
-            return Texture(None, fallback, channel, uv_name)
+            return Texture(None, fallback, channel, uv_name, uv_fallback)
         without = (*self.working_color(network, shader, fallback), fallback[3]) if purpose == "color" else fallback
         lookup = TextureLookup(
             image=image,
@@ -84,7 +86,7 @@ class TextureNodes:
             channel=max(channel, 0) if purpose == "data" else -1,
             fallback=np.array(without, np.float32),
         )
-        return Texture(lookup, fallback, channel, uv_name)
+        return Texture(lookup, fallback, channel, uv_name, uv_fallback)
 
     def working_color(
         self, network: NetworkReader, shader: UsdShade.Shader, rgba: tuple[float, ...]
@@ -152,12 +154,20 @@ class TextureNodes:
 
     def _coordinates(
         self, network: NetworkReader, shader: UsdShade.Shader, material_path: str
-    ) -> tuple[str, NDArray[np.float32]]:
-        """The primvar that the lookup starts from, and the ``(2, 3)`` transform that UsdTransform2d nodes make of it."""
+    ) -> tuple[str, tuple[float, float], NDArray[np.float32]]:
+        """The primvar that the lookup starts from, its fallback, and the ``(2, 3)`` transform of it by UsdTransform2d nodes.
+
+        A constant is a transform that keeps nothing of the primvar.
+        """
         transform = np.eye(3)
         source = network.source(shader, "st")
         passed: set[Sdf.Path] = set()
-        while source is not None and source.shader is not None:
+        name, fallback = "st", (0.0, 0.0)
+        while source is not None:
+            if source.shader is None:
+                constant = finite_numbers(source.value, 2)
+                transform = transform @ np.array([[0, 0, v] for v in (*(constant or fallback), 1)])
+                break
             kind = self.kind(source.shader)
             if source.shader.GetPath() in passed:
                 message = f"in material {material_path}, texture coordinates come from themselves; st is used"
@@ -170,11 +180,13 @@ class TextureNodes:
                 continue
             if kind == "UsdPrimvarReader_float2":
                 name = str(network.constant(source.shader, "varname", "") or "st")
-                return name, transform[:2].astype(np.float32)
-            message = f"in material {material_path}, texture coordinates from {kind} are not honoured; st is used"
-            self._log.add("material_st", material_path, message)
+                across, up = network.numbers(source.shader, "fallback", fallback)
+                fallback = (across, up)
+            else:
+                message = f"in material {material_path}, texture coordinates from {kind} are not honoured; st is used"
+                self._log.add("material_st", material_path, message)
             break
-        return "st", transform[:2].astype(np.float32)
+        return name, fallback, transform[:2].astype(np.float32)
 
 
 def _transform_2d(network: NetworkReader, shader: UsdShade.Shader) -> NDArray[np.float64]:

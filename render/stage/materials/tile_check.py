@@ -57,9 +57,10 @@ def _note(geometry: Geometry, look: TextureLookup, name: str, prim_paths: Sequen
 
 def _used_tiles(geometry: Geometry, look: TextureLookup) -> LongArray:
     """``(m, 4)`` tiles at the corners and in the middle of each triangle; 0 where no tile can be."""
-    if geometry.uvs is None:
+    uvs = geometry.coordinates(look)
+    if uvs is None:
         return tiles_at(look.uv_transform[None, :, 2].astype(np.float64)).repeat(4)[None]
-    places = geometry.uvs @ look.uv_transform[:, :2].T.astype(np.float64) + look.uv_transform[:, 2]
+    places = uvs @ look.uv_transform[:, :2].T.astype(np.float64) + look.uv_transform[:, 2]
     corners = places[geometry.triangles]
     middles = corners.mean(axis=1, keepdims=True)
     inner = np.concatenate([corners + _INWARDS * (middles - corners), middles], axis=1)

@@ -63,6 +63,9 @@ _SURFACE: dict[str, int | float | str] = {
 _MAPS: dict[str, int | float | str] = {f"HAS_{name.upper()}": 1 for name in INPUTS}
 _MAPS |= {f"LOOKUP_{name.upper()}": number for number, name in enumerate(INPUTS)}
 _MAPS |= {f"MAP_{name.upper()}": "sampler2D" for name in INPUTS}
+_MAPS |= {f"PLACE_{name.upper()}": "uv" for name in INPUTS}
+_FROM: dict[str, int | float | str] = {f"FROM_{name.upper()}": 3 for name in INPUTS}
+_FROM |= {"VALUES_0_LOC": 5, "VALUES_1_LOC": 6, "INST_M_LOC": 7}
 _TILED = _MAPS | {"TILED": 1} | {f"MAP_{name.upper()}": "sampler2DArray" for name in INPUTS}
 _POLYNOMIAL = [
     {
@@ -87,10 +90,12 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
     "layers/surface.frag": [
         *((_SURFACE | maps, ("UNLIT", "CLEARCOAT", "MOTION", "MAY_BE_TRANSPARENT", "LINKED")) for maps in ({}, _MAPS)),
         (_SURFACE | _TILED | {"MAY_BE_TRANSPARENT": 1}, ("UNLIT",)),
+        (_SURFACE | _MAPS | _FROM | {f"PLACE_{name.upper()}": "value_pair(4)" for name in INPUTS}, ("UNLIT",)),
     ],
     "layers/surface.vert": [
         (_SURFACE, ()),
         (_SURFACE | {"MOVES": 1}, ("BENDS",)),
+        (_SURFACE | _FROM, ("MOVES",)),
         (_SURFACE | {"CLIP_PLANES": 8}, ("MOVES", "INSTANCE_COLORS")),
     ],
     "layers/shade.comp": [

@@ -243,7 +243,7 @@ def test_inputs_that_share_an_image_share_its_unit(renderer: FrameRenderer) -> N
     image = Image(np.full((2, 2, 4), 0.5, np.float16))
     scalars = {"metallic", "roughness", "opacity", "occlusion", "clearcoat", "clearcoat_roughness", "ior"}
     lookups = {name: TextureLookup(image, channel=0 if name in scalars else -1) for name in INPUTS}
-    look = PreviewSurface(Material(), dict.fromkeys(lookups, HalfTexture(image)))
+    look = PreviewSurface(Material(lookups=lookups), dict.fromkeys(lookups, HalfTexture(image)))
     assert set(look.units) == {0}
     board = replace(WALL.geometry, uvs=np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32))
     batch = Batch(board, Material(lookups=lookups), np.eye(4)[None])

@@ -125,7 +125,7 @@ DRAWN: dict[str, tuple[str, Author]] = {
         "material_diffuseColor",
         lambda s: _shaded(s, "diffuseColor", T.Color3f, (NAN, 0, 0)),
     ),
-    "an occlusion without a texture": ("material_occlusion", lambda s: _shaded(s, "occlusion", T.Float, 0.5)),
+    "an opacity mode that is not there": ("material_opacityMode", lambda s: _shaded(s, "opacityMode", T.Token, "odd")),
     "texture coordinates of their own": ("material_st", _texture_coordinates_of_their_own),
     "a texture that is not there": (
         "texture_unreadable",

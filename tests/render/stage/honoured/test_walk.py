@@ -117,7 +117,7 @@ def test_an_unknown_type_with_a_known_fallback_is_that_type() -> None:
         ("UsdPreviewSurface", "opacityMode", T.Token, "presence", False),
         ("UsdPreviewSurface", "displacement", T.Float, 0.5, False),
         ("UsdPreviewSurface", "roughness", T.Float, 0.1, False),
-        ("UsdPrimvarReader_float2", "fallback", T.Float2, (1, 1), True),
+        ("UsdPrimvarReader_float2", "fallback", T.Float2, (1, 1), False),
         ("UsdPrimvarReader_float3", "fallback", T.Float3, (1, 1, 1), False),
     ],
 )

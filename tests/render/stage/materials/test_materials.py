@@ -367,6 +367,17 @@ def test_constant_occlusion_is_read() -> None:
     assert material_of(stage).occlusion == 0.25
 
 
+def test_a_constant_normal_leans_in_tangent_space() -> None:
+    stage = new_stage()
+    shader = add_material(stage, "/looks/a")
+    shader.CreateInput("normal", T.Normal3f).Set(Gf.Vec3f(0.6, 0, 0.8))
+    mesh = add_mesh(stage, "/m").GetPrim()
+    set_primvar(mesh, "st", T.TexCoord2fArray, "vertex", [(0, 0), (1, 0), (1, 1), (0, 1)])
+    bind(mesh, "/looks/a")
+    lookup = material_of(stage).lookups["normal"]
+    np.testing.assert_allclose(lookup.image.pixels[0, 0, :3], [0.6, 0, 0.8], atol=1e-3)
+
+
 # Bindings
 
 

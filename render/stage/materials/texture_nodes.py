@@ -81,8 +81,8 @@ class TextureNodes:
             uv_transform=uv_transform,
             scale=np.array((1.0,) * 4 if in_image else scale, np.float32),
             bias=np.array((0.0,) * 4 if in_image else bias, np.float32),
-            wrap_s=self._wrap(network, shader, "wrapS"),
-            wrap_t=self._wrap(network, shader, "wrapT"),
+            wrap_s=self._wrap(network, shader, "wrapS", image),
+            wrap_t=self._wrap(network, shader, "wrapT", image),
             channel=max(channel, 0) if purpose == "data" else -1,
             fallback=np.array(without, np.float32),
         )
@@ -147,10 +147,18 @@ class TextureNodes:
                     return {int(number): str(path) for path, number in tiles}
         return {}
 
-    def _wrap(self, network: NetworkReader, shader: UsdShade.Shader, name: str) -> Wrap:
+    def _wrap(self, network: NetworkReader, shader: UsdShade.Shader, name: str, image: Image) -> Wrap:
         """The wrap mode; ``useMetadata``, the default, means black for files without such metadata."""
         token = str(network.constant(shader, name, "useMetadata"))
-        return cast(Wrap, token) if token in get_args(Wrap) else "black"
+        if token in get_args(Wrap):
+            return cast(Wrap, token)
+        if token != "useMetadata":
+            path = shader.GetPath()
+            expected = ", ".join((*get_args(Wrap), "useMetadata"))
+            self._log.add(
+                f"texture_{name}", path, f"{name} of {path} must be one of {expected}, got {token!r}: black is used"
+            )
+        return "black" if image.tiles or token != "useMetadata" else self._cache.wraps(image.name)[name == "wrapT"]
 
     def _coordinates(
         self, network: NetworkReader, shader: UsdShade.Shader, material_path: str

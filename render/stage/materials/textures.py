@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import OpenImageIO as oiio
@@ -16,7 +17,7 @@ from pxr import Ar
 
 from render import colour
 from render.model.arrays import FloatArray, HalfArray
-from render.model.scene import Image
+from render.model.scene import Image, Wrap
 from render.stage.color_spaces import SpaceName, from_chromaticities, linearise
 from render.stage.confinement import is_inside
 from render.stage.findings import FindingLog
@@ -25,6 +26,7 @@ from render.stage.materials.image_files import TextureError, open_image, read_er
 Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
 _MAX_FLOAT16 = 65504.0
 _BAND_ROWS = 256
+_WRAPS: dict[str, Wrap] = {name: name for name in get_args(Wrap)} | {"periodic": "repeat"}
 _ASSUMED_SPACE = "srgb_rec709_scene"
 MAX_SET_PIXELS = 2**27
 """Pixels that the tiles of one set have together: 32 of 2048 x 2048."""
@@ -51,6 +53,7 @@ class TextureCache:
         self._max_size, self._confined_to, self._log, self._most = max_size, confined_to, log, most
         self._images: dict[tuple[object, ...], Image] = {}
         self._sets: dict[tuple[object, ...], tuple[Image, dict[int, str]]] = {}
+        self._wraps: dict[str, tuple[Wrap, Wrap]] = {}
 
     @property
     def confined_to(self) -> Path | None:
@@ -104,6 +107,18 @@ class TextureCache:
         with as_file(resolved_path) as file, open_image(file, oiio.ImageSpec()) as handle:
             values = (handle.spec().getattribute(name) for name in names)
             return next((value for value in values if value is not None), None)
+
+    def wraps(self, resolved_path: str) -> tuple[Wrap, Wrap]:
+        """Wrapping that a file asks for, across and up; black where it says nothing.
+
+        Raises:
+            TextureError: it cannot be read.
+        """
+        if resolved_path not in self._wraps:
+            require_inside(resolved_path, self._confined_to)
+            with as_file(resolved_path) as file:
+                self._wraps[resolved_path] = read_wraps(file)
+        return self._wraps[resolved_path]
 
     def tiled(
         self,
@@ -277,6 +292,18 @@ def read_size(file: str) -> tuple[int, int]:
     with open_image(file, oiio.ImageSpec()) as handle:
         spec = handle.spec()
         return int(spec.height), int(spec.width)
+
+
+def read_wraps(file: str) -> tuple[Wrap, Wrap]:
+    """Wrapping of an image file, across and up, by its header: its ``wrapS`` and ``wrapT``, or OpenImageIO's ``wrapmodes``."""
+    with open_image(file, oiio.ImageSpec()) as handle:
+        spec = handle.spec()
+        both = str(spec.get_string_attribute("wrapmodes")).split(",")
+        named = [
+            str(spec.get_string_attribute(name)) or both[i % len(both)] for i, name in enumerate(("wrapS", "wrapT"))
+        ]
+    across, up = (_WRAPS.get(name.strip(), "black") for name in named)
+    return across, up
 
 
 def _tile_size(sizes: Sequence[tuple[int, int]], max_size: int) -> tuple[int, int]:

@@ -53,8 +53,26 @@ def read_hits(peeler: Peeler, view: PinholeView) -> SurfaceHits:
 
 
 def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: float) -> Pick | None:
-    """Pick the nearest surface at picture position (x, y): draw one pixel around it, then intersect its triangle exactly."""
+    """Pick the nearest surface at picture position (x, y): draw one pixel around it, then intersect its triangle exactly. Splats
+    that hide half of it count as one, of a face 0 that a cloud does not have."""
     one = replace(view, width=1, height=1, cx=view.cx - x + 0.5, cy=view.cy - y + 0.5)
+    surface = _pick_triangle(peeler, scene, view, one, x, y)
+    if not scene.splats:
+        return surface
+    from render.layers.splats import splat_in_middle  # few shots need it
+
+    hidden = splat_in_middle(scene.splats, one)
+    if hidden is None or (surface is not None and surface.depth_m <= hidden[0]):
+        return surface
+    origin, direction = view.ray(x, y)
+    px, py, pz = (origin + hidden[0] * direction).tolist()
+    return Pick(scene.prim_paths[hidden[1].prim_id], 0, 0, (1.0, 0.0, 0.0), -1, None, hidden[0], (px, py, pz))
+
+
+def _pick_triangle(
+    peeler: Peeler, scene: Scene, view: PinholeView, one: PinholeView, x: float, y: float
+) -> Pick | None:
+    """Pick the nearest triangle in the one pixel ``one`` of a view."""
     w, objects, triangles = _read(peeler.draw_surfaces(one), one)
     if objects[0, 0] == 0:
         return None

@@ -78,6 +78,31 @@ def nearest_splat_w(batches: Sequence[SplatBatch], view: PinholeView) -> float:
     return nearest_w
 
 
+def splat_in_middle(batches: Sequence[SplatBatch], view: PinholeView) -> tuple[float, SplatBatch] | None:
+    """Depth at which splats hide half of what lies behind, in the middle of a view, metres, and the cloud there.
+
+    Args:
+        batches: the scene's splats.
+        view: view of one pixel.
+    """
+    w, opacities, owners = [np.zeros(0)], [np.zeros(0)], [np.zeros(0, np.int64)]
+    for number, batch in enumerate(batches):
+        for pose in batch.poses:
+            records = _project(batch.cloud, pose, view, LOW_PASS_PX2).astype(np.float64)
+            across = (view.width / 2 - records[:, 0]) / records[:, 4]
+            down = (view.height / 2 - records[:, 1] - records[:, 5] * across) / records[:, 6]
+            w.append(records[:, 2])
+            opacities.append(records[:, 3] * np.exp(-(across**2 + down**2) / 2))
+            owners.append(np.full(len(records), number))
+    near_to_far = np.argsort(-np.concatenate(w), kind="stable")
+    hidden = np.flatnonzero(np.cumprod(1 - np.concatenate(opacities)[near_to_far]) <= 0.5)
+    if not len(hidden):
+        return None
+    found = near_to_far[hidden[0]]
+    depth_m = 1 / (float(np.concatenate(w)[found]) + view.base_w)
+    return depth_m, batches[int(np.concatenate(owners)[found])]
+
+
 def colours_towards(cloud: SplatCloud, rows: LongArray, eye: DoubleArray) -> FloatArray:
     """Colour ``(n, 3)`` of splats in the working space as an eye sees them: spherical harmonics at the direction to them.
 

@@ -14,7 +14,7 @@ from render.focus.racks import Rack
 from render.shot.camera.attributes import author_settings, set_focus_mode, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits, schema_errors_as_settings
-from render.shot.focus.anchor import SurfacePoint, check_not_plate, make_point
+from render.shot.focus.anchor import SurfacePoint, check_has_face, make_point
 from render.shot.focus.curve import focus_layer, solve_curve
 from render.shot.focus.curve_layer import author_curve
 from render.shot.focus.part_place import place_in_part
@@ -134,11 +134,11 @@ class ShotFocus:
             The point as it was authored.
 
         Raises:
-            SettingsError: the name is not legal or taken, or a value is not allowed, or the surface is a camera's back plate.
+            SettingsError: the name is not legal or taken, or a value is not allowed, or it is on a back plate or on splats.
         """
         camera = self._cameras.editable(camera_path)
         point = anchor if isinstance(anchor, FocusPoint) else make_point(name, anchor)
-        check_not_plate(self._stage, point)
+        check_has_face(self._stage, point)
         if any(view.name == name for view in camera.focus_points()):
             path = str(camera.prim.GetPath())
             raise SettingsError(f"camera {path} already has a focus point named {name!r}", code="name_taken", path=path)

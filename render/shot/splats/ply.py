@@ -106,7 +106,8 @@ def _read_header(file: BufferedReader, path: Path) -> _Header:
     """Read the header up to its end; only the first element counts, and it must be ``vertex``."""
     if file.readline(8).rstrip(b"\r\n") != b"ply":
         raise _bad(path, "its first line must be 'ply'")
-    form, count, properties, element, left = "", -1, {}, 0, _MOST_HEADER_BYTES
+    form, count, element, left = "", -1, 0, _MOST_HEADER_BYTES
+    properties: dict[str, str] = {}
     while True:
         line = file.readline(left)
         left -= len(line)
@@ -194,8 +195,15 @@ def _convert(rows: np.ndarray[tuple[int, ...], np.dtype[np.void]], header: _Head
         usable &= np.isfinite(values).all(axis=1)
     if not usable.any():
         raise _bad(path, "none of its splats has finite numbers")
-    parts = [part[usable] for part in (positions, scales, turns, opacities, harmonics)]
-    return CapturedSplats(*parts, degree=_REST[rest], unusable=len(rows) - int(usable.sum()))
+    return CapturedSplats(
+        positions[usable],
+        np.asarray(scales[usable], np.float32),
+        np.asarray(turns[usable], np.float32),
+        np.asarray(opacities[usable], np.float32),
+        harmonics[usable],
+        degree=_REST[rest],
+        unusable=len(rows) - int(usable.sum()),
+    )
 
 
 def _bad(path: Path, fault: str) -> InputError:

@@ -95,8 +95,14 @@ def _usable(prim: Usd.Prim, cloud: SplatCloud, scale: float, log: FindingLog) ->
         )
         log.add("bad_splats", path, message)
     drawn = is_good & (cloud.opacities > 0)
-    parts = (cloud.positions, cloud.axes, np.minimum(cloud.opacities, 1), cloud.harmonics)
-    return SplatCloud(*(part[drawn] for part in parts), cloud.is_encoded, cloud.to_working)
+    return SplatCloud(
+        cloud.positions[drawn],
+        cloud.axes[drawn],
+        np.minimum(cloud.opacities[drawn], np.float32(1)),
+        cloud.harmonics[drawn],
+        cloud.is_encoded,
+        cloud.to_working,
+    )
 
 
 def _common_count(

@@ -159,6 +159,23 @@ def test_previews_show_splats(renderer: FrameRenderer) -> None:
     assert psnr_db(preview, picture) > 30
 
 
+def test_a_click_gives_the_depth_where_splats_hide_half(renderer: FrameRenderer) -> None:
+    depths, opacities = [1.5, 2.0, 3.0], [0.3, 0.4, 0.9]  # 0.7, 0.42 and 0.04 let through
+    cloud = plain_cloud([[0, 0, -z] for z in depths], [[1, 1, 0.01]] * 3, [[1, 1, 1]] * 3, opacities)
+    middle = SIZE[0] / 2, SIZE[1] / 2
+    picked = renderer.pick(scene_of(cloud), CAMERA, *SIZE, *middle)
+    assert picked is not None
+    assert picked.depth_m == pytest.approx(2.0)
+    np.testing.assert_allclose(picked.position_m, [0, 0, -2], atol=1e-6)
+    left = middle[0] - 4, middle[1]
+    for behind_m, expected in ((1.7, 1.7), (2.5, 2.0)):
+        found = renderer.pick(scene_of(cloud, batches=(wall(behind_m, 0.5),)), CAMERA, *SIZE, *left)
+        assert found is not None
+        assert found.depth_m == pytest.approx(expected, rel=1e-3)
+    thin = scene_of(plain_cloud([[0, 0, -2]], [[1, 1, 0.01]], [[1, 1, 1]], [0.4]))
+    assert renderer.pick(thin, CAMERA, *SIZE, *middle) is None
+
+
 def test_engines_that_cannot_show_splats_say_so(renderer: FrameRenderer) -> None:
     scene = scene_of(captured_set(10))
     with pytest.raises(SettingsError, match="shows no Gaussian splats"):

@@ -30,8 +30,8 @@ from render.trace.splats.bins import MOST_PLANES, bin_edges
 from render.trace.splats.drawing import SplatDrawer
 
 TEXELS_PER_PX = 2.0
-"""Texels of a plane per pixel of the picture along each axis: 200,000 splats as fine as pixels are 44 dB from the reference, and 41 dB
-with 1.5 texels."""
+"""Texels of a plane per pixel of the picture along each axis: 200,000 splats as fine as pixels are 44 dB from the reference, and
+41 dB with 1.5 texels."""
 LEAST_SPREAD = 0.2
 """Least variance of an ellipse along each axis, square texels: a narrower one falls between texels."""
 MOST_BYTES = 768 << 20
@@ -188,8 +188,12 @@ class SplatPainter:
 
 
 def _low_pass_px2(scale: float, texels: float) -> float:
-    """Variance that ellipses are widened by, square layer pixels, with so many layer pixels per pixel of the picture and texels per
-    layer pixel."""
+    """Variance that ellipses are widened by, square layer pixels.
+
+    Args:
+        scale: layer pixels per pixel of the picture.
+        texels: texels per layer pixel.
+    """
     return max(LOW_PASS_PX2 * scale**2, LEAST_SPREAD / texels**2)
 
 

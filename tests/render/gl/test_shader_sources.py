@@ -102,8 +102,11 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
         (_SURFACE | {"LINK_SETS": 256}, ("CLEARCOAT", "TUBES", "FOCUSED", "PROFILES", "SHADOW_COLORS", "LINKED"))
     ],
     "layers/shade_list.comp": [({}, ("LINKED",))],
+    "splats/splat.frag": [({}, ("BETWEEN",))],
+    "trace/accumulate.comp": [({}, ("SPLATS",))],
     "trace/trace.comp": [
         ({}, ("BOUND_BY_RAYS", *_TRACED)),
+        ({"SPLATS": 1}, ("EIGHT_LAYERS", "MAY_BE_TRANSLUCENT", "MOVERS", "CARRIED_CAMERA")),
         ({"BOUND_BY_RAYS": 1, "GRID_LENS": 1, "GRID_INSET": 0.9}, _TRACED),
         *((table, _TRACED) for table in _POLYNOMIAL),
         *((table | {"BOUND_BY_RAYS": 1}, ("SHAPED_IRIS", "CARRIED_CAMERA", "MOVERS")) for table in _POLYNOMIAL),

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
+from render.errors import StageError
 from render.model.scene import Scene
 from render.model.splats import MAX_SPLATS
 from render.stage import StageReader, find_not_honoured
+from render.stage.camera.framing import framing_camera
 from render.stage.geometry import splats as splats_module
 from tests.render.kits.stages import codes, instancer, new_stage, read
 
@@ -255,3 +257,14 @@ def test_a_shot_without_splats_loads_no_code_for_them(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout.split()) == (0, []), done.stderr
+
+
+def test_a_stage_of_splats_alone_can_be_framed() -> None:
+    stage = new_stage()
+    assert add_splats(stage)
+    box = framing_camera(stage, 0.0).world_from_camera[:3, 3]
+    np.testing.assert_allclose(box[:2], [1.0, 2.0])
+    assert box[2] > 3
+    stage.GetPrimAtPath("/cloud").GetAttribute("positions").Set(Vt.Vec3fArray([Gf.Vec3f(BAD)]))
+    with pytest.raises(StageError, match="nothing that a camera could frame"):
+        framing_camera(stage, 0.0)

@@ -12,6 +12,8 @@ Settings:
 
 Cost: proportional to rays times triangles. The demo shot at 960x540 with 100 rays took 64 s on two CPU cores.
 
+Gaussian splats are sorted and drawn anew for each view, between the surfaces of each pixel.
+
 Limits: thin lenses with a plane of focus, tilted or not. Other lenses and bent focal surfaces are refused. Motion is drawn moment
 by moment.
 

@@ -38,6 +38,9 @@ textures are held as finely as the view shows them, in all engines (`render.laye
 Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes. Shading
 is that of the view from the pupil's centre, so that glints do not change over the pupil.
 
+Gaussian splats are planes of depth between the layers, up to 32 (`render.trace.splats.planes`); a shot with some has no
+connections. To draw 200,000 of them at 960x640 took 10 s on two busy CPU cores.
+
 Source: Lee, Eisemann & Seidel 2010, "Real-Time Lens Blur Effects and Focus Control", section 3.1; lens tables:
 `render.trace.bundles`.
 

@@ -187,9 +187,8 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     rows[0] = [*position, _KINDS[light.kind]]
     rows[1] = [*(-rotation[:, 2]), radius]
     rows[2] = [*light.radiance, area]
-    outer = np.cos(light.cone_angle_rad) if light.cone_angle_rad < np.pi else -2.0
-    inner = np.cos(light.cone_angle_rad * (1 - light.cone_softness))
-    rows[3] = [outer, max(inner, outer + 1e-4), light.diffuse, light.specular]
+    outer = light.cone_angle_rad if light.cone_angle_rad < np.pi else 4.0
+    rows[3] = [outer, min(outer * (1 - light.cone_softness), outer - 1e-4), light.diffuse, light.specular]
     rows[4] = [-1, 0, 0, 0] if shadow is None else [shadow.first, shadow.count, 1e-3, shadow.texel_m]
     rows[5] = [*(rotation[:, 0] * (light.length_m / 2 if light.kind == "cylinder" else 1.0)), light.focus]
     rows[6, :3] = light.focus_tint

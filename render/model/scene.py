@@ -294,12 +294,12 @@ class Light:
         image: multiplier of a rect's radiance, or None: seen from where it shines, upright, row 0 at +Y and column 0 at +X.
         angle_rad: full angle of a distant light.
         cone_angle_rad: half angle of the shaping cone; pi for none.
-        cone_softness: 0 hard to 1.
+        cone_softness: 0 hard to 1: share of the cone's angle, from its edge, over which its light ends.
         diffuse: multiplier of the diffuse response.
         specular: multiplier of the specular response.
         profile: `PROFILE_SHAPE` float32 multiplier of its light by direction: rows by the angle around -Z from +X towards +Y, at
             the middle of each; columns by the angle from -Z, from 0 to pi. None for 1.
-        focus: exponent of the cosine from the light's axis that multiplies its light; 0 for none.
+        focus: exponent of the cosine from the light's axis, ahead or behind, that multiplies its light; 0 for none.
         focus_tint: ``(3,)`` colour that the light fades to off its axis.
         casts_shadow: UsdLuxShadowAPI.
         shadow_color: ``(3,)`` share of its light that its shadows keep.

@@ -9,7 +9,7 @@ struct Light {
     vec4 position_kind;     // xyz, 0 distant 1 sphere 2 disk or rect 3 tube
     vec4 axis_radius;       // direction of its light, and the radius of the disk of equal area (distant: sine of its half angle; tube: its own)
     vec4 radiance_area;     // radiance (distant: irradiance), area
-    vec4 cone_response;     // cosines of the cone's outer and inner angle, diffuse and specular multiplier
+    vec4 cone_response;     // outer and inner angle of the cone, diffuse and specular multiplier
     vec4 shadow;            // first shadow map or -1, number of maps, bias towards the light (m), texel size at 1 m (m)
     vec4 tube_focus;        // half a tube along its axis (m), of others the X axis; exponent of the focus
     vec4 focus_tint;        // colour that the focus leaves off the axis; number of the profile, 0 for none
@@ -101,9 +101,9 @@ vec3 shaping(Light light, vec3 direction)
     vec3 share = vec3(1.0);
     float facing = dot(light.axis_radius.xyz, direction);
     float outer = light.cone_response.x, inner = light.cone_response.y;
-    if (outer > -1.0) share *= smoothstep(outer, inner, facing);
+    if (outer < PI) share *= 1.0 - smoothstep(inner, outer, acos(clamp(facing, -1.0, 1.0)));
 #ifdef FOCUSED
-    if (light.tube_focus.w > 0.0) share *= mix(light.focus_tint.rgb, vec3(1.0), pow(max(facing, 0.0), light.tube_focus.w));
+    if (light.tube_focus.w > 0.0) share *= mix(light.focus_tint.rgb, vec3(1.0), pow(abs(facing), light.tube_focus.w));
 #endif
 #ifdef PROFILES
     if (light.focus_tint.w > 0.5) {

@@ -177,8 +177,8 @@ def test_images_share_the_room_for_lights() -> None:
 
 
 def test_focus_narrows_the_light_and_tints_the_rest(renderer: FrameRenderer) -> None:
-    """The light's cosine to the power of the focus goes from the tint to all of it (UsdLux, ShapingAPI)."""
-    for turn in (0.0, 0.8):
+    """The light's cosine to the power of the focus goes from the tint to all of it, behind too (UsdLux, ShapingAPI; hdEmbree)."""
+    for turn in (0.0, 0.8, np.pi - 0.4):
         plain = Light("sphere", (50.0,) * 3, turned(facing_the_wall(2.0), turn), radius_m=0.1)
         share = np.cos(turn) ** 4
         focused = replace(plain, focus=4.0, focus_tint=(0.0, 0.5, 1.0))

@@ -118,6 +118,18 @@ def test_a_shaping_cone_ends_the_light(renderer: FrameRenderer) -> None:
     assert frame.color[45, int(edge_px) + 3, 0] == 0
 
 
+def test_the_edge_of_a_cone_is_soft_by_its_angle(renderer: FrameRenderer) -> None:
+    """A smooth step from the angle times 1 - softness to the angle (hdEmbree's lightSamplers.cpp, as of USD 25.02)."""
+    plain = Light("sphere", (50.0,) * 3, facing_the_wall(2.0), radius_m=0.1)
+    for turn in (0.1, 0.5, 0.9):
+        pose = plain.pose.copy()
+        pose[:3, :3] = [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
+        spot = replace(plain, pose=pose, cone_angle_rad=1.0, cone_softness=0.8)
+        along = np.clip((turn - 0.2) / 0.8, 0, 1)
+        expected = (1 - along**2 * (3 - 2 * along)) * centre_radiance(renderer, lit(plain))[0]
+        assert centre_radiance(renderer, lit(spot))[0] == pytest.approx(expected, rel=0.01)
+
+
 def test_unlit_is_the_base_colour(renderer: FrameRenderer) -> None:
     pixels = np.zeros((2, 2, 4), np.float16)
     pixels[..., :] = [0.2, 0.4, 0.6, 1.0]

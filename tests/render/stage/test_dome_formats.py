@@ -81,9 +81,12 @@ def test_a_dome_reads_its_format(tmp_path: Path, layout: str) -> None:
     dome.CreateTextureFileAttr(write_picture(tmp_path / "sky.exr", picture_of_sky(layout, 16)))
     dome.CreateTextureFormatAttr(layout)
     reader = StageReader(stage)
-    images = [reader.read(time).dome.image for time in (0, 1)]  # type: ignore[union-attr]
-    assert images[0] is images[1] is not None
-    assert images[0].pixels.shape[1] == 2 * images[0].pixels.shape[0]
+    first, again = (reader.read(time).dome for time in (0, 1))
+    assert first is not None
+    assert first.image is not None
+    assert again is not None
+    assert again.image is first.image
+    assert first.image.pixels.shape[1] == 2 * first.image.pixels.shape[0]
     assert reader.findings == find_not_honoured(stage) == []
 
 

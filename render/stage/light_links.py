@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
 from render.model.scene import MAX_LINK_SETS, UNLINKED, LightLinks
 from render.stage.assembly.inventory import Occurrence
@@ -29,6 +29,7 @@ def link_surfaces(surfaces: Sequence[Occurrence], lights: Iterable[Usd.Prim], lo
             try:
                 if _leaves_out(Usd.CollectionAPI(prim, name)):
                     found[str(prim.GetPath())] = Usd.CollectionAPI(prim, name).ComputeMembershipQuery()
+                    _report_subsets(prim, name, log)
             except UNREADABLE as problem:
                 path = prim.GetPath()
                 message = f"collection {name} of {path} is not honoured: {why_unreadable(problem)}"
@@ -53,6 +54,18 @@ def link_surfaces(surfaces: Sequence[Occurrence], lights: Iterable[Usd.Prim], lo
             known[path] = LightLinks(unlit_by, unshadowed) if unlit_by or unshadowed else UNLINKED
         linked.append(surface if known[path] is UNLINKED else replace(surface, links=known[path]))
     return linked
+
+
+def _report_subsets(light: Usd.Prim, name: str, log: FindingLog) -> None:
+    """Report sets of faces that a collection names: a surface is linked as a whole."""
+    collection = Usd.CollectionAPI(light, name)
+    for relationship in (collection.GetIncludesRel(), collection.GetExcludesRel()):
+        for target in relationship.GetForwardedTargets():
+            subset = light.GetStage().GetPrimAtPath(target)
+            if subset and subset.IsA(UsdGeom.Subset):
+                path = light.GetPath()
+                message = f"{name} of {path} names {target}, which counts for nothing: a surface is linked as a whole"
+                log.add("linked_subset", path, message)
 
 
 def _leaves_out(collection: Usd.CollectionAPI) -> bool:

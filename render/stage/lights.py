@@ -113,9 +113,8 @@ class LightReader:
         if kind == "PortalLight":
             return None  # guides the sampling of a dome, which needs none
         if reader is None:
-            self._log.add(
-                "unsupported_light", path, f"light {path} is not honoured: {kind or 'its kind'} is not supported"
-            )
+            what = "a volume that shines" if prim.HasAPI(UsdLux.VolumeLightAPI) else kind or "its kind"
+            self._log.add("unsupported_light", path, f"light {path} is not honoured: {what} is not supported")
             return None
         light = reader(prim, world_pose(prim, transforms, self._world), transforms)
         if light is not None and not _in_range(

@@ -99,3 +99,15 @@ def test_more_sets_than_are_linked_are_a_finding(monkeypatch: pytest.MonkeyPatch
     reader = StageReader(stage)
     assert len(unlit(reader.read(0))) == 1
     assert codes(reader) == {"too_many_links"}
+
+
+def test_faces_in_a_link_are_a_finding() -> None:
+    stage = new_stage()
+    mesh = add_mesh(stage, "/board")
+    subset = UsdGeom.Subset.CreateGeomSubset(mesh, "half", UsdGeom.Tokens.face, [0])
+    light = UsdLux.LightAPI(UsdLux.SphereLight.Define(stage, "/l").GetPrim())
+    light.GetShadowLinkCollectionAPI().CreateExcludesRel().AddTarget(subset.GetPath())
+    reader = StageReader(stage)
+    reader.read(0)
+    assert codes(reader) == {"linked_subset"}
+    assert [finding.path for finding in reader.findings] == ["/l"]

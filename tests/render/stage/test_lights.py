@@ -172,6 +172,18 @@ def test_what_is_not_honoured_is_reported() -> None:
     }
 
 
+@pytest.mark.parametrize("kind", ["PluginLight", "Volume"])
+def test_a_light_that_cannot_be_drawn_is_named(kind: str) -> None:
+    stage = new_stage()
+    prim = stage.DefinePrim("/l", kind)
+    if kind == "Volume":
+        UsdLux.VolumeLightAPI.Apply(prim)
+    reader = StageReader(stage)
+    assert reader.read(0).lights == ()
+    assert "unsupported_light" in codes(reader)
+    assert all(finding.path == "/l" for finding in reader.findings)
+
+
 def test_a_cylinder_light_has_its_size() -> None:
     stage = new_stage(0.01)
     light = UsdLux.CylinderLight.Define(stage, "/l")

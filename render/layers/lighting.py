@@ -9,12 +9,13 @@ import numpy as np
 
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
+from render.layers.dome_irradiance import IRRADIANCE_UNIT, irradiance_image
 from render.layers.drawing_space import DrawingSpace
 from render.layers.index import Draw
 from render.layers.light_links import LinkSets
 from render.layers.light_parts import light_parts
 from render.layers.light_profiles import ProfileMaps
-from render.layers.lights import dome_irradiance, lighting_options, pack_lights, row_order, select_lights, unit_axes
+from render.layers.lights import lighting_options, pack_lights, row_order, select_lights, unit_axes
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, LayerRenderer
 from render.layers.shadow_maps import ShadowMaps
@@ -36,7 +37,7 @@ class Lighting:
         self._dome: Dome | None = None
         self._profiles = ProfileMaps(ctx)
         self._dome_map = _dome_texture(None)
-        self._harmonics = dome_irradiance(None)
+        self._irradiance_map = _texture_around(irradiance_image(None))
         self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
         self._maps = ShadowMaps(renderer.draw_shadow, ctx, programs)
 
@@ -81,15 +82,17 @@ class Lighting:
         world_from_camera = np.asarray(np.linalg.inv(DrawingSpace.of_view(view).from_world), np.float64)
         mips = int(np.log2(max(dome_map.width, dome_map.height)))
         slots, profiles = self._plan.slots, self._profiles.profiles
-        block = pack_lights(self._parts, self._dome, self._harmonics, mips, world_from_camera, slots, profiles)
+        block = pack_lights(self._parts, self._dome, mips, world_from_camera, slots, profiles)
         rows = [self._lights[i].path for i in row_order(self._parts, self._plan.slots)]
         links = self._links.pack(rows, self._dome.path if self._dome is not None else "")
         self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera, links)
 
     def bind_maps(self) -> None:
-        """Bind the dome's image, the shadow maps and the profiles to their texture units, which other passes may use too."""
+        """Bind the dome's images, the shadow maps and the profiles to their texture units, which other passes may use too."""
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
         self._dome_map._bind()
+        GL.glActiveTexture(GL.GL_TEXTURE0 + IRRADIANCE_UNIT)
+        self._irradiance_map._bind()
         self._maps.bind()
         self._profiles.bind()
 
@@ -116,15 +119,23 @@ class Lighting:
         self._maps.release()
         self._profiles.release()
         self._dome_map.delete()
+        self._irradiance_map.delete()
 
     def _load_dome(self, dome: Dome | None) -> None:
-        harmonics, texture = dome_irradiance(dome), _dome_texture(dome)
+        image = dome.image if dome is not None else None
+        texture, irradiance = _dome_texture(dome), _texture_around(irradiance_image(image))
         self._dome_map.delete()
-        self._dome, self._harmonics, self._dome_map = dome, harmonics, texture
+        self._irradiance_map.delete()
+        self._dome, self._dome_map, self._irradiance_map = dome, texture, irradiance
 
 
 def _dome_texture(dome: Dome | None) -> HalfTexture:
     image = dome.image if dome is not None else None
-    texture = HalfTexture(image or Image(np.ones((1, 1, 4), np.float16), "uniform dome"), "repeat", "clamp")
+    return _texture_around(image or Image(np.ones((1, 1, 4), np.float16), "uniform dome"))
+
+
+def _texture_around(image: Image) -> HalfTexture:
+    """Texture of a latitude-longitude image."""
+    texture = HalfTexture(image, "repeat", "clamp")
     texture._add_to_context()
     return texture

@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Dome, Light
@@ -95,7 +93,6 @@ def row_order(parts: Sequence[Sequence[Light]], shadows: Mapping[int, ShadowSlot
 def pack_lights(
     parts: Sequence[Sequence[Light]],
     dome: Dome | None,
-    dome_harmonics: FloatArray,
     dome_mips: int,
     world_from_camera: DoubleArray,
     shadows: dict[int, ShadowSlot],
@@ -106,21 +103,20 @@ def pack_lights(
     Args:
         parts: lights, each as the lights that it is drawn as (`render.layers.light_parts`); at most `MAX_LIGHTS` together.
         dome: dome light, or None.
-        dome_harmonics: ``(9, 3)`` from `dome_irradiance`.
         dome_mips: mip level at which the dome's image is one texel.
         world_from_camera: ``(4, 4)``.
         shadows: shadow slots by index in ``parts``.
         profiles: the lights' profiles, in the order of their texture's layers.
     """
     camera_from_world = np.asarray(np.linalg.inv(world_from_camera), np.float64)
-    head = np.zeros((1 + 9, 4), np.float32)
+    head = np.zeros((2, 4), np.float32)
     order = row_order(parts, shadows)
     head[0] = [len(order), dome is not None, max(dome_mips - 2, 0), sum(i in shadows for i in order)]
-    head[1:, :3] = dome_harmonics * (dome.diffuse if dome is not None else 0.0)
     dome_from_camera = np.eye(4)
     radiance = np.zeros(4)
     if dome is not None:
         dome_from_camera[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ world_from_camera[:3, :3]
+        head[1, :3] = np.multiply(dome.radiance, dome.diffuse)
         radiance[:3] = np.multiply(dome.radiance, dome.specular)
     rows = np.zeros((MAX_LIGHTS, _ROWS, 4), np.float32)
     drawn = ((part, i, number) for i in dict.fromkeys(order) for number, part in enumerate(parts[i]))
@@ -130,50 +126,6 @@ def pack_lights(
         rows[row, 6, 3] = next((n for n, profile in enumerate(profiles, 1) if profile is part.profile), 0)
     blocks = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
     return np.concatenate([np.asarray(part, np.float32).ravel() for part in blocks]).tobytes()
-
-
-def dome_irradiance(dome: Dome | None) -> FloatArray:
-    """Irradiance over pi of a dome, as the nine polynomial coefficients that ``dome_irradiance_over_pi`` evaluates.
-
-    Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps", eqs. 7, 8 and 13.
-
-    Returns:
-        ``(9, 3)`` float32, in the dome's own axes.
-    """
-    if dome is None:
-        return np.zeros((9, 3), np.float32)
-    if dome.image is None:
-        flat = np.zeros((9, 3), np.float32)
-        flat[0] = dome.radiance
-        return flat
-    radiance, theta_edges, phi_edges = _downsample(dome.image.pixels)
-    radiance *= np.asarray(dome.radiance)
-    theta, phi = (theta_edges[1:] + theta_edges[:-1]) / 2, (phi_edges[1:] + phi_edges[:-1]) / 2
-    y = np.cos(theta)[:, None] * np.ones(len(phi))
-    x = np.sin(theta)[:, None] * np.sin(phi)
-    z = np.sin(theta)[:, None] * np.cos(phi)
-    solid_angle = -np.diff(np.cos(theta_edges))[:, None] * -np.diff(phi_edges)
-    basis = np.stack([np.ones_like(x), y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y])
-    norm = np.array([0.282095] + [0.488603] * 3 + [1.092548, 1.092548, 0.315392, 1.092548, 0.546274])
-    cosine_lobe = np.array([1.0] + [2 / 3] * 3 + [1 / 4] * 5)  # A_l over pi
-    coefficients = np.einsum("bhw,hwc,hw->bc", basis, radiance, solid_angle)
-    return np.asarray(coefficients * (norm**2 * cosine_lobe)[:, None], np.float32)
-
-
-def _downsample(pixels: NDArray[np.float16]) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
-    """Downsample a latitude-longitude image to about 64 rows: means ``(h, w, 3)``, and polar and azimuth angles between
-    cells.
-
-    A smaller image has its pixels repeated, since the harmonics need more samples; a larger one is averaged band by
-    band.
-    """
-    pixels = pixels.repeat(-(-32 // pixels.shape[0]), axis=0).repeat(-(-64 // pixels.shape[1]), axis=1)
-    height, width = pixels.shape[:2]
-    rows = np.unique(np.linspace(0, height, 65).astype(int))
-    columns = np.unique(np.linspace(0, width, 129).astype(int))
-    bands = [pixels[a:b, :, :3].astype(np.float32).mean(0) for a, b in pairwise(rows)]
-    means = np.add.reduceat(np.stack(bands), columns[:-1], axis=1) / np.diff(columns)[:, None]
-    return means.astype(np.float64), rows / height * np.pi, (0.5 - columns / width) * 2 * np.pi
 
 
 def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot | None) -> FloatArray:

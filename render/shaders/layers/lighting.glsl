@@ -23,7 +23,7 @@ struct Light {
 
 layout(std140, binding = 2) uniform LightBlock {
     vec4 count;             // number of lights; 1 with a dome; its mip for a rough surface; number of lights with shadows (the first ones)
-    vec4 dome_irradiance[9];// irradiance over pi in spherical harmonics, the dome's axes
+    vec4 dome_diffuse;      // multiplier of its irradiance
     mat4 dome_from_camera;
     mat4 world_from_camera;
     vec4 dome_radiance;
@@ -31,6 +31,7 @@ layout(std140, binding = 2) uniform LightBlock {
 } lighting;
 
 layout(binding = 9) uniform sampler2D dome_map;
+layout(binding = 14) uniform sampler2D dome_irradiance;   // over pi, the first and last rows at the poles
 
 #ifdef LINKED
 // Lights that leave a surface out: a bit for each light, and the last one for the dome.
@@ -148,11 +149,10 @@ Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v)
 
 vec3 dome_irradiance_over_pi(vec3 n)
 {
-    vec4 c[9] = lighting.dome_irradiance;
-    vec3 e = c[0].rgb + c[1].rgb * n.y + c[2].rgb * n.z + c[3].rgb * n.x + c[4].rgb * (n.x * n.y)
-           + c[5].rgb * (n.y * n.z) + c[6].rgb * (3.0 * n.z * n.z - 1.0) + c[7].rgb * (n.x * n.z)
-           + c[8].rgb * (n.x * n.x - n.y * n.y);
-    return max(e, vec3(0.0));
+    vec2 uv = latlong_uv(n);
+    float rows = float(textureSize(dome_irradiance, 0).y);
+    uv.y = (uv.y * (rows - 1.0) + 0.5) / rows;
+    return lighting.dome_diffuse.rgb * textureLod(dome_irradiance, uv, 0.0).rgb;
 }
 
 // Reflectance of the whole hemisphere: Lazarov's fit of the split sum (Karis 2014, "Physically based shading on mobile").
@@ -161,7 +161,7 @@ vec3 environment_reflectance(vec3 f0, float roughness, float nv)
     vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
     vec2 ab = vec2(-1.04, 1.04) * a + r.zw;
-    return f0 * ab.x + ab.y;
+    return max(f0 * ab.x + ab.y, vec3(0.0));
 }
 
 Reflected dome_contribution(Reflector s, vec3 v)

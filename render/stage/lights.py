@@ -271,7 +271,7 @@ class LightReader:
         reach = _number(prim, "inputs:shadow:distance", time)
         if not prim.HasAPI(UsdLux.ShadowAPI) or not 0 <= reach <= _MAX_MEASURE:
             return {}
-        fade, gamma = (_number(prim, f"inputs:shadow:{name}", time) for name in ("falloff", "falloffGamma"))
+        fade, gamma = (_number(prim, name, time) for name in ("inputs:shadow:falloff", "inputs:shadow:falloffGamma"))
         return {
             "shadow_reach_m": reach * self._metres_per_unit,
             "shadow_fade_m": min(max(fade, 0.0), reach) * self._metres_per_unit,

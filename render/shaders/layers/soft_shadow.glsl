@@ -80,7 +80,7 @@ float kernel_share(int map, vec2 uv, vec2 u, vec2 v, float scale, bool is_round,
         float weight = is_round ? clamp((1.0 - length(at)) * min(width_u, width_v) + 0.5, 0.0, 1.0)
                                 : clamp((1.0 - abs(at.x)) * width_u + 0.5, 0.0, 1.0) * clamp((1.0 - abs(at.y)) * width_v + 0.5, 0.0, 1.0);
         ivec3 texel = ivec3(clamp(first + place, ivec2(0), ivec2(cells_across - 1)), map);
-        vec3 depths = level > 0 ? texelFetch(shadow_cells, texel, level - 1).rgb : texelFetch(shadow_depths, texel, 0).rrr;
+        vec3 depths = level > 0 ? texelFetch(shadow_cells, texel, max(level - 1, 0)).rgb : texelFetch(shadow_depths, texel, 0).rrr;
         hidden += weight * share_hidden(depths, threshold);
         sum += weight;
         place.x += 1;

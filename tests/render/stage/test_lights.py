@@ -346,6 +346,19 @@ def test_a_dome_has_its_picture_and_its_turn(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.pose[:3, :3] @ [0, 0, 1], [1, 0, 0], atol=1e-9)
 
 
+@pytest.mark.parametrize("kind", ["DomeLight", "DomeLight_1"])
+def test_a_dome_turns_over_time(kind: str) -> None:
+    stage = new_stage()
+    turn = UsdGeom.Xformable(stage.DefinePrim("/dome", kind)).AddRotateYOp()
+    turn.Set(0.0, 1)
+    turn.Set(90.0, 3)
+    reader = StageReader(stage)
+    for time, ahead in ((1, [0, 0, 1]), (2, [0.5**0.5, 0, 0.5**0.5]), (3, [1, 0, 0])):
+        found = reader.read(time).dome
+        assert found is not None
+        np.testing.assert_allclose(found.pose[:3, :3] @ [0, 0, 1], ahead, atol=1e-9)
+
+
 @pytest.mark.parametrize(("kind", "top"), [("DomeLight", [0, 0, -1]), ("DomeLight_1", [0, 1, 0])])
 def test_the_pole_of_a_dome_on_a_z_up_stage(kind: str, top: list[int]) -> None:
     """DomeLight's pole is its own +Y, which lies level on a Z-up stage; DomeLight_1's is the stage's up axis."""

@@ -156,8 +156,8 @@ def test_an_image_near_a_wall_lights_what_is_near(renderer: FrameRenderer) -> No
 
 
 def test_each_part_of_an_image_stands_in_its_place() -> None:
-    """A texture's least coordinates are at (+X, +Y), its greatest at (-X, -Y) (UsdLuxRectLight's class comment). hdEmbree has them
-    the other way round across."""
+    """A texture's least coordinates are at (+X, +Y), its greatest at (-X, -Y) (UsdLuxRectLight's comment). hdEmbree mirrors
+    them."""
     image = checked((slice(0, 2), slice(0, 2)))
     light = Light("rect", (1.0, 2.0, 4.0), facing_the_wall(1.0), width_m=4.0, height_m=8.0, image=image)
     (parts,) = light_parts([light])

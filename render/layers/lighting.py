@@ -71,10 +71,10 @@ class Lighting:
         soft = {slot.first + i for slot in self._plan.slots.values() if slot.outline[2] for i in range(slot.count)}
         return self._maps.cast(self._plan.clip_from_world, casting, soft)
 
-    @property
-    def options(self) -> dict[str, int | float | str]:
-        """Defines of the shaders that light surfaces, by what the scene's lights need."""
-        return lighting_options(self._lights, self._plan.slots.values()) | self._links.options
+    def options(self, *, is_sketch: bool) -> dict[str, int | float | str]:
+        """Defines of the shaders that light surfaces, by what the scene's lights need; shadows of sketches are hard."""
+        soft = () if is_sketch else self._plan.slots.values()
+        return lighting_options(self._lights, soft) | self._links.options
 
     def bind(self, view: PinholeView) -> None:
         """Bind the lighting of surfaces, in the space that they are drawn in."""

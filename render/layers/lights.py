@@ -73,7 +73,7 @@ def lighting_options(lights: Sequence[Light], slots: Collection[ShadowSlot]) -> 
 
     Args:
         lights: lights that are drawn.
-        slots: their shadow slots.
+        slots: their shadow slots; none where all shadows are hard.
     """
     needs = {
         "TUBES": any(light.kind == "cylinder" for light in lights),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from render.lab.reference.scenes import rectangle, sphere
 from render.layers.shadows import light_outline
 from render.model.arrays import DoubleArray
 from render.model.scene import POINT_RADIUS_M, Batch, Light
+from render.optics.view import PinholeView
+from render.trace.rays import make_ray_pattern
 from tests.render.kits.lit_walls import CAMERA, MATT, WALL, facing_the_wall, lit
 
 WIDTH_PX, ACROSS_M = 160, 4.0
@@ -157,3 +160,25 @@ def test_a_shadow_ends_at_its_distance(renderer: FrameRenderer) -> None:
         assert full.max() < 0.01, light.kind
         assert none.min() > 0.99, light.kind
         np.testing.assert_allclose(faded, 1 - 0.5**2, atol=0.05, err_msg=light.kind)
+
+
+def sketched_row(renderer: FrameRenderer, sketch: Literal["never", "always"], *casters: Batch) -> DoubleArray:
+    """Light along the middle of the wall in a small picture, or in the sketch of one."""
+    view, settings = PinholeView.from_camera(CAMERA, WIDTH_PX, WIDTH_PX), FrameSettings(WIDTH_PX, WIDTH_PX, rays=4)
+    device, scene = renderer.device, lit(LIGHTS["sphere"][0], batches=(NEAR_WALL, *casters))
+    with renderer.on_device():
+        camera = renderer.load(scene, CAMERA, settings, is_preview=True)
+        device.peeler.clear_cache()
+        peeled, small = device.previewer.peel(device.peeler, camera, view, unlit=False, sketch=sketch)
+        pattern = make_ray_pattern(4, camera.iris, seed=1, tiled=False)
+        light = device.previewer.trace(device.peeler, peeled, camera, small, pattern, 1)
+    return np.asarray(light[len(light) // 2, :, 0], np.float64)
+
+
+def test_shadows_of_sketches_are_hard(renderer: FrameRenderer) -> None:
+    """Pictures while something is dragged do without penumbrae, which take most of the lighting's time."""
+    widths = []
+    for sketch in ("never", "always"):
+        share = sketched_row(renderer, sketch, half_plane()) / sketched_row(renderer, sketch)
+        widths.append(np.mean((share > 0.1) & (share < 0.9)))
+    assert widths[1] < 0.4 * widths[0]

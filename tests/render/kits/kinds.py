@@ -1,7 +1,4 @@
-"""Stages with one of each kind of geometry, material and light, for the page of all kinds and its tests.
-
-Each kind stands in a cell of a grid, 3 m wide, in the order of `GEOMETRY`, `MATERIALS` and `LIGHTS`.
-"""
+"""Stages of each kind of geometry, material and light, for the page of all kinds and its tests."""
 
 from __future__ import annotations
 
@@ -14,8 +11,6 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, Vt
 from tests.render.kits.stages import add_material, add_mesh, add_texture, bind, set_primvar, write_picture
 
 T = Sdf.ValueTypeNames
-CELL_M = 3.0
-COLUMNS = 5
 
 Author = Callable[[Usd.Stage, str, Path], None]
 
@@ -205,8 +200,7 @@ def _skinned(stage: Usd.Stage, path: str, folder: Path) -> None:
 
 def _stand_in(stage: Usd.Stage, path: str, folder: Path) -> None:
     model = UsdGeom.Xform.Define(stage, path)
-    for above in (model.GetPrim().GetParent().GetParent(), model.GetPrim().GetParent()):
-        Usd.ModelAPI(above).SetKind("group")
+    Usd.ModelAPI(model.GetPrim().GetParent()).SetKind("group")
     Usd.ModelAPI(model).SetKind("component")
     api = UsdGeom.ModelAPI.Apply(model.GetPrim())
     api.CreateModelDrawModeAttr("bounds")
@@ -406,7 +400,7 @@ MATERIALS: dict[str, Author] = {
 
 
 def _booth(stage: Usd.Stage, path: str) -> str:
-    """Floor, back and two sides with a ball, lit by nothing but what is linked to them; returns the path of the whole."""
+    """Floor, back and two sides with a ball; returns the path of the whole."""
     UsdGeom.Xform.Define(stage, path)
     low, high = (-1.4, 0.0, -1.4), (1.4, 2.4, 1.4)
     corners = [(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
@@ -423,7 +417,7 @@ def _booth(stage: Usd.Stage, path: str) -> str:
 def _lit_by(
     kind: type, place: tuple[float, ...], turn: tuple[float, ...], apis: tuple[type, ...] = (), **values: object
 ) -> Author:
-    """Booth with a light of its own. ``values`` are its properties, with ``_`` for ``:``."""
+    """Booth with a light. ``values`` are its properties, with ``_`` for ``:``."""
 
     def author(stage: Usd.Stage, path: str, folder: Path) -> None:
         _booth(stage, path)
@@ -434,9 +428,6 @@ def _lit_by(
             api.Apply(light.GetPrim())
         for name, value in values.items():
             light.GetPrim().GetAttribute(name.replace("_", ":")).Set(value)
-        links = UsdLux.LightAPI(light).GetLightLinkCollectionAPI()
-        links.CreateIncludeRootAttr(False)
-        links.CreateIncludesRel().SetTargets([path])
 
     return author
 
@@ -456,10 +447,7 @@ def _mesh_light(stage: Usd.Stage, path: str, folder: Path) -> None:
     points = [(-0.3, 1.5, 0.2), (0.3, 1.5, 0.2), (0, 1.5, -0.4), (0, 2.0, 0)]
     mesh = add_mesh(stage, f"{path}/light", points, [3] * 4, [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3])
     UsdLux.MeshLightAPI.Apply(mesh.GetPrim())
-    light = UsdLux.LightAPI(mesh.GetPrim())
-    light.CreateIntensityAttr(6.0)
-    light.GetLightLinkCollectionAPI().CreateIncludeRootAttr(False)
-    light.GetLightLinkCollectionAPI().CreateIncludesRel().SetTargets([path])
+    UsdLux.LightAPI(mesh.GetPrim()).CreateIntensityAttr(6.0)
 
 
 def _profiled(stage: Usd.Stage, path: str, folder: Path) -> None:
@@ -536,33 +524,29 @@ LIGHTS: dict[str, Author] = {
 }
 
 
-def kinds_stage(file: Path, kinds: dict[str, Author], *, booths: bool = False) -> Usd.Stage:
-    """Stage with each kind in its cell, and a camera ``/camera`` that sees all.
+def kind_stage(file: Path, author: Author, *, booth: bool = False) -> Usd.Stage:
+    """Stage with one kind ``/world/kind``, and a camera ``/camera`` that sees it.
 
     Args:
         file: layer to write; textures come beside it.
-        kinds: the kinds.
-        booths: whether each has a light of its own; else all are lit by a sky and a sun, on a floor.
+        author: authors the kind.
+        booth: whether it brings a light of its own; else a sky and a sun light it, on a floor.
     """
     stage = Usd.Stage.CreateNew(str(file))
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdGeom.SetStageUpAxis(stage, "Y")
-    rows = -(-len(kinds) // COLUMNS)
-    for number, author in enumerate(kinds.values()):
-        cell = UsdGeom.Xform.Define(stage, f"/cells/cell_{number:02}")
-        column, row = number % COLUMNS, number // COLUMNS
-        cell.AddTranslateOp().Set((CELL_M * (column - (COLUMNS - 1) / 2), 0, CELL_M * (row - rows + 1)))
-        author(stage, f"{cell.GetPath()}/kind", file.parent)
+    UsdGeom.Xform.Define(stage, "/world")
+    author(stage, "/world/kind", file.parent)
     camera = UsdGeom.Camera.Define(stage, "/camera")
-    camera.CreateFocalLengthAttr(35)
+    camera.CreateFocalLengthAttr(50)
     camera.CreateHorizontalApertureAttr(36)
-    camera.CreateVerticalApertureAttr(15)
-    camera.CreateFStopAttr(8)
-    camera.CreateFocusDistanceAttr(16)
+    camera.CreateVerticalApertureAttr(27)
+    camera.CreateFStopAttr(1.4)
+    camera.CreateFocusDistanceAttr(4.9)
     camera.CreateClippingRangeAttr((0.1, 100))
-    camera.AddTranslateOp().Set((0, 9.5, 11.5))
-    camera.AddRotateXYZOp().Set((-31, 0, 0))
-    if not booths:
+    camera.AddTranslateOp().Set((0, 2.2, 5.0))
+    camera.AddRotateXYZOp().Set((-16, 0, 0))
+    if not booth:
         floor = add_mesh(stage, "/floor", [(-20, 0, 10), (20, 0, 10), (20, 0, -20), (-20, 0, -20)])
         floor.CreateDisplayColorAttr([(0.35, 0.35, 0.37)])
         UsdLux.DomeLight.Define(stage, "/sky").CreateIntensityAttr(0.5)

@@ -165,6 +165,8 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
             self.defines |= {"GRAPH": 1, "GRAPH_NUMBERS": len(material.graph.numbers) // 4 - GRAPH_ROWS}
             if material.graph.reads_place:
                 self.defines["GRAPH_OBJECT_SPACE"] = 1
+            if material.unlit:
+                self.defines["GRAPH_UNLIT"] = 1
             self.functions = material.graph.functions
             self.block = np.array(material.graph.numbers, np.float32).tobytes()
             return

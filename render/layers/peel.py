@@ -430,7 +430,7 @@ class Peeler:
             self._ctx.memory_barrier()
             self._lighting.bind_maps()
             surfaces = (draw.batch.material for draw in layer.draws)
-            has_clearcoat = any(surface.clearcoat > 0 or "clearcoat" in surface.lookups for surface in surfaces)
+            has_clearcoat = any(surface.may_have_coat for surface in surfaces)
             options, by_quads = self._lighting.options(is_sketch=layer.is_sketch), layer.sampling.by_quads
             self._lighter.light(layer.slot, layer.view, options, has_clearcoat=has_clearcoat, by_quads=by_quads)
         return passed != 0

@@ -101,9 +101,12 @@ class TextureBudget:
         """Levels of textures that no view shows."""
         sides = dict.fromkeys(self._index.textures, _UNSEEN_SIDE_PX)
         for draw in self._index.draws:
-            opacity = self._index.texture_of(draw.batch.material, "opacity")
-            if opacity is not None:
-                sides[opacity] = _UNSEEN_OPACITY_SIDE_PX
+            material = draw.batch.material
+            is_clear = material.graph is not None and material.graph.may_be_transparent
+            for name in material.lookups if is_clear else ("opacity",):
+                opacity = self._index.texture_of(material, name)
+                if opacity is not None:
+                    sides[opacity] = _UNSEEN_OPACITY_SIDE_PX
         return {texture: texture.level_of_side(side) for texture, side in sides.items()}
 
     def _needed_levels(self, view: PinholeView, detail: float) -> dict[HalfTexture, int]:

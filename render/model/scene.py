@@ -87,12 +87,14 @@ class SurfaceGraph:
         numbers: for the block that they read, four for each row.
         reads_place: whether geometries hold the place in the prim's own space where they hold colours otherwise.
         may_be_transparent: whether a fragment may be wholly or partly transparent.
+        opacity: share of what is behind that it hides, as far as it is known without the device.
     """
 
     functions: str
     numbers: tuple[float, ...]
     reads_place: bool = False
     may_be_transparent: bool = False
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +145,11 @@ class Material:
     values: dict[str, int] = field(default_factory=dict)
     lookups: dict[str, TextureLookup] = field(default_factory=dict)
     graph: SurfaceGraph | None = None
+
+    @property
+    def may_have_coat(self) -> bool:
+        """Whether it may have a clear coat somewhere."""
+        return self.clearcoat > 0 or "clearcoat" in self.lookups or "clearcoat" in self.values
 
     @property
     def may_be_transparent(self) -> bool:

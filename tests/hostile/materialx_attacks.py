@@ -223,6 +223,19 @@ def _definitions(canary: Path) -> Texts:
         yield f"definition/words-{number}", document(base, DEFINITION.format("a0", inside) + use)
         primvar = f'<geompropvalue name="q" type="float"><input name="geomprop" type="string" value="{word}"/></geompropvalue>'
         yield f"definition/primvar-{number}", document(base, DEFINITION.format("a0", primvar) + use)
+    yield (
+        "definition/input-loop",
+        document('<input name="base" interfacename="a"/>', '<input name="a" interfacename="a"/>'),
+    )
+    loop = (
+        '<nodegraph name="G"><input name="a" nodegraph="G" output="o"/><output name="o" interfacename="a"/></nodegraph>'
+    )
+    yield "definition/output-loop", document('<input name="base" nodegraph="G" output="o"/>', loop)
+    nested = '<input name="x">' * 3_000 + "</input>" * 3_000
+    yield "definition/nested", document(base, DEFINITION.format("a0", nested) + use)
+    for word in ("GRAPH", "focus", "Surface", "graph_texture", "mx_square", "vd"):
+        renamed = DEFINITION.format("a0", f'<sin name="{word}" type="float"/>').replace('"NG_a0"', f'"{word}"')
+        yield f"definition/name-{word}", document(base, renamed.replace('nodename="q"', f'nodename="{word}"') + use)
     code = '<implementation name="I" nodedef="ND_a0" function="main" target="genglsl" {}/>'
     for number, given in enumerate(
         (f'file="{canary}"', 'file="/dev/zero"', 'sourcecode="}} void main() {{ for (;;) ; }}"')

@@ -28,6 +28,14 @@ vec4 graph_texture(sampler2D map, vec2 uv)
     return texture(map, uv, graph_lod_bias);
 }
 
+// Normal in the prim's own space, of the facet: nothing smoother is known there.
+vec3 graph_object_normal()
+{
+    vec3 facet = cross(dFdx(graph_color.xyz), dFdy(graph_color.xyz));
+    float flip = dot(cross(dFdx(graph_position), dFdy(graph_position)), graph_normal) < 0.0 ? -1.0 : 1.0;
+    return flip * facet * inversesqrt(max(dot(facet, facet), 1e-30));
+}
+
 #include "layers/graph_surfaces.glsl"
 
 #pragma surface_graph
@@ -55,8 +63,12 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
                        normalize(stage_from_camera[2].xyz));
     mat3 working = mat3(graph.working_from_rec709[0].xyz, graph.working_from_rec709[1].xyz, graph.working_from_rec709[2].xyz);
     vec3 n = facing_normal(position, normal, front);
+#ifdef MAY_BE_TRANSPARENT
+    graph_lod_bias = -log2(detail);  // cut-outs keep their edges, and both passes must agree on them
+#else
     float patch_px = patch_px_m * (fragment_w() - focus.x - dot(focus.yz, gl_FragCoord.xy));
     graph_lod_bias = 0.5 * log2(patch_px * patch_px + 1.0 / (detail * detail));
+#endif
     graph_uv = uv;
 #ifdef GRAPH_OBJECT_SPACE
     graph_color = color;
@@ -83,6 +95,11 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     s.clearcoat = clamp(s.clearcoat, 0.0, 1.0);
     s.opacity = clamp(s.opacity, 0.0, 1.0);
     float through = clamp(graph_transmission, 0.0, 1.0);
+#ifdef GRAPH_UNLIT
+    s.opacity *= 1.0 - through;  // nothing is reflected; layers hold light that is not premultiplied
+    if (through > 0.0) s.emissive /= max(1.0 - through, 1.0 / 256.0);
+    if (through > 0.0) s.opacity = max(s.opacity, graph_surface.opacity / 256.0);
+#else
     if (through > 0.0) {
         // the surface is as opaque as it reflects, and more
         vec3 v = normalize(vec3(0.0, 0.0, eye_z) - position);
@@ -93,7 +110,9 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
         s.base_color /= opacity;  // of what is not let through, and so not faded
         s.f0 *= s.opacity;        // a cut-out fades all
         s.emissive *= s.opacity;
+        s.clearcoat *= s.opacity;
         s.opacity *= opacity;
     }
+#endif
     return s;
 }

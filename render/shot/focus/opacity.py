@@ -24,7 +24,7 @@ def opacity_at(
     """
     material, geometry = batch.material, batch.geometry
     shares = np.stack([1 - u - v, u, v], axis=1)[..., None]
-    opacity = np.full(len(u), material.opacity)
+    opacity = np.full(len(u), material.opacity if material.graph is None else material.graph.opacity)
     lookup = material.lookups.get("opacity")
     if lookup is not None:
         uvs = geometry.coordinates(lookup)

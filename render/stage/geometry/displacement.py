@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from render.model.arrays import BoolArray, DoubleArray, FloatArray, LongArray
+from render.model.arrays import BoolArray, DoubleArray, FloatArray, HalfArray, LongArray
 from render.model.scene import TextureLookup, Wrap
+from render.model.udim import layers_at
 from render.stage.geometry.polygons import BadGeometry, Polygons, compute_normals, fan, transfer_normals
 from render.stage.world import column_matrix
 
@@ -67,6 +68,8 @@ def displace(polygons: Polygons, at_corners: FloatArray | DoubleArray, metric: M
     Raises:
         BadGeometry: a distance is not finite, or authored normals do not fit the faces.
     """
+    if not len(polygons.corners):
+        return polygons
     count = len(polygons.points)
     corners = np.maximum(np.bincount(polygons.corners, minlength=count), 1)
     amount = np.bincount(polygons.corners, at_corners.astype(np.float64), minlength=count) / corners
@@ -90,19 +93,33 @@ def look_up(lookup: TextureLookup, coordinates: FloatArray, step: int = 1) -> Do
         step: values are means over so many texels each way.
     """
     channel = max(lookup.channel, 0)
-    places = _places(lookup, coordinates)
-    texels = lookup.image.pixels[..., channel].astype(np.float64)
+    places, scale, bias = _places(lookup, coordinates), float(lookup.scale[channel]), float(lookup.bias[channel])
+    if not lookup.image.tiles:
+        texels = lookup.image.pixels[..., channel]
+        return _between_texels(texels, places, (lookup.wrap_s, lookup.wrap_t), step) * scale + bias
+    layers = layers_at(lookup.image.tiles, places)
+    values = np.full(len(places), float(lookup.fallback[channel]))
+    for layer in np.unique(layers[layers >= 0]):
+        own = layers == layer
+        within = places[own] - np.floor(places[own])
+        texels = lookup.image.pixels[layer, ..., channel]
+        values[own] = _between_texels(texels, within, ("clamp", "clamp"), step) * scale + bias
+    return values
+
+
+def _between_texels(texels: HalfArray, places: DoubleArray, wraps: tuple[Wrap, Wrap], step: int) -> DoubleArray:
+    """``(n,)`` values between the texels ``(height, width)`` of an image, or between means of ``step`` of them each way."""
     across, down = texels.shape[1] / step, texels.shape[0] / step
-    texels = _means(texels, step)
-    height, width = texels.shape
+    means = _means(texels.astype(np.float64), step)
+    height, width = means.shape
     x, y = places[:, 0] * across - 0.5, (1 - places[:, 1]) * down - 0.5
     left, top = np.floor(x), np.floor(y)
     value = np.zeros(len(places))
     for column, share_x in ((left, 1 - (x - left)), (left + 1, x - left)):
         for row, share_y in ((top, 1 - (y - top)), (top + 1, y - top)):
-            (i, in_y), (j, in_x) = _wrap(row, height, lookup.wrap_t), _wrap(column, width, lookup.wrap_s)
-            value += share_x * share_y * np.where(in_x & in_y, texels[i, j], 0.0)
-    return np.asarray(value * float(lookup.scale[channel]) + float(lookup.bias[channel]))
+            (i, in_y), (j, in_x) = _wrap(row, height, wraps[1]), _wrap(column, width, wraps[0])
+            value += share_x * share_y * np.where(in_x & in_y, means[i, j], 0.0)
+    return value
 
 
 def texels_between(lookup: TextureLookup, at_corners: FloatArray, polygons: Polygons) -> int:
@@ -113,12 +130,14 @@ def texels_between(lookup: TextureLookup, at_corners: FloatArray, polygons: Poly
         at_corners: ``(c, 2)`` texture coordinates of the surface's corners.
         polygons: the surface.
     """
+    if not len(at_corners):
+        return 1
     counts = polygons.counts[polygons.counts > 0].astype(np.int64)
     following = np.arange(1, len(at_corners) + 1)
     ends = np.cumsum(counts)
     following[ends - 1] = ends - counts
     places = _places(lookup, at_corners)
-    height, width = lookup.image.pixels.shape[:2]
+    height, width = lookup.image.pixels.shape[-3:-1]
     steps = np.abs(places[following] - places) @ np.diag([width, height])
     longest = np.sort(steps.max(axis=1))
     return int(np.clip(longest[len(longest) // 2], 1, min(width, height)))

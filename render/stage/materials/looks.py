@@ -88,25 +88,23 @@ class LookReader:
         material = UsdShade.Material(self._stage.GetPrimAtPath(path))
         if not material:
             return self._of_materialx().of_document(path, time) or self._unread(path, "does not exist")
-        shader = material.ComputeSurfaceSource()[0]
-        if shader and self._nodes.kind(shader) == "UsdPreviewSurface":
+        shader, kind = self._surface(material)
+        if kind == "UsdPreviewSurface":
             return preview_surface_look(material, shader, time, self._nodes, self._log)
-        kind = self._nodes.kind(shader) if shader else ""
-        if not kind.startswith(_MATERIALX):
-            shader, kind = self._of_context(material, shader, kind)
         if kind.startswith(_MATERIALX):
             look = self._of_materialx().of_shader(material, shader, time)
             if look is not None:
-                return look
+                return replace(look, displacement=self.displacement(path, time))
         return self._unread(path, f"has a surface of {kind}" if kind else "has no surface that can be read")
 
-    def _of_context(
-        self, material: UsdShade.Material, shader: UsdShade.Shader, kind: str
-    ) -> tuple[UsdShade.Shader, str]:
-        """The surface for MaterialX where there is one, and its kind; else what is given."""
-        own = material.ComputeSurfaceSource(_CONTEXT)[0]
-        own_kind = self._nodes.kind(own) if own else ""
-        return (own, own_kind) if own_kind.startswith(_MATERIALX) else (shader, kind)
+    def _surface(self, material: UsdShade.Material) -> tuple[UsdShade.Shader, str]:
+        """The surface for MaterialX where there is one, else that for all; and its kind, which may be empty."""
+        if material.GetSurfaceOutput(_CONTEXT):
+            own = material.ComputeSurfaceSource(_CONTEXT)[0]
+            if own and self._nodes.kind(own).startswith(_MATERIALX):
+                return own, self._nodes.kind(own)
+        shader = material.ComputeSurfaceSource()[0]
+        return shader, self._nodes.kind(shader) if shader else ""
 
     def _of_materialx(self) -> MaterialXLooks:
         """Reader of materials by MaterialX, whose library is loaded where one is met."""

@@ -196,7 +196,7 @@ class TextureCache:
             return out, raw.shape[2]
         rows = _BAND_ROWS * factor
         for first in range(0, height, rows):
-            band = _downsample(linear(raw[first : first + rows]), factor)
+            band = downsample(linear(raw[first : first + rows]), factor)
             if purpose == "color":
                 band = colour.to_working(band)
             top = first // factor
@@ -377,7 +377,7 @@ def _rgba(pixels: NDArray[np.generic]) -> FloatArray:
     return out
 
 
-def _downsample(pixels: FloatArray, factor: int) -> FloatArray:
+def downsample(pixels: FloatArray, factor: int) -> FloatArray:
     """Means of ``factor`` by ``factor`` blocks; the last row and column are repeated to fill whole blocks."""
     if factor == 1:
         return pixels

@@ -244,6 +244,17 @@ def test_a_normal_map_turns_the_surface(renderer: FrameRenderer, tmp_path: Path)
         assert got == pytest.approx(0.5 / np.pi * 2 * leaning, rel=0.02)
 
 
+def _add_lamp(stage) -> None:
+    """Wall of radiance 2 behind all else."""
+    look = {"diffuseColor": Gf.Vec3f(0, 0, 0), "emissiveColor": Gf.Vec3f(2, 2, 2), "ior": 1.0, "roughness": 1.0}
+    add_material(stage, "/lamp", **look)
+    lamp = UsdGeom.Mesh.Define(stage, "/lamp_wall")
+    lamp.CreatePointsAttr([(-9, -9, -6), (9, -9, -6), (9, 9, -6), (-9, 9, -6)])
+    lamp.CreateFaceVertexCountsAttr([4])
+    lamp.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    bind(lamp.GetPrim(), "/lamp")
+
+
 def test_glass_reflects_and_shows_what_is_behind(renderer: FrameRenderer, tmp_path: Path) -> None:
     """Seen head-on, glass of index 1.5 keeps back 4 % of what is behind it, and reflects 4 % of the sky."""
     surface = (
@@ -251,14 +262,7 @@ def test_glass_reflects_and_shows_what_is_behind(renderer: FrameRenderer, tmp_pa
         '<input name="specular_roughness" type="float" value="0.2"/></standard_surface>'
     )
     stage = wall(tmp_path, document(surface))
-    add_material(
-        stage, "/lamp", diffuseColor=Gf.Vec3f(0, 0, 0), emissiveColor=Gf.Vec3f(2, 2, 2), ior=1.0, roughness=1.0
-    )
-    lamp = UsdGeom.Mesh.Define(stage, "/lamp_wall")
-    lamp.CreatePointsAttr([(-9, -9, -6), (9, -9, -6), (9, 9, -6), (-9, 9, -6)])
-    lamp.CreateFaceVertexCountsAttr([4])
-    lamp.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
-    bind(lamp.GetPrim(), "/lamp")
+    _add_lamp(stage)
     sky = UsdLux.DomeLight.Define(stage, "/sky")
     sky.CreateIntensityAttr(0.0)
     assert picture(renderer, stage, 5)[2, 2, 0] == pytest.approx(2 * 0.96, rel=0.01)
@@ -292,3 +296,53 @@ def test_a_set_of_udim_tiles_is_drawn(renderer: FrameRenderer, tmp_path: Path) -
     np.testing.assert_allclose(got[12, 3], (1, 0, 0), atol=0.01)
     np.testing.assert_allclose(got[3, 12], (0, 1, 0), atol=0.01)
     np.testing.assert_allclose(got[3, 3], (0, 0, 0.5), atol=0.01)
+
+
+def test_normals_are_those_of_the_prims_own_space(renderer: FrameRenderer, tmp_path: Path) -> None:
+    convert = '<convert name="c" type="color3"><input name="in" type="vector3" nodename="n"/></convert>'
+    nodes = f'<normal name="n" type="vector3"/>{convert}'
+    stage = wall(tmp_path, glowing(nodes, 'nodename="c"'))
+    np.testing.assert_allclose(picture(renderer, stage, 4)[1, 1, :3], (0, 0, 1), atol=0.01)
+
+
+def test_unlit_surfaces_glow_and_let_through(renderer: FrameRenderer, tmp_path: Path) -> None:
+    surface = (
+        '<surface_unlit name="S" type="surfaceshader"><input name="transmission" type="float" value="1"/>'
+        '<input name="emission_color" type="color3" value="0.3,0.3,0.3"/></surface_unlit>'
+    )
+    stage = wall(tmp_path, document(surface))
+    _add_lamp(stage)
+    assert picture(renderer, stage, 5)[2, 2, 0] == pytest.approx(2.3, rel=0.01)
+
+
+def test_a_network_of_usd_reads_a_set_of_tiles(renderer: FrameRenderer, tmp_path: Path) -> None:
+    for number, color in ((1001, (255, 0, 0)), (1002, (0, 255, 0))):
+        write_picture(tmp_path / f"t.{number}.png", np.tile(np.array(color, np.uint8), (8, 8, 1)))
+    stage = wall(tmp_path, document('<surface_unlit name="S" type="surfaceshader"/>'))
+    prim = stage.GetPrimAtPath("/wall")
+    set_primvar(prim, "st", Sdf.ValueTypeNames.TexCoord2fArray, "vertex", [(0, 0), (2, 0), (2, 1), (0, 1)])
+    material = UsdShade.Material.Define(stage, "/mat")
+    shader, image = UsdShade.Shader.Define(stage, "/mat/s"), UsdShade.Shader.Define(stage, "/mat/i")
+    shader.CreateIdAttr("ND_surface_unlit")
+    image.CreateIdAttr("ND_image_color3")
+    image.CreateInput("file", Sdf.ValueTypeNames.Asset).Set("./t.<UDIM>.png")
+    link = shader.CreateInput("emission_color", Sdf.ValueTypeNames.Color3f)
+    link.ConnectToSource(image.CreateOutput("out", Sdf.ValueTypeNames.Color3f))
+    material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("out", Sdf.ValueTypeNames.Token))
+    bind(prim, "/mat")
+    got = picture(renderer, stage, 8)[4, :, :3]
+    np.testing.assert_allclose(got[[1, 6]], [(1, 0, 0), (0, 1, 0)], atol=0.01)
+
+
+@pytest.mark.parametrize("word", ["GRAPH", "focus", "detail", "Surface", "OPAQUE", "graph"])
+def test_names_of_a_document_meet_none_of_ours(renderer: FrameRenderer, tmp_path: Path, word: str) -> None:
+    inner = f'<input name="in1" type="float" interfacename="{word}"/><input name="in2" type="float" value="0.5"/>'
+    nodes = (
+        f'<nodedef name="ND_half" node="half"><input name="{word}" type="float" value="1"/>'
+        f'<output name="out" type="float"/></nodedef><nodegraph name="{word}" nodedef="ND_half">'
+        f'<multiply name="{word}" type="float">{inner}</multiply><output name="out" type="float" nodename="{word}"/></nodegraph>'
+        f'<half name="h" type="float"><input name="{word}" type="float" value="0.5"/></half>'
+        '<convert name="c" type="color3"><input name="in" type="float" nodename="h"/></convert>'
+    )
+    got = picture(renderer, wall(tmp_path, glowing(nodes, 'nodename="c"')), 4)
+    assert got[1, 1, 0] == pytest.approx(0.25, abs=0.002)

@@ -7,6 +7,7 @@ other surfaces are taken apart; other nodes that it defines are left whole.
 
 from __future__ import annotations
 
+import copy
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Container
@@ -18,6 +19,7 @@ from render.stage.materials.mtlx.network import (
     MOST_DEPTH,
     MOST_NODES,
     MOST_WEIGHT,
+    OWN,
     Input,
     Link,
     Network,
@@ -28,6 +30,8 @@ from render.stage.materials.mtlx.network import (
 from render.stage.materials.mtlx.surfaces import SURFACES
 
 _ENDLESS = "/"  # category of no node
+_MOST_STEPS = 300
+"""Nodes and inputs from a surface to what feeds it, one behind the other."""
 _NOT_NODES = ("input", "output", "nodedef", "nodegraph", "implementation", "token", "geominfo", "look", "collection")
 
 
@@ -87,7 +91,14 @@ class DocumentNetworks:
             reader = _Reader(document, self._own)
             surface = reader.surface_of(name)
             if surface is not None:
-                return Network(surface, self._definitions, document.version, document.folder, self._weights)
+                return Network(
+                    surface,
+                    self._definitions,
+                    document.version,
+                    document.folder,
+                    self._weights,
+                    reader.displaces(name),
+                )
         return None
 
 
@@ -114,6 +125,11 @@ class _Reader:
         found = self._input(link, self._root)
         return found.source.node if found.source is not None else None
 
+    def displaces(self, name: str) -> bool:
+        """Whether the material of a name has a displacement."""
+        material = self._root.find("surfacematerial", name)
+        return material is not None and _child(material, "input", "displacementshader") is not None
+
     def _node(self, scope: _Scope, name: str) -> Node | None:
         if name in scope.nodes:
             return scope.nodes[name]
@@ -122,9 +138,9 @@ class _Reader:
             return None
         self._count += 1
         self._depth += 1
-        if self._count > MOST_NODES or self._depth > MOST_DEPTH:
+        if self._count > MOST_NODES or self._depth > _MOST_STEPS:
             raise NetworkError(
-                f"it has more than {MOST_NODES:,} nodes, or {MOST_DEPTH} behind each other, or a circle of them"
+                f"it has more than {MOST_NODES:,} nodes, or {_MOST_STEPS} behind each other, or a circle of them"
             )
         node = Node(
             element.tag,
@@ -154,6 +170,14 @@ class _Reader:
         return inside or node
 
     def _input(self, element: ET.Element, scope: _Scope, owner: ET.Element | None = None) -> Input:
+        self._depth += 1
+        if self._depth > _MOST_STEPS:
+            raise NetworkError(f"more than {_MOST_STEPS} of its nodes and inputs feed each other, or a circle of them")
+        found = self._read_input(element, scope, owner)
+        self._depth -= 1
+        return found
+
+    def _read_input(self, element: ET.Element, scope: _Scope, owner: ET.Element | None) -> Input:
         kind = element.get("type") or ""
         space = (
             element.get("colorspace") or (owner.get("colorspace") if owner is not None else None) or scope.color_space
@@ -227,11 +251,30 @@ def _definitions(document: Document, usable: Container[str]) -> list[str]:
             graph = graphs.get(definition.get("name"))
             types = [output.get("type") for output in definition.findall("output")]
             if graph is not None and "surfaceshader" not in types and definition.get("node") in usable:
-                root.append(definition)
-                root.append(graph)
+                root.extend(_with_own_names(definition, graph, usable))
         if len(root):
             found.append(ET.tostring(root, encoding="unicode"))
     return found
+
+
+def _with_own_names(definition: ET.Element, graph: ET.Element, usable: Container[str]) -> tuple[ET.Element, ET.Element]:
+    """Copies of a definition and its graph, in which what they declare has the prefix `OWN`."""
+    definition, graph = copy.deepcopy(definition), copy.deepcopy(graph)
+    for element in (*definition.findall("input"), *definition.findall("output"), *graph.findall("output"), graph):
+        element.set("name", OWN + (element.get("name") or ""))
+    own = {node.get("name") for node in graph if node.tag in usable}
+    for node in graph:
+        if node.tag not in _NOT_NODES:
+            node.set("name", OWN + (node.get("name") or ""))
+        for element in (node, *node.findall("input")):
+            if element.get("output") is not None and element.get("nodename") in own:
+                element.set("output", OWN + (element.get("output") or ""))
+            for key in ("nodename", "interfacename"):
+                if element.get(key) is not None:
+                    element.set(key, OWN + (element.get(key) or ""))
+            if element is not node and node.tag in usable:
+                element.set("name", OWN + (element.get("name") or ""))
+    return definition, graph
 
 
 def _weights_of(document: Document) -> dict[str, float]:

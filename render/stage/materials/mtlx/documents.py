@@ -20,6 +20,8 @@ from render.stage.materials.textures import as_file, require_inside
 
 MOST_BYTES = 16 * 2**20
 MOST_INCLUDES = 100
+MOST_NESTED = 100
+_INSIDE = "\0"  # between a package and a folder in it
 STUDIO_VARIABLE = "PXR_MTLX_PLUGIN_SEARCH_PATHS"
 _INCLUDE = "{http://www.w3.org/2001/XInclude}include"
 _XI = 'xmlns:xi="http://www.w3.org/2001/XInclude"'
@@ -105,24 +107,34 @@ def _parse(path: str, confined_to: Path | None) -> ET.Element:
             text = Path(file).read_bytes()
         if b"<xi:include" in text and b"XInclude" not in text:
             text = text.replace(b"<materialx", b"<materialx " + _XI.encode(), 1)
-        return ET.fromstring(text)
+        root = ET.fromstring(text)
+        if _nesting(root) > MOST_NESTED:
+            raise DocumentError(f"its elements are nested more than {MOST_NESTED} deep")
+        return root
     except TextureError as problem:
         raise DocumentError(f"it {problem}") from problem
     except (OSError, ET.ParseError, ValueError, LookupError) as problem:  # of XML and of its encodings
         raise DocumentError("it is missing" if isinstance(problem, OSError) else str(problem)) from problem
 
 
+def _nesting(root: ET.Element) -> int:
+    depth, level = 0, [root]
+    while level and depth <= MOST_NESTED:
+        depth, level = depth + 1, [child for element in level for child in element]
+    return depth
+
+
 def folder_of(path: str) -> str:
     """Folder of a file, in its package where it lies in one."""
     if Ar.IsPackageRelativePath(path):
         package, inner = Ar.SplitPackageRelativePathInner(path)
-        return f"{package}[{os.path.dirname(inner)}"
+        return f"{package}{_INSIDE}{os.path.dirname(inner)}"
     return os.path.dirname(path)
 
 
 def file_in(folder: str, name: str) -> str:
     """Path of a file by its name relative to a folder of `folder_of`."""
-    if "[" in folder:
-        package, _, inner = folder.partition("[")
+    if _INSIDE in folder:
+        package, _, inner = folder.partition(_INSIDE)
         return f"{package}[{os.path.normpath(os.path.join(inner, name))}]"
     return os.path.normpath(os.path.join(folder, name)) if name else ""

@@ -16,7 +16,16 @@ import MaterialX as mx
 from MaterialX import PyMaterialXGenShader as mx_shader
 
 from render.stage.materials.mtlx.library import PREFIX, library
-from render.stage.materials.mtlx.network import IDENTIFIER, MOST_WEIGHT, Input, Network, NetworkError, Node, node_weight
+from render.stage.materials.mtlx.network import (
+    IDENTIFIER,
+    MOST_WEIGHT,
+    OWN,
+    Input,
+    Network,
+    NetworkError,
+    Node,
+    node_weight,
+)
 from render.stage.materials.mtlx.surfaces import SURFACES
 
 MOST_IMAGES = 16
@@ -185,7 +194,9 @@ class ProgramWriter:
         if node.namespace and IDENTIFIER.fullmatch(node.namespace):
             made.setNamespace(node.namespace)
         choices = library_document.getMatchingNodeDefs(made.getQualifiedName(category))
+        is_own = node.category in self._network.weights
         for key, each in node.inputs.items():
+            key = OWN + key if is_own else key
             if IDENTIFIER.fullmatch(key) and (not is_surface or key in SURFACES[node.category].inputs):
                 self._add_input(made, node, key, each, choices)
         if made.getNodeDef() is None and self._document.getVersionString() >= "1.39":
@@ -209,14 +220,17 @@ class ProgramWriter:
             name = self._names.get(id(given.source.node))
             if name is None:
                 return
-            theirs_type = self._type_of(name, given.source.output)
+            output = given.source.output
+            if output and given.source.node.category in self._network.weights:
+                output = OWN + output
+            theirs_type = self._type_of(name, output)
             if theirs_type != kind:
                 self.notes.append(f"{key} of {node.name or node.category} is a {kind}, and is fed by a {theirs_type}")
                 return
             element = made.addInput(key, kind)
             element.setNodeName(name)
-            if given.source.output and IDENTIFIER.fullmatch(given.source.output):
-                element.setOutputString(given.source.output)
+            if output and IDENTIFIER.fullmatch(output):
+                element.setOutputString(output)
             return
         if given.value is None:
             return

@@ -52,6 +52,8 @@ class MaterialXLooks:
         except NetworkError as problem:
             self._unread(path, str(problem))
             return None
+        if network is not None and network.displaces:
+            self._note_displacement(path)
         return self._look(path, network, time, False) if network is not None else None
 
     def of_shader(
@@ -59,12 +61,18 @@ class MaterialXLooks:
     ) -> BoundMaterial | None:
         """Look of a material whose surface is a node of MaterialX; None where it is none."""
         path = str(material.GetPath())
+        if material.ComputeDisplacementSource("mtlx")[0] != material.ComputeDisplacementSource()[0]:
+            self._note_displacement(path)
         try:
             found = surface_network(shader, time)
         except NetworkError as problem:
             self._unread(path, str(problem))
             return None
         return self._look(path, found.network, time, found.varies) if found is not None else None
+
+    def _note_displacement(self, path: str) -> None:
+        message = f"in material {path}, displacement by MaterialX is not drawn: surfaces stay in place"
+        self._log.add("materialx_displacement", path, message)
 
     def _unread(self, path: str, why: str) -> None:
         self._log.add("materialx_unread", path, f"material {path} is not read: {why}")
@@ -101,7 +109,7 @@ class MaterialXLooks:
             return None
         frame = 0.0 if time.IsDefault() else time.GetValue()
         grids = spread_coordinates(network, lambda node, given: self._grid(path, node, given))
-        writer = ProgramWriter(network, frame, frame / self._stage.GetTimeCodesPerSecond())
+        writer = ProgramWriter(network, frame, frame / (self._stage.GetTimeCodesPerSecond() or 24.0))
         try:
             program = writer.write()
         except NetworkError as problem:
@@ -130,7 +138,11 @@ class MaterialXLooks:
             self._log.add("texture_unreadable", f"{path} tile {number}", message)
         key = id(tiles), numbers_of(node.inputs.get("default"))
         if key not in self._grids:
-            self._grids[key] = grid_of(tiles, key[1])
+            grid = self._grids[key] = grid_of(tiles, key[1])
+            height, width = grid.image.pixels.shape[0] // grid.size[1], grid.image.pixels.shape[1] // grid.size[0]
+            if (height, width) != tiles.pixels.shape[1:3]:
+                message = f"tiles of texture {name[:200]} are drawn with {width} × {height} pixels each in {path}"
+                self._log.add("texture_scaled", f"{path} {name[:200]}", message)
         return self._grids[key]
 
     def _note_lobes(self, path: str, network: Network, shader: SurfaceShader) -> None:
@@ -181,6 +193,7 @@ class _LookWriter:
             numbers=(*self._frames(), *self.program.numbers),
             reads_place=is_place,
             may_be_transparent=self._may_be_transparent(),
+            opacity=self._opacity(),
         )
         lookups = {each.sampler: self._lookup(each) for each in self.program.images}
         has_coat = self.shader.coat is not None and _is_used(self.network.surface.inputs.get(self.shader.coat))
@@ -202,6 +215,16 @@ class _LookWriter:
             ):
                 return True
         return False
+
+    def _opacity(self) -> float:
+        """Share of what is behind that it hides, where the network has constants for it; connected inputs count as opaque."""
+        opacity = 1.0
+        for name, opaque in zip(self.shader.opacity, self.shader.opaque, strict=True):
+            numbers = numbers_of(self.network.surface.inputs.get(name))
+            if numbers:
+                mean = min(max(sum(numbers) / len(numbers), 0.0), 1.0)
+                opacity *= mean if opaque else 1 - 0.96 * mean
+        return opacity
 
     def _frames(self) -> tuple[float, ...]:
         """Rows of the block of `layers/graph.glsl` before the network's own numbers."""
@@ -261,6 +284,8 @@ class _LookWriter:
             self.log.add("materialx_primvar", self.path, message)
             color = number = None
         values: dict[str, object] = {"uv": uv.primvar if uv else None}
+        if uv is not None and len(uv.fallback) == 2:
+            values |= {"uv_fallback": uv.fallback}
         if color is not None:
             values |= {"color": color.primvar}
             if len(color.fallback) >= 3:

@@ -12,6 +12,8 @@ MOST_DEPTH = 200
 """Nodes from a surface to what feeds it, one behind the other."""
 MOST_WEIGHT = 2_000
 """Weight of all nodes that a network stands for, as `node_weight` has it: they are compiled one by one."""
+OWN = "own_"
+"""Prefix of what definitions of a document declare, so that it meets no name of our shaders."""
 _HEAVY = re.compile(r".*(noise|fractal|worley|hextiled|triplanar|blur|flake|heighttonormal|curve).*")
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -48,6 +50,7 @@ class Input:
         source: the output that feeds it, or None.
         color_space: that of a colour or of an image file, or an empty string.
         folder: for a file, the folder that its name counts from.
+        tiles: numbers and paths of a UDIM set's tiles, where they are known.
     """
 
     type: str
@@ -55,6 +58,7 @@ class Input:
     source: Link | None = None
     color_space: str = ""
     folder: str = ""
+    tiles: tuple[tuple[int, str], ...] = ()
 
 
 @dataclass(eq=False)
@@ -87,7 +91,8 @@ class Network:
         definitions: MaterialX documents that define nodes of its own.
         version: of MaterialX that it was written for.
         folder: of the files that ``definitions`` name.
-        weights: of the nodes that ``definitions`` define, by category.
+        weights: of the nodes that ``definitions`` define, by category. Their inputs and outputs have the prefix `OWN`.
+        displaces: whether the material has a displacement, too.
     """
 
     surface: Node
@@ -95,6 +100,7 @@ class Network:
     version: str = "1.39"
     folder: str = ""
     weights: Mapping[str, float] = field(default_factory=dict)
+    displaces: bool = False
 
     def nodes(self) -> Iterator[Node]:
         """Nodes that feed the surface, each once, before those that it feeds; the surface is the last.

@@ -13,9 +13,11 @@ from render.model.scene import Image
 from render.model.udim import FIRST_TILE, LAST_TILE, TILES_A_ROW
 from render.stage.materials.mtlx.documents import file_in
 from render.stage.materials.mtlx.network import Input, Link, Network, Node
+from render.stage.materials.textures import downsample
 
 TOKEN = "<UDIM>"
 MOST_SIDE_PX = 8192
+MOST_PIXELS = 2**25
 _COORDINATES = {"image": "texcoord", "UsdUVTexture": "st"}
 """Inputs for texture coordinates of the nodes that may read sets, by category."""
 
@@ -37,6 +39,8 @@ class TileGrid:
 
 def tile_files(given: Input) -> dict[int, str]:
     """Paths of the tiles of a set by their numbers: of the files that are there."""
+    if given.tiles:
+        return dict(given.tiles)
     pattern = file_in(given.folder, given.value or "")
     folder, name = os.path.split(pattern)
     before, _, after = name.partition(TOKEN)
@@ -62,13 +66,13 @@ def grid_of(tiles: Image, fallback: tuple[float, ...]) -> TileGrid:
     size = int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1
     height, width = tiles.pixels.shape[1:3]
     step = max(1, -(-width * size[0] // MOST_SIDE_PX), -(-height * size[1] // MOST_SIDE_PX))
-    height, width = max(1, height // step), max(1, width // step)
+    step = max(step, int(np.ceil(np.sqrt(width * size[0] * height * size[1] / MOST_PIXELS))))
+    height, width = -(-height // step), -(-width // step)
     whole = np.empty((height * size[1], width * size[0], 4), np.float16)
     whole[:] = np.array([*(fallback[:3] if len(fallback) >= 3 else fallback[:1] * 3 or (0, 0, 0)), 1], np.float16)
     for pixels, column, row in zip(tiles.pixels, columns, rows, strict=True):
         left, top = (column - first[0]) * width, (size[1] - 1 - (row - first[1])) * height
-        cut = pixels[: height * step, : width * step].reshape(height, step, width, step, 4)
-        whole[top : top + height, left : left + width] = cut.mean(axis=(1, 3), dtype=np.float32)
+        whole[top : top + height, left : left + width] = downsample(pixels.astype(np.float32), step)
     return TileGrid(Image(whole, tiles.name, tiles.channels), first, size)
 
 

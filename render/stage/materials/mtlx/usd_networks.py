@@ -81,10 +81,22 @@ class _Reader:
                 value = attribute.Get(self._time)
                 space = str(attribute.GetColorSpace()) if attribute.HasColorSpace() else ""
                 if isinstance(value, Sdf.AssetPath):
-                    return Input("filename", str(value.resolvedPath or value.path), color_space=space)
+                    name, tiles = str(value.resolvedPath or value.path), _tiles(attribute, value.path)
+                    return Input("filename", name, color_space=space, tiles=tiles)
                 text = _text(value)
                 return Input(kind, text, color_space=space) if text is not None else None
         return None
+
+
+def _tiles(attribute: Usd.Attribute, name: str) -> tuple[tuple[int, str], ...]:
+    """Numbers and paths of the tiles of a UDIM set, beside the layer that names it; none for a single image."""
+    if not UsdShade.UdimUtils.IsUdimIdentifier(name):
+        return ()
+    for spec in attribute.GetPropertyStack(Usd.TimeCode.EarliestTime()):
+        tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(name, spec.layer)
+        if tiles:
+            return tuple((int(number), str(path)) for path, number in tiles)
+    return ()
 
 
 def _text(value: object) -> str | None:

@@ -233,3 +233,33 @@ def test_a_displacement_without_its_output_is_named() -> None:
     reader = StageReader(stage)
     assert (only_batch(reader.read(0.0)).geometry.positions[:, 2] == 0).all()
     assert codes(reader) == {"material_displacement"}
+
+
+def test_a_set_of_tiles_displaces(tmp_path: Path) -> None:
+    """Tiles side by side displace each its half; where there is none, the fallback."""
+    for number, value in ((1001, 0.25), (1002, 0.5)):
+        write_picture(tmp_path / f"height.{number}.exr", np.full((4, 4, 1), value, np.float32))
+    stage = new_stage()
+    points = [(x, y, 0) for y in range(2) for x in range(7)]
+    corners = [corner for x in range(6) for corner in (x, x + 1, x + 8, x + 7)]
+    mesh = add_mesh(stage, "/m", points, [4] * 6, corners)
+    uvs = [(0.5 * x + 0.01, 0.5 * y + 0.01) for x, y, _ in points]
+    set_primvar(mesh.GetPrim(), "st", T.TexCoord2fArray, "vertex", uvs)
+    shader = add_displaced(stage, mesh.GetPrim())
+    texture = add_texture(stage, "/look/height", str(tmp_path / "height.<UDIM>.exr"))
+    texture.CreateInput("fallback", T.Float4).Set((0.125, 0, 0, 1))
+    shader.CreateInput("displacement", T.Float).ConnectToSource(texture.CreateOutput("r", T.Float))
+    moved = world_points(only_batch(read(stage)))
+    for low, high, want in ((0, 1.5, 0.25), (2, 3.5, 0.5), (4, 6.5, 0.125)):
+        own = (moved[:, 0] >= low) & (moved[:, 0] < high)
+        np.testing.assert_allclose(moved[own, 2], want, atol=1e-3)
+
+
+def test_a_textured_mesh_without_faces_is_named(tmp_path: Path) -> None:
+    stage = new_stage()
+    mesh = add_mesh(stage, "/m", counts=(), corners=())
+    shader = add_displaced(stage, mesh.GetPrim())
+    add_displaced_texture(stage, shader, np.ones((2, 2, 1)), tmp_path)
+    reader = StageReader(stage)
+    assert not reader.read(0.0).batches
+    assert "no_faces" in codes(reader)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
-from pxr import Usd
+from pxr import Sdf, Usd, UsdShade
 
 from render.stage import StageReader
 from render.stage.findings import FindingLog
@@ -13,7 +14,7 @@ from render.stage.materials.mtlx.documents import STUDIO_VARIABLE, studio_docume
 from render.stage.materials.mtlx.looks import MaterialXLooks
 from render.stage.materials.textures import TextureCache
 from tests.render.kits.materialx_walls import document, glowing, material_of, wall
-from tests.render.kits.stages import codes
+from tests.render.kits.stages import add_material, bind, codes, write_picture
 
 SURFACE = '<standard_surface name="S" type="surfaceshader">{}</standard_surface>'
 
@@ -173,3 +174,47 @@ def test_octaves_of_noise_have_an_end(tmp_path: Path) -> None:
     functions = material_of(_read(tmp_path, document(surface, nodes))).graph.functions
     assert "< octaves;" not in functions
     assert "min(octaves, 16)" in functions
+
+
+@pytest.mark.parametrize(
+    "nodes",
+    [
+        '<input name="a" type="float" interfacename="a"/>',
+        '<nodegraph name="G"><input name="a" type="float" nodegraph="G" output="o"/>'
+        '<output name="o" type="float" interfacename="a"/></nodegraph>',
+    ],
+)
+def test_inputs_that_lead_to_themselves_are_a_finding(tmp_path: Path, nodes: str) -> None:
+    link = 'interfacename="a"' if "nodegraph" not in nodes else 'nodegraph="G" output="o"'
+    surface = SURFACE.format(f'<input name="base" type="float" {link}/>')
+    reader = _read(tmp_path, document(surface, nodes))
+    assert "circle" in _messages(reader)
+
+
+def test_displacement_is_named_as_not_drawn(tmp_path: Path) -> None:
+    text = document(SURFACE.format("")).replace(
+        "</surfacematerial>", '<input name="displacementshader" nodename="D"/></surfacematerial>'
+    )
+    assert "materialx_displacement" in codes(_read(tmp_path, text))
+
+
+def test_a_surface_for_materialx_comes_first(tmp_path: Path) -> None:
+    stage = wall(tmp_path, document(SURFACE.format("")))
+    surface = add_material(stage, "/mat", displacement=1.0)
+    material = UsdShade.Material(stage.GetPrimAtPath("/mat"))
+    material.CreateDisplacementOutput().ConnectToSource(surface.CreateOutput("displacement", Sdf.ValueTypeNames.Token))
+    own = UsdShade.Shader.Define(stage, "/mat/mtlx")
+    own.CreateIdAttr("ND_standard_surface_surfaceshader")
+    material.CreateSurfaceOutput("mtlx").ConnectToSource(own.CreateOutput("out", Sdf.ValueTypeNames.Token))
+    bind(stage.GetPrimAtPath("/wall"), "/mat")
+    batch = StageReader(stage).read(0).batches[0]
+    assert batch.material.graph is not None
+    np.testing.assert_allclose(batch.geometry.positions[:, 2], -3, atol=1e-5)
+
+
+def test_folders_with_brackets_hold_textures(tmp_path: Path) -> None:
+    folder = tmp_path / "a [v2]"
+    folder.mkdir()
+    write_picture(folder / "t.png", np.zeros((2, 2, 3), np.uint8))
+    image = '<image name="i" type="color3"><input name="file" type="filename" value="t.png"/></image>'
+    assert "texture_unreadable" not in codes(_read(folder, glowing(image, 'nodename="i"')))

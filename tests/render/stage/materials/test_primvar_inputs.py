@@ -140,7 +140,7 @@ def test_values_of_one_number_are_as_the_constant(renderer: FrameRenderer, input
     board = replace(WALL.geometry, values=np.tile(row, (4, 1)))
     # a surface of the scene has a clear coat, so that both are drawn with one
     plain = replace(base, clearcoat=0.3, **constants) if "clearcoat" not in inputs else replace(base, **constants)
-    read_from = replace(base, clearcoat=0.3, values=first)
+    read_from = replace(base, clearcoat=0.0 if "clearcoat" in inputs else 0.3, values=first)
     sun = Light("distant", (2.0, 1.0, 0.5), np.eye(4))
     seen = [
         centre_radiance(renderer, lit(sun, batches=(Batch(board, material, np.eye(4)[None]),)))

@@ -307,6 +307,15 @@ def set_clip_depth(mode: int) -> None:
     _gl_function("glClipControl", ctypes.c_uint, ctypes.c_uint)(_LOWER_LEFT, mode)
 
 
+def read_first_texel(array: int, layer: int) -> tuple[float, float]:
+    """First texel of a layer of an array texture of the format RG32F, by its OpenGL name (``glGetTextureSubImage``)."""
+    texel = np.zeros(2, np.float32)
+    whole, unsigned = ctypes.c_int, ctypes.c_uint
+    get = _gl_function("glGetTextureSubImage", unsigned, *(whole,) * 7, unsigned, unsigned, whole, ctypes.c_void_p)
+    get(array, 0, 0, 0, layer, 1, 1, 1, int(GL.GL_RG), int(GL.GL_FLOAT), texel.nbytes, texel.ctypes.data)
+    return float(texel[0]), float(texel[1])
+
+
 def half_float_image(pixels: NDArray[np.float16]) -> None:
     """Fill the bound 2D texture with ``(height, width, 4)`` half floats, or the bound array of ``count`` with as many images.
 

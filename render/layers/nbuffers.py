@@ -14,6 +14,7 @@ import moderngl
 import numpy as np
 
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
+from render.gl.compat import read_first_texel
 from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
@@ -34,12 +35,14 @@ class NBuffers:
         bins: RG32UI array of the same size: 64 bits, the lowest for the farthest bin of the whole range.
         w_range: range of inverse depth of the bins, 1/m; every surface is within it.
         levels: number of levels; the first texel of the last one covers the whole picture.
+        nearest_w: greatest inverse depth of a surface, 1/m; 0 where there is none.
     """
 
     ranges: moderngl.TextureArray
     bins: moderngl.TextureArray
     w_range: tuple[float, float]
     levels: int
+    nearest_w: float
 
     @property
     def bytes(self) -> int:
@@ -125,7 +128,7 @@ class NBufferBuilder:
         set_uniforms(program, w_range=w_range)
         self._fill(program, layers, bins)
         self._build_levels("layers/bins_level.comp", bins)
-        built = NBuffers(ranges, bins, w_range, levels)
+        built = NBuffers(ranges, bins, w_range, levels, read_first_texel(ranges.glo, levels - 1)[1])
         if movers is None:
             self._built = layers, built
         return built

@@ -46,6 +46,23 @@ _RAY_UNITS = 2
 """Number of texture units for ray buffers; the ids for mattes, and the planes of splats, come after."""
 
 
+_MOST_LOOPS = 60_000
+"""Rounds of the loops of one invocation: Mesa's rasteriser ends loops in silence after 65,535."""
+_MOST_SEGMENTS = 8 * 160
+"""Segments of a ray's walk: those of all intervals (``trace/footprints.glsl``, ``trace/march.glsl``)."""
+_PLANES = 32
+"""Planes of splats."""
+_APART = 6
+"""Rounds for a segment: rays of neighbouring pixels, which run together, wait for each other."""
+
+
+def _rays_within_loops(layers: Layers, nbuffers: NBuffers, bundle: RayBundle, has_splats: bool) -> int:
+    """Rays of a pixel that one invocation can trace, however far they walk."""
+    crossed_px = max(layers.view.fx, layers.view.fy) * bundle.reach_m * nbuffers.nearest_w
+    segments = min(crossed_px + 8, _MOST_SEGMENTS) + (_PLANES if has_splats else 0)
+    return max(1, int(_MOST_LOOPS / (_APART * segments)))
+
+
 @dataclass(frozen=True)
 class TracePass:
     """Progress of a picture after a tile.
@@ -113,6 +130,7 @@ class Tracer:
         Yields:
             Progress after each piece.
         """
+        rays_per_pass = min(rays_per_pass, _rays_within_loops(layers, nbuffers, bundle, splats is not None))
         left, top, width, height = area = area or (0, 0, view.width, view.height)
         budget = bundle.pattern.budget
         tiles = self._tiles = _TileRays(area, bundle.count if budget is None else budget.rays)

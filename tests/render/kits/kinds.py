@@ -538,9 +538,9 @@ def kind_stage(file: Path, author: Author, *, booth: bool = False) -> Usd.Stage:
     UsdGeom.Xform.Define(stage, "/world")
     author(stage, "/world/kind", file.parent)
     camera = UsdGeom.Camera.Define(stage, "/camera")
-    camera.CreateFocalLengthAttr(50)
-    camera.CreateHorizontalApertureAttr(36)
-    camera.CreateVerticalApertureAttr(27)
+    camera.CreateFocalLengthAttr(0.5)  # tenths of a metre
+    camera.CreateHorizontalApertureAttr(0.36)
+    camera.CreateVerticalApertureAttr(0.27)
     camera.CreateFStopAttr(1.4)
     camera.CreateFocusDistanceAttr(4.9)
     camera.CreateClippingRangeAttr((0.1, 100))

@@ -27,7 +27,7 @@ def test_the_rays_of_a_pass_stay_within_the_loops(fx: float, reach_m: float, nea
     buffers, bundle = SimpleNamespace(nearest_w=nearest_w), SimpleNamespace(reach_m=reach_m)
     rays = tracer._rays_within_loops(layers, buffers, bundle, has_splats=True)  # type: ignore[arg-type]
     segments = min(fx * reach_m * nearest_w, 8 * 160)
-    assert 1 <= rays
+    assert rays >= 1
     assert rays * segments * 4 < LOOPS
     assert rays >= 7
 

@@ -7,7 +7,7 @@ import numpy as np
 from render.gl.compat import GL, half_float_image, pyrender
 from render.gl.resources import Construction
 from render.model.arrays import FloatArray
-from render.model.scene import Image, Material, TextureLookup, Wrap
+from render.model.scene import LEAST_GLASS_OPACITY, Image, Material, TextureLookup, Wrap
 from render.model.udim import tile_bits
 
 INPUTS = (
@@ -24,8 +24,6 @@ INPUTS = (
     "ior",
 )
 """Material inputs that may come from a texture; the index is that of the shader's table."""
-LEAST_GLASS_OPACITY = 1 / 256
-"""Opacity of glass that hides nothing, so that its highlights, which are kept relative to its opacity, are drawn."""
 
 _WRAPS: dict[Wrap, int] = {
     "repeat": GL.GL_REPEAT,

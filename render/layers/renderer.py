@@ -315,6 +315,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         if draw.batch.material.graph is not None:
             world = np.linalg.inv(space.from_world).astype(np.float32)
             GL.glUniformMatrix4fv(program.location("world_from_camera"), 1, GL.GL_TRUE, world)
+            GL.glUniform1f(program.location("handedness"), -1.0 if draw.mirrored else 1.0)
         self._instance_colors.bind(draw)
         if space.clip_planes:
             planes = np.array(space.clip_planes, np.float32)

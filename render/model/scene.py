@@ -25,6 +25,8 @@ from render.model.splats import SplatBatch
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
 VALUES_WIDTH = 6
 """Further numbers of a vertex that a material may read."""
+LEAST_GLASS_OPACITY = 1 / 256
+"""Opacity of glass that hides nothing, so that its highlights, which are kept relative to its opacity, are drawn."""
 MAX_TEXTURES = 8
 """Images, or ways to wrap them, that one material looks up."""
 CameraRole = Literal["seen", "holdout", "unseen"]

@@ -54,13 +54,15 @@ _PLANES = 32
 """Planes of splats."""
 _APART = 6
 """Rounds for a segment: rays of neighbouring pixels, which run together, wait for each other."""
+_MOVING = 4
+"""Times as many where surfaces move, for which each segment is searched."""
 
 
-def _rays_within_loops(layers: Layers, nbuffers: NBuffers, bundle: RayBundle, has_splats: bool) -> int:
-    """Rays of a pixel that one invocation can trace, however far they walk."""
-    crossed_px = max(layers.view.fx, layers.view.fy) * bundle.reach_m * nbuffers.nearest_w
+def _rays_within_loops(reach_m: float, layers: Layers, nbuffers: NBuffers, *, has_splats: bool, moves: bool) -> int:
+    """Rays of a pixel that one invocation can trace, however far they walk; ``reach_m``: farthest from the eye in the pupil."""
+    crossed_px = max(layers.view.fx, layers.view.fy) * reach_m * nbuffers.nearest_w
     segments = min(crossed_px + 8, _MOST_SEGMENTS) + (_PLANES if has_splats else 0)
-    return max(1, int(_MOST_LOOPS / (_APART * segments)))
+    return max(1, int(_MOST_LOOPS / (_APART * (_MOVING if moves else 1) * segments)))
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,7 @@ class Tracer:
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
         self._ctx = ctx
+        self._ends_loops = "llvmpipe" in ctx.info["GL_RENDERER"]
         self._programs = programs
         self._cancellation, self._piece = cancellation, PieceSize(1 << 16, least=TILE * TILE)
         self._buffers = RayBuffers(ctx)
@@ -130,7 +133,12 @@ class Tracer:
         Yields:
             Progress after each piece.
         """
-        rays_per_pass = min(rays_per_pass, _rays_within_loops(layers, nbuffers, bundle, splats is not None))
+        if self._ends_loops:
+            reach_m = bundle.reach_m * float(focus.over_picture()[1].max())
+            reach_m += 0.0 if moment_view is None else float(np.linalg.norm(moment_view.move_m))
+            splats_there, moves = splats is not None, movers is not None
+            most = _rays_within_loops(reach_m, layers, nbuffers, has_splats=splats_there, moves=moves)
+            rays_per_pass = min(rays_per_pass, most)
         left, top, width, height = area = area or (0, 0, view.width, view.height)
         budget = bundle.pattern.budget
         tiles = self._tiles = _TileRays(area, bundle.count if budget is None else budget.rays)

@@ -11,6 +11,7 @@ layout(std140, binding = 1) uniform GraphBlock {
 } graph;
 
 uniform mat4 world_from_camera;
+uniform float handedness;       // -1 where the prim's space is mirrored in the world
 
 Surface graph_surface;
 float graph_transmission = 0.0; // share of what is not reflected that comes from behind
@@ -33,7 +34,7 @@ vec3 graph_object_normal()
 {
     vec3 facet = cross(dFdx(graph_color.xyz), dFdy(graph_color.xyz));
     float flip = dot(cross(dFdx(graph_position), dFdy(graph_position)), graph_normal) < 0.0 ? -1.0 : 1.0;
-    return flip * facet * inversesqrt(max(dot(facet, facet), 1e-30));
+    return flip * handedness * facet * inversesqrt(max(dot(facet, facet), 1e-30));
 }
 
 #include "layers/graph_surfaces.glsl"

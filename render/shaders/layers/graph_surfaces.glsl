@@ -99,7 +99,6 @@ void surface_UsdPreviewSurface(
     graph_surface.clearcoat = clearcoat;
     graph_surface.clearcoat_roughness = clearcoat_roughness;
     graph_surface.is_glass = opacity_mode == 0 && opacity_threshold <= 0.0;
-    if (graph_surface.is_glass) opacity = max(opacity, 1.0 / 256.0);  // it keeps its highlights
     graph_surface.opacity = opacity_threshold > 0.0 ? step(opacity_threshold, opacity) : opacity;
     result = 0.0;
 }

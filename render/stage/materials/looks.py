@@ -94,8 +94,17 @@ class LookReader:
         if kind.startswith(_MATERIALX):
             look = self._of_materialx().of_shader(material, shader, time)
             if look is not None:
-                return replace(look, displacement=self.displacement(path, time))
+                return self._displaced(look, path, time)
+            shader = material.ComputeSurfaceSource()[0]
+            if shader and self._nodes.kind(shader) == "UsdPreviewSurface":
+                return preview_surface_look(material, shader, time, self._nodes, self._log)
         return self._unread(path, f"has a surface of {kind}" if kind else "has no surface that can be read")
+
+    def _displaced(self, look: BoundMaterial, path: str, time: Usd.TimeCode) -> BoundMaterial:
+        """Look with the displacement of the material, whose surface is another shader."""
+        displacement = self.displacement(path, time)
+        varies = look.varies or (displacement is not None and displacement.varies)
+        return replace(look, displacement=displacement, varies=varies)
 
     def _surface(self, material: UsdShade.Material) -> tuple[UsdShade.Shader, str]:
         """The surface for MaterialX where there is one, else that for all; and its kind, which may be empty."""

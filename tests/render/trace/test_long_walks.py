@@ -23,9 +23,8 @@ LOOPS = 65_535
 
 @pytest.mark.parametrize(("fx", "reach_m", "nearest_w"), [(1422, 1.8, 0.3), (1e5, 10.0, 10.0), (20, 0.01, 0.0)])
 def test_the_rays_of_a_pass_stay_within_the_loops(fx: float, reach_m: float, nearest_w: float) -> None:
-    layers = SimpleNamespace(view=SimpleNamespace(fx=fx, fy=fx))
-    buffers, bundle = SimpleNamespace(nearest_w=nearest_w), SimpleNamespace(reach_m=reach_m)
-    rays = tracer._rays_within_loops(layers, buffers, bundle, has_splats=True)  # type: ignore[arg-type]
+    layers, buffers = SimpleNamespace(view=SimpleNamespace(fx=fx, fy=fx)), SimpleNamespace(nearest_w=nearest_w)
+    rays = tracer._rays_within_loops(reach_m, layers, buffers, has_splats=True, moves=False)  # type: ignore[arg-type]
     segments = min(fx * reach_m * nearest_w, 8 * 160)
     assert rays >= 1
     assert rays * segments * 4 < LOOPS

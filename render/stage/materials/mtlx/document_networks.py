@@ -14,6 +14,7 @@ from collections.abc import Container
 from dataclasses import dataclass, field, replace
 
 from render.stage.materials.mtlx.documents import Document
+from render.stage.materials.mtlx.library import is_known
 from render.stage.materials.mtlx.network import (
     IDENTIFIER,
     MOST_DEPTH,
@@ -27,11 +28,10 @@ from render.stage.materials.mtlx.network import (
     Node,
     node_weight,
 )
-from render.stage.materials.mtlx.surfaces import SURFACES
 
 _ENDLESS = "/"  # category of no node
-_MOST_STEPS = 300
-"""Nodes and inputs from a surface to what feeds it, one behind the other."""
+_MOST_HOPS = 30
+"""Inputs and outputs of graphs from an input to the node that feeds it."""
 _NOT_NODES = ("input", "output", "nodedef", "nodegraph", "implementation", "token", "geominfo", "look", "collection")
 
 
@@ -89,7 +89,10 @@ class DocumentNetworks:
         """
         for document in (self._document, *_all_included(self._document)):
             reader = _Reader(document, self._own)
-            surface = reader.surface_of(name)
+            try:
+                surface = reader.surface_of(name)
+            except RecursionError as problem:
+                raise NetworkError("its nodes lie too far behind each other") from problem
             if surface is not None:
                 return Network(
                     surface,
@@ -115,7 +118,7 @@ class _Reader:
         self._graphs: dict[str, _Scope] = {}
         self._own = own
         self._count = 0
-        self._depth = 0
+        self._depth = self._hops = 0
 
     def surface_of(self, name: str) -> Node | None:
         material = self._root.find("surfacematerial", name)
@@ -138,9 +141,9 @@ class _Reader:
             return None
         self._count += 1
         self._depth += 1
-        if self._count > MOST_NODES or self._depth > _MOST_STEPS:
+        if self._count > MOST_NODES or self._depth > MOST_DEPTH:
             raise NetworkError(
-                f"it has more than {MOST_NODES:,} nodes, or {_MOST_STEPS} behind each other, or a circle of them"
+                f"it has more than {MOST_NODES:,} nodes, or {MOST_DEPTH} behind each other, or a circle of them"
             )
         node = Node(
             element.tag,
@@ -149,8 +152,10 @@ class _Reader:
             namespace=element.get("namespace") or "",
             name=name,
         )
+        hops, self._hops = self._hops, 0
         for child in element.findall("input"):
             node.inputs[child.get("name") or ""] = self._input(child, scope, element)
+        self._hops = hops
         self._depth -= 1
         node = self._taken_apart(node)
         scope.nodes[name] = node
@@ -158,7 +163,7 @@ class _Reader:
 
     def _taken_apart(self, node: Node) -> Node:
         """The surface inside one that the document defines; any other node as it is."""
-        if node.category in SURFACES or node.category not in self._own:
+        if is_known(node.category) or node.category not in self._own:
             return node
         definition, graph, document = self._own[node.category]
         interface = {each.get("name") or "": self._input(each, self._root) for each in definition.findall("input")}
@@ -170,11 +175,11 @@ class _Reader:
         return inside or node
 
     def _input(self, element: ET.Element, scope: _Scope, owner: ET.Element | None = None) -> Input:
-        self._depth += 1
-        if self._depth > _MOST_STEPS:
-            raise NetworkError(f"more than {_MOST_STEPS} of its nodes and inputs feed each other, or a circle of them")
+        self._hops += 1
+        if self._hops > _MOST_HOPS:
+            raise NetworkError(f"an input leads through more than {_MOST_HOPS} others, or a circle of them")
         found = self._read_input(element, scope, owner)
-        self._depth -= 1
+        self._hops -= 1
         return found
 
     def _read_input(self, element: ET.Element, scope: _Scope, owner: ET.Element | None) -> Input:
@@ -238,7 +243,7 @@ def _definitions(document: Document, usable: Container[str]) -> list[str]:
     """Documents that hold the usable definitions of nodes, other than surfaces, of a document and of those that it includes.
 
     Definitions whose code lies in a file are left out. Not usable are those that lead back to themselves or to too many nodes,
-    and those with names that are no identifiers of GLSL.
+    those that inherit from others, those of a category that the library has, and those with names that GLSL does not take.
     """
     found = []
     for each in (document, *_all_included(document)):
@@ -284,13 +289,14 @@ def _weights_of(document: Document) -> dict[str, float]:
         graphs = {graph.get("nodedef"): graph for graph in each.root.findall("nodegraph")}
         for definition in each.root.findall("nodedef"):
             graph = graphs.get(definition.get("name"))
-            if graph is not None:
+            if graph is not None and not is_known(definition.get("node") or ""):
                 nodes = [child.tag for child in graph if child.tag not in _NOT_NODES]
                 names = [
                     *_primvars(graph),
                     *(element.get("name") or "" for element in (*graph.iter(), *definition.iter())),
                 ]
                 plain = all(IDENTIFIER.fullmatch(name) and not name.startswith("gl_") for name in names)
+                plain = plain and definition.get("inherit") is None
                 inside.setdefault(definition.get("node") or "", []).extend(nodes if plain else [_ENDLESS])
     weights: dict[str, float] = {_ENDLESS: math.inf}
     found = {category: _weight(category, inside, weights, 0) for category in inside}

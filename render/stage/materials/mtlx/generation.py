@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import MaterialX as mx
 from MaterialX import PyMaterialXGenShader as mx_shader
 
+from render.model.scene import LEAST_GLASS_OPACITY
 from render.stage.materials.mtlx.library import PREFIX, library
 from render.stage.materials.mtlx.network import (
     IDENTIFIER,
@@ -266,6 +267,8 @@ class ProgramWriter:
         numbers = _numbers(value)
         if len(numbers) != _WIDTHS.get(kind):
             return None
+        if node is self._network.surface and node.category == "UsdPreviewSurface" and key == "opacity":
+            numbers = (max(numbers[0], LEAST_GLASS_OPACITY),)  # it keeps its highlights
         return ", ".join(str(int(number)) if kind == "integer" else f"{number:.9g}" for number in numbers)
 
     def _primvar(self, name: str, fallback: tuple[float, ...]) -> str | None:

@@ -64,3 +64,9 @@ def library() -> Library:
         implementation.setAttribute("sourcecode", "// in layers/graph_surfaces.glsl")
     document.importLibrary(own)
     return Library(document, search_path)
+
+
+@functools.cache
+def is_known(category: str) -> bool:
+    """Whether the library has nodes of a category."""
+    return bool(library().document.getMatchingNodeDefs(category))

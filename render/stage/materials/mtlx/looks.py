@@ -61,7 +61,8 @@ class MaterialXLooks:
     ) -> BoundMaterial | None:
         """Look of a material whose surface is a node of MaterialX; None where it is none."""
         path = str(material.GetPath())
-        if material.ComputeDisplacementSource("mtlx")[0] != material.ComputeDisplacementSource()[0]:
+        source = material.ComputeDisplacementSource("mtlx")[0]
+        if source and str(source.GetIdAttr().Get() or "").startswith("ND_"):
             self._note_displacement(path)
         try:
             found = surface_network(shader, time)
@@ -217,14 +218,33 @@ class _LookWriter:
         return False
 
     def _opacity(self) -> float:
-        """Share of what is behind that it hides, where the network has constants for it; connected inputs count as opaque."""
+        """Share of what is behind that it hides, as the shader has it for constants; what is connected counts as opaque."""
         opacity = 1.0
         for name, opaque in zip(self.shader.opacity, self.shader.opaque, strict=True):
-            numbers = numbers_of(self.network.surface.inputs.get(name))
-            if numbers:
-                mean = min(max(sum(numbers) / len(numbers), 0.0), 1.0)
-                opacity *= mean if opaque else 1 - 0.96 * mean
+            value = self._constant(name, opaque)
+            if opaque:
+                opacity *= self._cut(1.0 if value is None else value)
+            elif value is not None:
+                metal, tint = self._constant(self.shader.metal, 0.0), self._constant(self.shader.tint, 1.0)
+                if metal is not None and tint is not None:
+                    opacity *= 1 - 0.96 * value * (1 - metal) * tint
         return opacity
+
+    def _cut(self, opacity: float) -> float:
+        """An opacity by the surface's mode and threshold."""
+        if self.network.surface.category == "gltf_pbr":
+            mode, least = self._constant("alpha_mode", 0.0), self._constant("alpha_cutoff", 0.5)
+            return opacity if mode not in (0, 1) else float(mode == 0 or opacity >= (least or 0.0))
+        least = self._constant("opacityThreshold", 0.0)
+        return float(opacity >= least) if least else opacity
+
+    def _constant(self, name: str | None, default: float) -> float | None:
+        """Mean of the numbers of a constant input; the default where there is none, and None where it is connected."""
+        given = self.network.surface.inputs.get(name) if name is not None else None
+        if given is not None and given.source is not None:
+            return None
+        numbers = numbers_of(given)
+        return min(max(sum(numbers) / len(numbers), 0.0), 2.0) if numbers else default
 
     def _frames(self) -> tuple[float, ...]:
         """Rows of the block of `layers/graph.glsl` before the network's own numbers."""

@@ -12,7 +12,7 @@ MOST_DEPTH = 200
 """Nodes from a surface to what feeds it, one behind the other."""
 MOST_WEIGHT = 2_000
 """Weight of all nodes that a network stands for, as `node_weight` has it: they are compiled one by one."""
-OWN = "own_"
+OWN = "mtlxdoc_"
 """Prefix of what definitions of a document declare, so that it meets no name of our shaders."""
 _HEAVY = re.compile(r".*(noise|fractal|worley|hextiled|triplanar|blur|flake|heighttonormal|curve).*")
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

@@ -16,6 +16,8 @@ class SurfaceShader:
         opacity: inputs that make it partly transparent.
         opaque: the values of these at which it is opaque.
         coat: input that gives the amount of its clear coat, or None.
+        metal: input that gives how much of it is metal, which lets nothing through, or None.
+        tint: input that gives the colour of what comes through, or None.
         is_unlit: whether it only emits.
     """
 
@@ -25,6 +27,8 @@ class SurfaceShader:
     opacity: tuple[str, ...] = ()
     opaque: tuple[float, ...] = ()
     coat: str | None = None
+    metal: str | None = None
+    tint: str | None = None
     is_unlit: bool = False
 
 
@@ -47,6 +51,8 @@ SURFACES: dict[str, SurfaceShader] = {
         ("opacity", "transmission"),
         (1.0, 0.0),
         "coat",
+        "metalness",
+        "transmission_color",
     ),
     "open_pbr_surface": SurfaceShader(
         "ND_open_pbr_surface_surfaceshader",
@@ -62,6 +68,8 @@ SURFACES: dict[str, SurfaceShader] = {
         ("geometry_opacity", "transmission_weight"),
         (1.0, 0.0),
         "coat_weight",
+        "base_metalness",
+        "transmission_color",
     ),
     "gltf_pbr": SurfaceShader(
         "ND_gltf_pbr_surfaceshader",
@@ -73,6 +81,8 @@ SURFACES: dict[str, SurfaceShader] = {
         ("alpha", "transmission"),
         (1.0, 0.0),
         "clearcoat",
+        "metallic",
+        "base_color",
     ),
     "UsdPreviewSurface": SurfaceShader(
         "ND_UsdPreviewSurface_surfaceshader",
@@ -92,6 +102,8 @@ SURFACES: dict[str, SurfaceShader] = {
         ("specTrans",),
         (0.0,),
         "clearcoat",
+        "metallic",
+        "baseColor",
     ),
     "surface_unlit": SurfaceShader(
         "ND_surface_unlit",
@@ -99,6 +111,7 @@ SURFACES: dict[str, SurfaceShader] = {
         (),
         ("opacity", "transmission"),
         (1.0, 0.0),
+        tint="transmission_color",
         is_unlit=True,
     ),
 }

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Sdf, Usd, UsdShade
+from pxr import Gf, Sdf, Usd, UsdShade
 
 from render.stage import StageReader
 from render.stage.findings import FindingLog
@@ -218,3 +218,81 @@ def test_folders_with_brackets_hold_textures(tmp_path: Path) -> None:
     write_picture(folder / "t.png", np.zeros((2, 2, 3), np.uint8))
     image = '<image name="i" type="color3"><input name="file" type="filename" value="t.png"/></image>'
     assert "texture_unreadable" not in codes(_read(folder, glowing(image, 'nodename="i"')))
+
+
+def _with_preview(folder: Path, identifier: str) -> Usd.Stage:
+    """Wall in a material with a red UsdPreviewSurface, and a node of MaterialX beside it."""
+    stage = wall(folder, document(SURFACE.format("")))
+    add_material(stage, "/mat", diffuseColor=Gf.Vec3f(1, 0, 0))
+    own = UsdShade.Shader.Define(stage, "/mat/mtlx")
+    own.CreateIdAttr(identifier)
+    output = UsdShade.Material(stage.GetPrimAtPath("/mat")).CreateSurfaceOutput("mtlx")
+    output.ConnectToSource(own.CreateOutput("out", Sdf.ValueTypeNames.Token))
+    bind(stage.GetPrimAtPath("/wall"), "/mat")
+    return stage
+
+
+def test_a_plain_network_of_usd_has_no_findings(tmp_path: Path) -> None:
+    reader = StageReader(_with_preview(tmp_path, "ND_standard_surface_surfaceshader"))
+    assert material_of(reader).graph is not None
+    assert not {code for code in codes(reader) if "materialx" in code}
+
+
+@pytest.mark.parametrize("identifier", ["ND_surface", "ND_studio_skin"])
+def test_a_preview_stands_in_for_what_cannot_be_read(tmp_path: Path, identifier: str) -> None:
+    reader = StageReader(_with_preview(tmp_path, identifier))
+    material = material_of(reader)
+    assert material.graph is None
+    assert material.base_color[0] > 3 * material.base_color[2]
+
+
+def test_definitions_of_the_librarys_own_nodes_change_nothing(tmp_path: Path) -> None:
+    """As where a document includes a file of the library."""
+    nodes = (
+        '<nodedef name="ND_x" node="standard_surface"><input name="base" type="float" value="1"/>'
+        '<output name="out" type="surfaceshader"/></nodedef><nodegraph name="NG_x" nodedef="ND_x">'
+        '<surface name="s" type="surfaceshader"/><output name="out" type="surfaceshader" nodename="s"/></nodegraph>'
+        '<nodedef name="ND_y" node="contrast"><input name="in" type="matrix33"/><output name="out" type="matrix33"/></nodedef>'
+        '<nodegraph name="NG_y" nodedef="ND_y"><constant name="c" type="matrix33"/>'
+        '<output name="out" type="matrix33" nodename="c"/></nodegraph>'
+        '<contrast name="k" type="float"><input name="in" type="float" value="0.375"/></contrast>'
+    )
+    surface = SURFACE.format(
+        '<input name="base" type="float" nodename="k"/><input name="metalness" type="float" value="0.625"/>'
+    )
+    reader = _read(tmp_path, document(surface, nodes))
+    assert {0.375, 0.625} <= set(material_of(reader).graph.numbers)
+    assert "materialx_node" not in codes(reader)
+
+
+def test_chains_of_two_hundred_nodes_are_read(tmp_path: Path) -> None:
+    link = '<sin name="n{0}" type="float"><input name="in" type="float" nodename="n{1}"/></sin>'
+    nodes = '<constant name="n0" type="float"/>' + "".join(link.format(n, n - 1) for n in range(1, 190))
+    reader = _read(tmp_path, document(SURFACE.format('<input name="base" type="float" nodename="n189"/>'), nodes))
+    assert material_of(reader).graph is not None
+
+
+@pytest.mark.parametrize(
+    ("surface", "opacity"),
+    [
+        ('<gltf_pbr name="S"><input name="alpha" type="float" value="0.3"/></gltf_pbr>', 1.0),
+        (
+            '<gltf_pbr name="S"><input name="alpha" type="float" value="0.3"/>'
+            '<input name="alpha_mode" type="integer" value="2"/></gltf_pbr>',
+            0.3,
+        ),
+        (
+            '<UsdPreviewSurface name="S"><input name="opacity" type="float" value="0.5"/>'
+            '<input name="opacityThreshold" type="float" value="0.4"/></UsdPreviewSurface>',
+            1.0,
+        ),
+        ('<standard_surface name="S"><input name="transmission" type="float" value="1"/></standard_surface>', 0.04),
+        (
+            '<standard_surface name="S"><input name="transmission" type="float" value="1"/>'
+            '<input name="metalness" type="float" value="1"/></standard_surface>',
+            1.0,
+        ),
+    ],
+)
+def test_opacity_is_known_where_it_is_constant(tmp_path: Path, surface: str, opacity: float) -> None:
+    assert material_of(_read(tmp_path, document(surface))).graph.opacity == pytest.approx(opacity)

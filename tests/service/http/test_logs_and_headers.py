@@ -7,6 +7,8 @@ import logging
 import re
 import subprocess
 import sys
+import threading
+from collections.abc import Iterator
 from dataclasses import replace
 
 import httpx
@@ -61,14 +63,35 @@ def test_each_answer_is_a_json_line_without_its_query(tmp_path):
     assert "secret" not in json.dumps(lines)
 
 
+class LoggedLines:
+    """Lines that were logged in JSON."""
+
+    def __init__(self) -> None:
+        self._lines: list[dict] = []
+        self._changed = threading.Condition()
+
+    def __iter__(self) -> Iterator[dict]:
+        return iter(list(self._lines))
+
+    def add(self, line: dict) -> None:
+        with self._changed:
+            self._lines.append(line)
+            self._changed.notify_all()
+
+    def wait_for(self, path: str) -> None:
+        """Wait for the line of a request, which is logged after it is answered."""
+        with self._changed:
+            assert self._changed.wait_for(lambda: any(line.get("path") == path for line in self._lines), 60)
+
+
 @pytest.fixture
 def logged():
     """Lines that the service logs in JSON."""
-    lines: list[dict] = []
+    lines = LoggedLines()
 
     class Lines(logging.Handler):
         def emit(self, record: logging.LogRecord) -> None:
-            lines.append(json.loads(JsonFormatter().format(record)))
+            lines.add(json.loads(JsonFormatter().format(record)))
 
     handler, names = Lines(), ("pullfocus.access", "pullfocus.service")
     levels = {name: logging.getLogger(name).level for name in names}
@@ -85,6 +108,7 @@ def test_lines_name_shot_render_and_frame(client, room, logged):
     render = ended(client, render_of(client, room, frames="3", camera="/World/nobody"))
     client.get(f"/v1/renders/{render['id']}/frames/3/log")
     client.get(f"/v1/shots/{room}")
+    logged.wait_for(f"/v1/shots/{room}")
     answers = {line["path"]: line for line in logged if line["logger"] == "pullfocus.access"}
     asked = answers[f"/v1/renders/{render['id']}/frames/3/log"]
     assert (asked["render"], asked["frame"], asked["status"]) == (render["id"], 3, 200)

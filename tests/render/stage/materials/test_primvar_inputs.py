@@ -126,11 +126,16 @@ def test_values_of_the_wrong_type_are_the_fallback() -> None:
 
 
 @pytest.mark.parametrize(
-    "inputs", [{"emissive": 3, "metallic": 1, "roughness": 1}, {"specular": 3, "clearcoat": 1, "ior": 1}]
+    "inputs",
+    [
+        {"emissive": 3, "metallic": 1, "roughness": 1},
+        {"specular": 3, "clearcoat": 1, "ior": 1},
+        {"clearcoat": 1, "clearcoat_roughness": 1, "occlusion": 1},
+    ],
 )
 def test_values_of_one_number_are_as_the_constant(renderer: FrameRenderer, inputs: dict[str, int]) -> None:
     numbers = {"emissive": (0.1, 0.2, 0.3), "specular": (0.4, 0.5, 0.6), "roughness": (0.4,), "metallic": (0.5,)}
-    numbers |= {"clearcoat": (0.8,), "ior": (1.8,)}
+    numbers |= {"clearcoat": (0.8,), "ior": (1.8,), "clearcoat_roughness": (0.3,), "occlusion": (0.5,)}
     base = Material(specular=(0.0, 0.0, 0.0) if "specular" in inputs else None)
     first = dict(zip(inputs, np.cumsum([0, *inputs.values()]).tolist(), strict=False))
     row = np.zeros(VALUES_WIDTH, np.float32)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdShade
+from pxr import Sdf, Usd, UsdShade
 
 from render import colour
 from render.errors import InputError
@@ -23,6 +23,7 @@ from render.stage.materials.mtlx.surfaces import SURFACES, SurfaceShader
 from render.stage.materials.mtlx.udim import TileGrid, grid_of, spread_coordinates, tile_files
 from render.stage.materials.mtlx.usd_networks import surface_network
 from render.stage.materials.textures import TextureCache
+from render.stage.world import world_from_stage
 
 _WRAPS: dict[str, Wrap] = {"constant": "black", "clamp": "clamp", "periodic": "repeat", "mirror": "mirror"}
 
@@ -252,11 +253,7 @@ class _LookWriter:
         columns = np.zeros((10, 4))
         columns[:3, :3] = to_working
         columns[3:6, :3] = np.linalg.inv(to_working)
-        from_world = np.eye(4)
-        if UsdGeom.GetStageUpAxis(self.stage) == UsdGeom.Tokens.z:
-            from_world[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
-        from_world[:3, :3] /= UsdGeom.GetStageMetersPerUnit(self.stage)
-        columns[6:] = from_world.T
+        columns[6:] = np.linalg.inv(world_from_stage(self.stage)).T
         return tuple(columns.ravel().tolist())
 
     def _lookup(self, use: ImageUse) -> TextureLookup:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from pxr import UsdShade
 
 from render.model.scene import Image
-from render.model.udim import FIRST_TILE, LAST_TILE, TILES_A_ROW
+from render.model.udim import FIRST_TILE, TILES_A_ROW
 from render.stage.materials.mtlx.documents import file_in
 from render.stage.materials.mtlx.network import Input, Link, Network, Node
 from render.stage.materials.textures import downsample
@@ -41,16 +40,8 @@ def tile_files(given: Input) -> dict[int, str]:
     """Paths of the tiles of a set by their numbers: of the files that are there."""
     if given.tiles:
         return dict(given.tiles)
-    pattern = file_in(given.folder, given.value or "")
-    folder, name = os.path.split(pattern)
-    before, _, after = name.partition(TOKEN)
-    expression = re.compile(rf"{re.escape(before)}(\d{{4}}){re.escape(after)}")
-    try:
-        names = os.listdir(folder)
-    except OSError:
-        return {}
-    found = {int(match[1]): os.path.join(folder, match[0]) for match in map(expression.fullmatch, names) if match}
-    return {number: path for number, path in sorted(found.items()) if FIRST_TILE <= number <= LAST_TILE}
+    found = UsdShade.UdimUtils.ResolveUdimTilePaths(file_in(given.folder, given.value or ""), None)
+    return {int(number): str(path) for path, number in found}
 
 
 def grid_of(tiles: Image, fallback: tuple[float, ...]) -> TileGrid:

@@ -17,11 +17,14 @@ from render.stage.materials.image_files import TextureError
 from render.stage.materials.material import BoundMaterial
 from render.stage.materials.mtlx.document_networks import DocumentNetworks
 from render.stage.materials.mtlx.documents import DocumentError, file_in, read_document, studio_documents
-from render.stage.materials.mtlx.generation import GeometryUse, ImageUse, Program, ProgramWriter, numbers_of
+from render.stage.materials.mtlx.generation import ProgramWriter
 from render.stage.materials.mtlx.network import Input, Network, NetworkError, Node
+from render.stage.materials.mtlx.opacity import is_used, may_be_transparent, opacity_of
+from render.stage.materials.mtlx.programs import GeometryUse, ImageUse, Program
 from render.stage.materials.mtlx.surfaces import SURFACES, SurfaceShader
 from render.stage.materials.mtlx.udim import TileGrid, grid_of, spread_coordinates, tile_files
 from render.stage.materials.mtlx.usd_networks import surface_network
+from render.stage.materials.mtlx.values import color_of, numbers_of
 from render.stage.materials.textures import TextureCache
 from render.stage.world import world_from_stage
 
@@ -148,7 +151,7 @@ class MaterialXLooks:
         return self._grids[key]
 
     def _note_lobes(self, path: str, network: Network, shader: SurfaceShader) -> None:
-        used = [name for name in shader.lobes if _is_used(network.surface.inputs.get(name))]
+        used = [name for name in shader.lobes if is_used(network.surface.inputs.get(name))]
         if used:
             message = f"in material {path}, {', '.join(used)} of {network.surface.category} are not drawn"
             self._log.add("materialx_lobes", path, message)
@@ -159,22 +162,6 @@ def _space_of(given: Input, node: Node | None) -> str:
     is_color = node is None or node.type in ("color3", "color4", "")
     space = given.color_space if is_color and given.color_space else "raw"
     return {"srgb_texture": "sRGB", "none": "raw"}.get(space, space)
-
-
-def _is_used(given: Input | None) -> bool:
-    """Whether an input of a lobe has another value than its default, which is 0."""
-    if given is None:
-        return False
-    if given.source is not None:
-        return True
-    return any(_not(part, 0.0) for part in (given.value or "").replace(",", " ").split())
-
-
-def _not(text: str, number: float) -> bool:
-    try:
-        return float(text) != number
-    except ValueError:
-        return False
 
 
 @dataclass(eq=False)
@@ -194,11 +181,11 @@ class _LookWriter:
             functions=self.program.functions,
             numbers=(*self._frames(), *self.program.numbers),
             reads_place=is_place,
-            may_be_transparent=self._may_be_transparent(),
-            opacity=self._opacity(),
+            may_be_transparent=may_be_transparent(self.network.surface),
+            opacity=opacity_of(self.network.surface),
         )
         lookups = {each.sampler: self._lookup(each) for each in self.program.images}
-        has_coat = self.shader.coat is not None and _is_used(self.network.surface.inputs.get(self.shader.coat))
+        has_coat = self.shader.coat is not None and is_used(self.network.surface.inputs.get(self.shader.coat))
         material = Material(
             name=self.path,
             clearcoat=1.0 if has_coat else 0.0,
@@ -207,45 +194,6 @@ class _LookWriter:
             graph=graph,
         )
         return BoundMaterial(material, names, varies)
-
-    def _may_be_transparent(self) -> bool:
-        for name, opaque in zip(self.shader.opacity, self.shader.opaque, strict=True):
-            given = self.network.surface.inputs.get(name)
-            if given is not None and (
-                given.source is not None
-                or any(_not(part, opaque) for part in (given.value or "").replace(",", " ").split())
-            ):
-                return True
-        return False
-
-    def _opacity(self) -> float:
-        """Share of what is behind that it hides, as the shader has it for constants; what is connected counts as opaque."""
-        opacity = 1.0
-        for name, opaque in zip(self.shader.opacity, self.shader.opaque, strict=True):
-            value = self._constant(name, opaque)
-            if opaque:
-                opacity *= self._cut(1.0 if value is None else value)
-            elif value is not None:
-                metal, tint = self._constant(self.shader.metal, 0.0), self._constant(self.shader.tint, 1.0)
-                if metal is not None and tint is not None:
-                    opacity *= 1 - 0.96 * value * (1 - metal) * tint
-        return opacity
-
-    def _cut(self, opacity: float) -> float:
-        """An opacity by the surface's mode and threshold."""
-        if self.network.surface.category == "gltf_pbr":
-            mode, least = self._constant("alpha_mode", 0.0), self._constant("alpha_cutoff", 0.5)
-            return opacity if mode not in (0, 1) else float(mode == 0 or opacity >= (least or 0.0))
-        least = self._constant("opacityThreshold", 0.0)
-        return float(opacity >= least) if least else opacity
-
-    def _constant(self, name: str | None, default: float) -> float | None:
-        """Mean of the numbers of a constant input; the default where there is none, and None where it is connected."""
-        given = self.network.surface.inputs.get(name) if name is not None else None
-        if given is not None and given.source is not None:
-            return None
-        numbers = numbers_of(given)
-        return min(max(sum(numbers) / len(numbers), 0.0), 2.0) if numbers else default
 
     def _frames(self) -> tuple[float, ...]:
         """Rows of the block of `layers/graph.glsl` before the network's own numbers."""
@@ -286,8 +234,7 @@ class _LookWriter:
         except (TextureError, InputError) as problem:
             message = f"texture {name[:200]} {problem}; a constant is used in {self.path} instead"
             self.log.add("texture_unreadable", f"{self.path} {name[:200]}", message)
-            numbers = (*use.fallback, *(0.0,) * 3)[:3] if len(use.fallback) != 1 else use.fallback * 3
-            return Image(np.array([[[*numbers, 1.0]]], np.float16), name)
+            return Image(np.array([[[*color_of(use.fallback), 1.0]]], np.float16), name)
 
     def _primvars(self, uses: Sequence[GeometryUse]) -> tuple[PrimvarNames, bool]:
         names = PrimvarNames(uv=None)

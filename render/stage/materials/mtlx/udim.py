@@ -12,6 +12,7 @@ from render.model.scene import Image
 from render.model.udim import FIRST_TILE, TILES_A_ROW
 from render.stage.materials.mtlx.documents import file_in
 from render.stage.materials.mtlx.network import Input, Link, Network, Node
+from render.stage.materials.mtlx.values import color_of
 from render.stage.materials.textures import downsample
 
 TOKEN = "<UDIM>"
@@ -60,7 +61,7 @@ def grid_of(tiles: Image, fallback: tuple[float, ...]) -> TileGrid:
     step = max(step, int(np.ceil(np.sqrt(width * size[0] * height * size[1] / MOST_PIXELS))))
     height, width = -(-height // step), -(-width // step)
     whole = np.empty((height * size[1], width * size[0], 4), np.float16)
-    whole[:] = np.array([*(fallback[:3] if len(fallback) >= 3 else fallback[:1] * 3 or (0, 0, 0)), 1], np.float16)
+    whole[:] = np.array([*color_of(fallback), 1], np.float16)
     for pixels, column, row in zip(tiles.pixels, columns, rows, strict=True):
         left, top = (column - first[0]) * width, (size[1] - 1 - (row - first[1])) * height
         whole[top : top + height, left : left + width] = downsample(pixels.astype(np.float32), step)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import moderngl
 import numpy as np
 
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
-from render.gl.shaders import SHADER_DIR, ProgramCache, load_source
+from render.gl.shaders import ProgramCache
 from render.layers.clusters import DrawRange
 from render.layers.draw_splitter import DrawSplitter
 from render.layers.drawing_space import DrawingSpace
@@ -25,6 +24,7 @@ from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
 from render.layers.selection import ClusterSelection, DrawnRanges
 from render.layers.shadows import MAX_SHADOW_MAPS
+from render.layers.source_program import SourceProgram
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import MOST_RADIANCE, Slot
 from render.model.arrays import DoubleArray, IndexArray
@@ -37,37 +37,6 @@ _ANY_OPACITY = 1e-6
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING, _LINK_BINDING = 1, 2, 3, 4
 DOME_UNIT = 9  # texture unit as the shaders bind it; materials use those below 8
 _PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT, _REST_UNIT = 8, 11, 12, 13, 14, 15
-
-
-class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
-    """pyrender's shader program with sources from our loader (includes, defines); uniform locations are cached."""
-
-    def __init__(
-        self, fragment: str, defines: dict[str, object], maps: tuple[tuple[str, int], ...], functions: str = ""
-    ) -> None:
-        """Compile a program; ``maps`` are the names of the material's samplers, and their texture units, and ``functions`` those
-        of its network."""
-        self._functions = functions
-        super().__init__(str(SHADER_DIR / "layers/surface.vert"), str(SHADER_DIR / fragment), defines=defines)
-        self.maps = maps
-        self._locations: dict[str, int] = {}
-        self._add_to_context()
-
-    def _load(self, shader_filename: str) -> str:
-        source = load_source(Path(shader_filename).relative_to(SHADER_DIR).as_posix(), self.defines)
-        return source.replace("\n#pragma surface_graph\n", f"\n{self._functions}\n", 1)
-
-    def _add_to_context(self) -> None:
-        super()._add_to_context()
-        GL.glUseProgram(self._program_id)
-        for name, unit in self.maps:
-            GL.glUniform1i(self.location(name), unit)
-
-    def location(self, name: str) -> int:
-        """Uniform location, -1 where the program has no such uniform (which GL ignores)."""
-        if name not in self._locations:
-            self._locations[name] = GL.glGetUniformLocation(self._program_id, name)
-        return self._locations[name]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Any
 import moderngl
 
 from render.gl.shaders import SHADER_DIR, load_source
-from render.layers.renderer import SourceProgram
+from render.layers.source_program import SourceProgram
 
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(\w+)[ \t]*(.*?)[ \t]*(?://.*)?$")
 _INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)

@@ -15,7 +15,8 @@ from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import checkerboard, posts_before_wall, rectangle, sphere, spheres_over_checkerboard
 from render.layers.clusters import DrawRange
 from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
-from render.layers.renderer import LayerRenderer, SourceProgram
+from render.layers.renderer import LayerRenderer
+from render.layers.source_program import SourceProgram
 from render.model.camera import Camera
 from render.model.scene import Batch, Dome, Material, Scene
 from render.optics.view import PinholeView

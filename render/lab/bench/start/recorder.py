@@ -34,7 +34,7 @@ WATCHED: tuple[tuple[str, str, str], ...] = (
     ("render.trace.rays", "make_ray_pattern", "ray pattern"),
     ("render.trace.bundles", "BundleMaker.make_bundle", "lens table"),
     ("render.gl.shaders", "ProgramCache.compute", "shaders"),
-    ("render.layers.renderer", "SourceProgram._add_to_context", "shaders"),
+    ("render.layers.source_program", "SourceProgram._add_to_context", "shaders"),
     ("render.layers.peel", "Peeler.nearest_w", "peel"),
     ("render.layers.peel", "Peeler.peel", "peel"),
     ("render.layers.nbuffers", "NBufferBuilder.build", "peel"),

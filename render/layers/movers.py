@@ -11,7 +11,7 @@ from render.gl.limits import make_storage
 from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.layers.targets import LAYERS_PER_PACK
 from render.optics.view import PinholeView
 

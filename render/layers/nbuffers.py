@@ -19,7 +19,7 @@ from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
 from render.layers.movers import Movers, block_counts
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.layers.targets import LAYERS_PER_PACK, texture_bytes
 
 BINS_ABOVE_NEAREST = 1.06

@@ -13,7 +13,7 @@ import moderngl
 import numpy as np
 
 from render.gl.compat import GL
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, check_layer_size
 from render.optics.view import PinholeView
 

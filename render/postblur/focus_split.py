@@ -9,7 +9,7 @@ import moderngl
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.model.lens import IrisShape
 from render.trace.axis_rays import LensErrors
 from render.trace.focal_map import FocalMaps

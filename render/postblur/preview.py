@@ -13,7 +13,8 @@ import numpy as np
 
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
-from render.layers.peel import PREVIEW, SKETCH, Layers, Peeler
+from render.layers.peel import PREVIEW, SKETCH, Peeler
+from render.layers.peeled import Layers
 from render.layers.umbra import umbra_reach
 from render.model.arrays import FloatArray
 from render.model.camera import Camera

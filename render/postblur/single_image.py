@@ -9,7 +9,8 @@ import numpy as np
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import Peeler
+from render.layers.peeled import Layers
 from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import FloatArray

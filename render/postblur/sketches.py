@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Hashable
 from dataclasses import dataclass
 
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.optics.view import PinholeView
 
 MAX_BYTES = 256 << 20

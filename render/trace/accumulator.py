@@ -15,7 +15,8 @@ import numpy as np
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
-from render.layers.peel import LayerGroup, Peeler
+from render.layers.peel import Peeler
+from render.layers.peeled import LayerGroup
 from render.layers.surface_sampling import PLAIN, SurfaceSampling, patch_px_m
 from render.layers.targets import LAYERS_PER_PACK
 from render.model.arrays import DoubleArray, FloatArray

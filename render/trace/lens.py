@@ -15,7 +15,8 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
 from render.layers.matte_numbers import MatteNumbers
 from render.layers.nbuffers import NBufferBuilder, NBuffers
-from render.layers.peel import Layers, Peeler, PeelKey
+from render.layers.peel import Peeler, PeelKey
+from render.layers.peeled import Layers
 from render.layers.surface_hits import SurfaceDescription, without_holdouts
 from render.layers.surface_sampling import SurfaceSampling, layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from render.errors import GraphicsError, SettingsError
 from render.gl.compat import GL
 from render.layers.matte_numbers import MatteNumbers
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.model.arrays import FloatArray
 
 SLOTS = 16

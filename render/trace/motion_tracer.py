@@ -21,7 +21,8 @@ from render.gl.shaders import ProgramCache
 from render.layers.movement import Movement, nearest_moving_w, swept_bounds
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBufferBuilder
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import Peeler
+from render.layers.peeled import Layers
 from render.layers.reach import CLOSED
 from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach

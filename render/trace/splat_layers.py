@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import moderngl
 
 from render.gl.shaders import ProgramCache
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.model.splats import SplatBatch
 from render.optics.view import PinholeView
 from render.steps import step

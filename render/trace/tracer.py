@@ -16,7 +16,7 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.matte_numbers import MatteNumbers
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers, bind_layers
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.model.area import Area
 from render.model.arrays import FloatArray, IntArray
 from render.optics.view import PinholeView

@@ -12,7 +12,8 @@ from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Repeats, Spent, StageClock, median_spent
 from render.layers.nbuffers import NBufferBuilder
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import Peeler
+from render.layers.peeled import Layers
 from render.layers.shadows import shadow_region
 from render.layers.targets import LAYERS_PER_PACK
 from render.layers.umbra import umbra_reach

@@ -8,7 +8,7 @@ import numpy as np
 
 from render.engines import DrawRequest, engine_class
 from render.frame import Frame, FrameRenderer, add_mattes
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.focus_map import FocusMap

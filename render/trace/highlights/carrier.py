@@ -28,7 +28,7 @@ from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.model.area import Area
 from render.model.arrays import FloatArray
 from render.optics.view import PinholeView

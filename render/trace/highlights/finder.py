@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from render.gl.cancellation import CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.model.area import Area
 from render.trace.highlights.choice import CONNECTIONS_PER_RAY, choose_highlights
 from render.trace.highlights.chosen import NONE, TAKEN, Highlights

@@ -13,7 +13,7 @@ from render.gl.resources import Construction, Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers, bind_layers
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.optics.view import PinholeView
 from render.trace.highlights.mipmaps import build_mipmaps
 from render.trace.moment_view import MomentView

@@ -8,7 +8,7 @@ import moderngl
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
-from render.layers.peel import LayerGroup
+from render.layers.peeled import LayerGroup
 from render.layers.splats import LOW_PASS_PX2, ProjectedSplats, project_splats
 from render.layers.targets import LAYERS_PER_PACK
 from render.model.splats import SplatBatch

@@ -20,7 +20,7 @@ import numpy as np
 
 from render.errors import GraphicsError
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.layers.splats import LOW_PASS_PX2, ProjectedSplats, project_splats
 from render.model.arrays import DoubleArray, LongArray
 from render.model.splats import SplatBatch

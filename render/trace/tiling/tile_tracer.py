@@ -10,7 +10,7 @@ import moderngl
 
 from render.layers.matte_numbers import MatteNumbers
 from render.layers.nbuffers import NBufferBuilder, NBuffers
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.layers.window import LayerWindow, PeelStrip
 from render.model.area import Area
 from render.model.arrays import FloatArray

@@ -14,7 +14,8 @@ from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import checkerboard, posts_before_wall, rectangle, sphere, spheres_over_checkerboard
 from render.layers.clusters import DrawRange
-from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
+from render.layers.peel import HIDES_ALL, Peeler, umbra_reach
+from render.layers.peeled import Layers
 from render.layers.renderer import LayerRenderer
 from render.layers.source_program import SourceProgram
 from render.model.camera import Camera

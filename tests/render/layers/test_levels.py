@@ -16,7 +16,8 @@ from render.layers.bounds import CLUSTER_TRIANGLES
 from render.layers.levels.maker import LevelMaker
 from render.layers.levels.simplify import LEAST_TRIANGLES, MOST_TRIANGLES, Levels, cut_sections, make_levels
 from render.layers.levels.sketch_index import MOST_ERROR_PX
-from render.layers.peel import SKETCH, Layers
+from render.layers.peel import SKETCH
+from render.layers.peeled import Layers
 from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.camera import Camera
 from render.model.scene import Batch, Dome, Geometry, Light, Material, Scene

@@ -17,7 +17,8 @@ from render.gl.shaders import SHADER_DIR, ProgramCache
 from render.lab.reference.scenes import rectangle
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
 from render.layers.nbuffers import NBufferBuilder, NBuffers
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import Peeler
+from render.layers.peeled import Layers
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.scene import Batch, Material, Scene

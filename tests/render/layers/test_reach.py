@@ -13,7 +13,8 @@ from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import checkerboard, rectangle, sphere
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import Peeler
+from render.layers.peeled import Layers
 from render.layers.reach import BLOCK_PX, CLOSED, OpenSides, ReachBounder
 from render.layers.targets import LayerTargets
 from render.layers.umbra import umbra_reach

@@ -17,7 +17,8 @@ from render.film import GradeChoice
 from render.frame import FrameRenderer, FrameSettings
 from render.gl.cancellation import CancellationPoint, Cancelled
 from render.lab.reference.metrics import psnr_db
-from render.layers.peel import Layers, Peeler, PeelKey
+from render.layers.peel import Peeler, PeelKey
+from render.layers.peeled import Layers
 from render.layers.renderer import LayerRenderer
 from render.model.arrays import FloatArray
 from render.pictures.live_finisher import LiveFinisher

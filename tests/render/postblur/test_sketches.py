@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from render.layers.peel import Layers
+from render.layers.peeled import Layers
 from render.layers.targets import LayerTargets
 from render.optics.view import PinholeView
 from render.postblur.sketches import Sketches, SketchKey

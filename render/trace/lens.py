@@ -15,10 +15,10 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
 from render.layers.matte_numbers import MatteNumbers
 from render.layers.nbuffers import NBufferBuilder, NBuffers
-from render.layers.peel import Peeler, PeelKey
+from render.layers.peel import Peeler
 from render.layers.peeled import Layers
 from render.layers.surface_hits import SurfaceDescription, without_holdouts
-from render.layers.surface_sampling import SurfaceSampling, layer_sampling
+from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
@@ -33,12 +33,13 @@ from render.trace.bundles import BundleMaker, merge_wavelengths
 from render.trace.focus_mapper import FocusMapper
 from render.trace.highlights.carrier import HighlightCarrier
 from render.trace.highlights.scattering import SPLAT_REACH_PX
+from render.trace.layer_plan import LayerPlan
 from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
 from render.trace.splat_layers import Paint, SplatLayers, paint_nothing
-from render.trace.tiling.plan import LayerBudget, TilePlan, plan_tiles, ray_reach_px
+from render.trace.tiling.plan import LayerBudget, plan_tiles, ray_reach_px
 from render.trace.tiling.tile_tracer import TileTracer, TileWork
 from render.trace.tracer import Tracer
 
@@ -62,45 +63,6 @@ class TracedPicture:
     color: FloatArray
     layers: Layers
     nbuffers: NBuffers
-
-
-@dataclass(frozen=True)
-class _LayerPlan:
-    """Layers that a picture is traced through.
-
-    Attributes:
-        bundle: the lens.
-        focus: focal surface.
-        wide: view of all layers.
-        nearest_w: greatest inverse depth in it, 1/m.
-        layers: opaque ones, at most.
-        sheets: with partly transparent ones, at most.
-        umbra: as for `Peeler.peel`.
-        unlit: likewise.
-        sampling: of surfaces, from the corner of ``wide``.
-        ids: hold ids of surfaces.
-        tiles: parts that are peeled one after another; None for one peeling.
-    """
-
-    bundle: RayBundle
-    focus: PictureFocus
-    wide: PinholeView
-    nearest_w: float
-    layers: int
-    sheets: int
-    umbra: float
-    unlit: bool
-    sampling: SurfaceSampling
-    ids: bool
-    tiles: TilePlan | None
-
-    def key_of(self, part: PinholeView) -> PeelKey:
-        """Parameters of the peeling of a part of the view."""
-        wide = self.wide
-        sampling = self.sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
-        left, top = round(wide.cx - part.cx), round(wide.cy - part.cy)
-        beyond = left > 0, top > 0, left + part.width < wide.width, top + part.height < wide.height
-        return PeelKey(part, self.layers, self.umbra, self.unlit, sampling, beyond, self.sheets, ids=self.ids)
 
 
 class LensTracer:
@@ -287,7 +249,7 @@ class LensTracer:
         connections: bool,
         *,
         ids: bool,
-    ) -> _LayerPlan:
+    ) -> LayerPlan:
         focus = picture_focus(camera, view)
         w_f, pupil = focus.over_picture()
         widest = make_layer_view(view, bundle, focus, supersample, view.nearest_w, _MOST_SIDE_PX)
@@ -310,7 +272,7 @@ class LensTracer:
         most_side_px = int(self._ctx.info["GL_MAX_TEXTURE_SIZE"])
         tiles = plan_tiles(view, wide, reach_px, sheets, self.budget, most_side_px, lit=not unlit, ids=ids)
         umbra = umbra_reach(pupil_px)
-        return _LayerPlan(bundle, focus, wide, nearest_w, layers, sheets, umbra, unlit, sampling, ids, tiles)
+        return LayerPlan(bundle, focus, wide, nearest_w, layers, sheets, umbra, unlit, sampling, ids, tiles)
 
     def trace_layers(
         self,

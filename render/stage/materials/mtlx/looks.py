@@ -158,10 +158,9 @@ class MaterialXLooks:
 
 
 def _space_of(given: Input, node: Node | None) -> str:
-    """Colour space of an image that a node reads, as textures name it."""
+    """Colour space of an image that a node reads; numbers have none."""
     is_color = node is None or node.type in ("color3", "color4", "")
-    space = given.color_space if is_color and given.color_space else "raw"
-    return {"srgb_texture": "sRGB", "none": "raw"}.get(space, space)
+    return given.color_space if is_color and given.color_space else "raw"
 
 
 @dataclass(eq=False)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from render.drawing.page import BEAMS, FAINT, HAIRLINE, INK, LIGHTS
 from render.model.arrays import DoubleArray
-from render.model.lens import DataSheet
+from render.model.data_sheet import DataSheet
 from render.optics.data_sheet import at_heights
 from render.optics.report import LensReport
 

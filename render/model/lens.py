@@ -12,18 +12,23 @@ to side than from top to bottom is biconic, as cylinders are:
 
     z(x, y) = (cₓ·x² + c·y²) / (1 + √(1 − (1 + Kₓ)·cₓ²·x² − (1 + K)·c²·y²)) + Σ A_i·r^(2i + 4) + Σ B_i·r^(2i + 3)
 
-with x across the picture and y up.
+with x across the picture and y up. A torus is made by turning one of its two curves about an axis that lies across it, at the
+distance of the other one's radius. With the curve from top to bottom, f(y), a conic with aspheric terms of y in place of r:
+
+    z(x, y) = f + cₓ·x² / (u + √(u² − cₓ²·x²)),        u = 1 − cₓ·f(y)
+
+A diffractive surface adds the phase Σ P_i·r^(2i), i from 1, in radians, to light of every wavelength.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Literal
 
 from render.errors import SettingsError
 from render.model.arrays import DoubleArray
+from render.model.data_sheet import DataSheet
 
 LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
 
@@ -74,10 +79,13 @@ class Across:
     Attributes:
         radius_mm: of curvature in the x-z plane; 0 is none: with a radius from top to bottom, a cylinder that lies on its side.
         conic: conic constant in that plane.
+        torus: the curve that is turned about an axis across it, from top to bottom or from side to side, which is also the one
+            that has the aspheric terms; the other one has no conic constant. Empty for a biconic.
     """
 
     radius_mm: float = 0.0
     conic: float = 0.0
+    torus: Literal["", "upright", "across"] = ""
 
 
 @dataclass(frozen=True)
@@ -86,13 +94,15 @@ class Outline:
 
     Attributes:
         kind: a circle is an ellipse of equal half axes.
-        half_mm: half width, from side to side, and half height.
-        centre_mm: x across the picture and y up, from the axis.
+        half_mm: half width, from side to side, and half height; of a polygon those of the box around it.
+        centre_mm: x across the picture and y up, from the axis; of a polygon that of the box around it.
+        corners_mm: of a polygon, from the axis, in order around it; its edges do not cross.
     """
 
-    kind: Literal["ellipse", "rectangle"]
+    kind: Literal["ellipse", "rectangle", "polygon"]
     half_mm: tuple[float, float]
     centre_mm: tuple[float, float] = (0.0, 0.0)
+    corners_mm: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -113,6 +123,8 @@ class Surface:
         opening: within which light passes, as well as within the clear diameter; None where that alone limits it.
         obscuration: within which no light passes; None where there is none. With a clear diameter, a round one makes a ring.
         odd: coefficients of r³, r⁵, ...
+        phase: coefficients of r², r⁴, ... of the phase that it adds by diffraction in the order that is used, radians; empty
+            for a surface without diffraction.
     """
 
     radius_mm: float
@@ -127,11 +139,17 @@ class Surface:
     opening: Outline | None = None
     obscuration: Outline | None = None
     odd: tuple[float, ...] = ()
+    phase: tuple[float, ...] = ()
 
     @property
     def is_aspheric(self) -> bool:
         """Whether it has aspheric coefficients, be they of even or of odd powers."""
         return bool(self.aspheric or self.odd)
+
+    @property
+    def torus(self) -> Literal["", "upright", "across"]:
+        """The curve that is turned to make it, of a torus."""
+        return self.across.torus if self.across is not None else ""
 
     @property
     def aspheric_terms(self) -> dict[int, float]:
@@ -189,10 +207,25 @@ class Prescription:
         return any(surface.across is not None for surface in self.surfaces)
 
     @property
+    def has_tori(self) -> bool:
+        """Whether a surface is a torus."""
+        return any(surface.torus for surface in self.surfaces)
+
+    @property
+    def is_diffractive(self) -> bool:
+        """Whether a surface adds a phase."""
+        return any(surface.phase for surface in self.surfaces)
+
+    @property
     def outlines(self) -> tuple[Outline, ...]:
         """All openings and obscurations: edges that stop light besides clear diameters and the iris."""
         both = [outline for surface in self.surfaces for outline in (surface.opening, surface.obscuration)]
         return tuple(outline for outline in both if outline is not None)
+
+    @property
+    def polygons(self) -> tuple[Outline, ...]:
+        """Those of its outlines that are polygons."""
+        return tuple(outline for outline in self.outlines if outline.kind == "polygon")
 
     @property
     def has_odd_powers(self) -> bool:
@@ -231,95 +264,6 @@ class SeidelErrors:
     lateral_color_mm: float = 0.0
     reference_f_stop: float = 2.8
     reference_height_mm: float = 21.6
-
-
-@dataclass(frozen=True)
-class DataSheet:
-    """Lens described by measurements: its errors over the height in the picture (Kyaw 2013, section 7.2).
-
-    A table has an entry for each height, or none where the error is not there (light: where it is even). In between they are
-    joined smoothly, and beyond the last height they stay.
-
-    Attributes:
-        heights_mm: image heights on the film, from 0 outward.
-        distortion: share by which the image is farther out than an ideal lens's: negative is barrel-shaped.
-        light: illumination of the film over that on the axis, from all causes together.
-        sagittal_blur_mm: standard deviation, across the radius, of the light of a point in the plane of focus: of all errors of
-            one colour together.
-        tangential_blur_mm: the same along the radius.
-        spherical: share of the blur's spread that is spherical aberration, -1 to 1: positive gives the disc behind the focus a
-            bright edge, negative a bright middle. What is left of the blur favours neither half of the disc.
-        coma_mm: length of coma's flare along the radius, positive outward.
-        field_curvature_mm: distance of the sharp image before the film.
-        lateral_color_mm: image height at 650 nm less that at 475 nm.
-        axial_color_mm: focus at 650 nm less focus at 475 nm, along the axis behind the lens.
-        f_stop: at which it was measured; 0 takes the tables as they are at any.
-    """
-
-    heights_mm: tuple[float, ...]
-    distortion: tuple[float, ...] = ()
-    light: tuple[float, ...] = ()
-    sagittal_blur_mm: tuple[float, ...] = ()
-    tangential_blur_mm: tuple[float, ...] = ()
-    spherical: tuple[float, ...] = ()
-    coma_mm: tuple[float, ...] = ()
-    field_curvature_mm: tuple[float, ...] = ()
-    lateral_color_mm: tuple[float, ...] = ()
-    axial_color_mm: tuple[float, ...] = ()
-    f_stop: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Raises `SettingsError` where the tables do not belong together, or no lens has such errors."""
-        heights = self.heights_mm
-        if not heights or heights[0] != 0 or not all(a < b for a, b in pairwise(heights)):
-            raise SettingsError(f"a data sheet's image heights must increase from 0, got {_listed(heights)}")
-        if not heights[-1] <= MAX_SHEET_MM:
-            raise SettingsError(
-                f"a data sheet's image heights must be at most {MAX_SHEET_MM:g} mm, got {heights[-1]:g} mm"
-            )
-        closest = min((b - a for a, b in pairwise(heights)), default=_FINEST_MM)
-        if closest < _FINEST_MM:
-            raise SettingsError(
-                f"a data sheet's image heights must be at least {_FINEST_MM:g} mm apart, got two {closest:g} mm apart"
-            )
-        if not 0 <= self.f_stop <= MAX_F_STOP:
-            raise SettingsError(f"a data sheet's f-number must be from 0 to {MAX_F_STOP:g}, got {self.f_stop:g}")
-        for name, (least, most, expected) in _TABLES.items():
-            values = getattr(self, name)
-            if len(values) not in (0, len(heights)):
-                raise SettingsError(f"a data sheet's {name} must have {len(heights)} entries, got {len(values)}")
-            if not all(least <= value <= most for value in values):
-                raise SettingsError(f"a data sheet's {name} must be {expected}, got {_listed(values)}")
-        if self.light and not self.light[0] > 0:
-            raise SettingsError(f"a data sheet's light must be above 0 on the axis, got {self.light[0]:g}")
-        ideal = [height / (1 + bend) for height, bend in zip(heights, self.distortion, strict=False)]
-        if not all(b > a for a, b in pairwise(ideal)):
-            raise SettingsError(
-                "a data sheet's distortion must not fold the picture: what is seen must lie farther out too"
-            )
-
-
-MAX_SHEET_MM = 1000.0
-"""Limit on a data sheet's heights, blurs and focus shifts: six times the half diagonal of 8 x 10 inch film."""
-MAX_F_STOP = 1000.0
-_FINEST_MM = 1e-6
-_MM = f"from {-MAX_SHEET_MM:g} to {MAX_SHEET_MM:g} mm"
-
-_TABLES = {
-    "distortion": (-0.95, 10.0, "from -0.95 to 10"),
-    "light": (0.0, 2.0, "from 0 to 2"),
-    "sagittal_blur_mm": (0.0, MAX_SHEET_MM, f"from 0 to {MAX_SHEET_MM:g} mm"),
-    "tangential_blur_mm": (0.0, MAX_SHEET_MM, f"from 0 to {MAX_SHEET_MM:g} mm"),
-    "spherical": (-1.0, 1.0, "from -1 to 1"),
-    "coma_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
-    "field_curvature_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
-    "lateral_color_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
-    "axial_color_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
-}
-
-
-def _listed(values: tuple[float, ...]) -> str:
-    return ", ".join(f"{value:g}" for value in values[:8]) + (", …" if len(values) > 8 else "") or "none"
 
 
 @dataclass(frozen=True, eq=False)

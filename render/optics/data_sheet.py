@@ -26,7 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.model.lens import AberrationScales, DataSheet
+from render.model.data_sheet import DataSheet
+from render.model.lens import AberrationScales
 
 MIDDLE_NM, SPAN_NM = 562.5, 175.0
 """Colour errors are stated between 475 and 650 nm and taken as linear between."""

@@ -13,7 +13,8 @@ import numpy as np
 
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
-from render.model.lens import DataSheet, SeidelErrors
+from render.model.data_sheet import DataSheet
+from render.model.lens import SeidelErrors
 from render.optics.data_sheet import seen_slopes
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens

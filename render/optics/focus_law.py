@@ -29,6 +29,7 @@ from render.optics.prescription.zooming import zoom_of
 _STEPS = 33
 _AT_INFINITY_W = 1e-9  # of the nearest focus of a lens that does not focus at all
 _ZOOM_STEP = 2e-3  # logarithm of the focal length
+_LIFE_SIZE_SHARE = 0.1  # of a picture at the close focus of a lens that has none engraved, as most lenses have it
 _PLACES = 257  # of the group that focuses, from rest to the end of its way
 
 
@@ -63,6 +64,42 @@ def focus_law(camera: Camera) -> LensLaw:
     )
 
 
+@dataclass(frozen=True)
+class RingScale:
+    """Distances on the focus ring of a lens, which ends at infinity and at its close focus.
+
+    Attributes:
+        close_focus_m: depth of the close focus, from the entrance pupil.
+        to_film_mm: from the entrance pupil to the film, focused at infinity and at the close focus.
+    """
+
+    close_focus_m: float
+    to_film_mm: tuple[float, float]
+
+
+def ring_scale(camera: Camera) -> RingScale:
+    """Read the scale of a camera's focus ring.
+
+    The close focus is the one engraved on the lens. A lens without ends at a tenth of life size, or before it where its glass
+    focuses no nearer.
+
+    Args:
+        camera: with its lens; its own focus does not matter.
+
+    Raises:
+        InputError: the lens has a prescription that is not a lens.
+    """
+    focal_m, w = camera.focal_length_mm / 1000, float(focus_law(camera).near_w[0])
+    if camera.lens.close_focus_m <= 0:
+        w = min(w, 1 / (focal_m * (1 + 1 / _LIFE_SIZE_SHARE)))
+    if has_surfaces(camera):
+        way, scale = _way_of(camera)
+        infinity_mm, close_mm = np.interp([0.0, w * scale / 1000], way.nearness, way.to_film_mm * scale).tolist()
+    else:
+        infinity_mm, close_mm = camera.focal_length_mm, 1000 / max(1 / focal_m - w, 1e-9)
+    return RingScale(1 / w, (infinity_mm, close_mm))
+
+
 def _by_image_distance(camera: Camera) -> bool:
     """Whether circles of confusion grow with the image distance: ``C = v·A·|w − w_f|`` (Kyaw 2013, equation 5.3).
 
@@ -92,13 +129,8 @@ class _Way:
 
 
 def _law_of_glass(camera: Camera) -> LensLaw:
-    prescription = camera.lens.prescription
-    if prescription is None:
-        raise ValueError(f"the lens of camera {camera.path} has no surfaces")
-    diagonal_mm = camera.covered_mm
-    like_mm = round_focal_length(prescription, camera.focal_length_mm)  # few lenses for a pull, each scaled a little
-    focal_mm, scale = camera.focal_length_mm, camera.focal_length_mm / like_mm
-    way = _way(prescription, like_mm, _round_length(diagonal_mm / scale))
+    focal_mm = camera.focal_length_mm
+    way, scale = _way_of(camera)
     marked_w = _engraved_w(way, scale, camera.lens.close_focus_m)
     near_w = max(min(1000 * float(way.nearness[-1]) / scale, marked_w), _AT_INFINITY_W)
     w = np.linspace(0.0, near_w, _STEPS)
@@ -115,6 +147,16 @@ def _law_of_glass(camera: Camera) -> LensLaw:
         far_w=np.zeros(1),
         widest_f_stops=np.array([way.widest_f_stop]),
     )
+
+
+def _way_of(camera: Camera) -> tuple[_Way, float]:
+    """The way of a lens alike, and how many times larger the camera's is."""
+    prescription = camera.lens.prescription
+    if prescription is None:
+        raise ValueError(f"the lens of camera {camera.path} has no surfaces")
+    like_mm = round_focal_length(prescription, camera.focal_length_mm)  # few lenses for a pull, each scaled a little
+    scale = camera.focal_length_mm / like_mm
+    return _way(prescription, like_mm, _round_length(camera.covered_mm / scale)), scale
 
 
 @lru_cache(maxsize=64)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.model.lens import AberrationScales, DataSheet
+from render.model.data_sheet import DataSheet
+from render.model.lens import AberrationScales
 from render.optics.data_sheet import SheetErrors, sheet_errors
 from render.trace.lens_fit import LOW, NodeRays, PupilFit, Region, pupil_nodes
 from render.trace.lens_table import BOUND, LIGHT, PolynomialTable

@@ -16,7 +16,8 @@ import numpy as np
 
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
-from render.model.lens import AberrationScales, DataSheet, Lens, LensModel, Prescription, SeidelErrors
+from render.model.data_sheet import DataSheet
+from render.model.lens import AberrationScales, Lens, LensModel, Prescription, SeidelErrors
 from render.optics.distortion import chief_rays
 from render.optics.focus_law import focus_law, round_focal_length
 from render.optics.glass import D_LINE_NM

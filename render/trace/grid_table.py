@@ -8,6 +8,7 @@ all. Factors on colour errors and vignetting act on the whole.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -22,14 +23,17 @@ from render.optics.prescription.outlines import is_centred, without_outlines
 from render.trace.aberration_scales import ErrorChange, changes_shape, defocus, error_change
 from render.trace.lens_fit import pupil_nodes
 from render.trace.lens_table import GridTable
-from render.trace.surface_tracer import SurfaceTracer, TracedLens
+from render.trace.surface_tracer import RAY_BYTES, SurfaceTracer, TracedLens
 
 FIELDS = 13
 PUPIL_SIDE = 48
 QUARTER_FIELDS = 13, 9
 """Fields across and down of a quarter of the picture."""
 CYLINDER_PUPIL_SIDE = 32
+POLYGON_PUPIL_SIDE = 96
 MAX_SLOPE = 4.5
+MOST_BYTES = 2_005_401_600
+"""Limit on the buffer of all rays of a table: devices hold less than 2 GiB in one."""
 
 
 _DOWN_TO_UP = np.array([1.0, -1.0])
@@ -98,7 +102,8 @@ def make_asymmetric_table(
         wavelengths_nm: one part of the table for each.
         scales: factors on its errors; with cylinders, only those on colour errors and vignetting act.
         fields_across: number of fields from the axis to the right, and down.
-        pupil_side: number of pupil points across and down; by default more where there are edges of openings.
+        pupil_side: number of pupil points across and down; by default more where there are edges of openings, and fewer where
+            the rays of many wavelengths would exceed `MOST_BYTES`.
     """
     mirrored, outlined = is_centred(lens.prescription), bool(lens.prescription.outlines)
     if not mirrored:
@@ -106,8 +111,10 @@ def make_asymmetric_table(
     ends = zip(last_slope, fields_across, strict=True)
     lines = (np.linspace(0.0 if mirrored else -last, last, count) for last, count in ends)
     fields = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
-    stops = _square(pupil_side or (PUPIL_SIDE if outlined else CYLINDER_PUPIL_SIDE))
-    traced = _trace(tracer, lens, fields, stops, _traced_nm(wavelengths_nm, scales), None, squeeze)
+    traced_nm = _traced_nm(wavelengths_nm, scales)
+    side = pupil_side or fit_pupil_side(_pupil_side(lens, mirrored=mirrored), len(fields), len(traced_nm))
+    stops = _square(side)
+    traced = _trace(tracer, lens, fields, stops, traced_nm, None, squeeze)
     slope, pupil, passes = _by_field(traced, fields, stops, focus_w)
     slope, pupil, passes = _with_chromatic(slope, pupil, passes, scales.chromatic)
     if changes_shape(scales) and not lens.prescription.is_anamorphic:
@@ -116,6 +123,28 @@ def make_asymmetric_table(
     whole = _light_on_axis(tracer, lens, stops, wavelengths_nm[0]) if outlined else None
     light = _light(traced, stops, passes, scales.vignetting, axis, whole)
     return _table(slope, pupil, passes, light, fields_across, last_slope, mirrored=mirrored)
+
+
+def fit_pupil_side(side: int, fields: int, wavelengths: int) -> int:
+    """Lower the number of pupil points across to one whose rays fit into `MOST_BYTES`.
+
+    Args:
+        side: number of them where there is room; even.
+        fields: number of fields.
+        wavelengths: number of wavelengths that are traced at once.
+
+    Returns:
+        An even number.
+    """
+    most = math.isqrt(MOST_BYTES // (fields * wavelengths * RAY_BYTES))
+    return min(side, most - most % 2)
+
+
+def _pupil_side(lens: FocusedLens, *, mirrored: bool) -> int:
+    """Points across the pupil: more where there are edges, and most for the arms of spiders, where a quarter stands for all."""
+    if lens.prescription.polygons and mirrored:
+        return POLYGON_PUPIL_SIDE
+    return PUPIL_SIDE if lens.prescription.outlines else CYLINDER_PUPIL_SIDE
 
 
 def _light_on_axis(tracer: SurfaceTracer, lens: FocusedLens, stops: DoubleArray, wavelength_nm: float) -> float:

@@ -84,8 +84,8 @@ class LensTracer:
         self._searched: tuple[Layers, float, NDArray[np.uint32] | None] | None = None
         self._tiles = TileTracer(ctx, self._nbuffers, self._tracer, self._highlights)
         self._bundles = BundleMaker(ctx, programs)
-        self.focus_mapper = FocusMapper(self._bundles)
         self._splats = SplatLayers(ctx, programs)
+        self.focus_mapper = FocusMapper(self._bundles, self._splats)
         self.motion_tracer = MotionTracer(
             ctx, programs, self._nbuffers, self._tracer, self._highlights, self._bundles, self._splats
         )
@@ -191,7 +191,9 @@ class LensTracer:
                 return peeler.peel_by(plan.key_of(part))
 
         held = None if plan.tiles is None else plan.tiles.window_size
-        paint = self._splats.painting(peeler.splats, plan.wide, view, focus, bundle.reach_m, held)
+        paint = self._splats.painting(
+            peeler.splats, plan.wide, view, focus, bundle.reach_m, held, with_mattes=mattes is not None
+        )
         if plan.tiles is not None:
             work = TileWork(
                 plan.tiles, peel, plan.sheets, bundle, focus, view, nearest_w, connections, bound_by_rays, noted, paint
@@ -385,7 +387,7 @@ class LensTracer:
     ) -> Measurements:
         """Measure AOVs along the picture's chief rays: see `render.trace.aovs`."""
         bundle = self._bundles.make_bundle(camera, view, make_ray_pattern(1, IrisShape()))
-        hits = without_holdouts(chief_hits(peeler, view, chief_rays(camera)), peeler.index.draws)
+        hits = without_holdouts(chief_hits(peeler, view, chief_rays(camera), self._splats), peeler.index.draws)
         surfaces = SurfaceDescription(peeler.index.draws, hits, view.camera_from_world)
         focus = picture_focus(camera, view)
         return Measurer(view, bundle, focus, hits, surfaces, stage_from_world, camera.set_back_m).measure(names)

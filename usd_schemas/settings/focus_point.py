@@ -35,7 +35,7 @@ class FocusPoint:
         -1,
         "Face",
         "Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space.",
-        "Of an implicit prim, the face of the mesh that stands for it.",
+        "Of an implicit prim, the face of the mesh that stands for it; of Gaussian splats, the splat.",
         unit="none, an index from 0",
         hard=(-1, None),
         bounds=Bounds(-1, MAX_INDEX),

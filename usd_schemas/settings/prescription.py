@@ -228,11 +228,94 @@ class Prescription:
         "Conic constant of each surface from side to side; without the array it is that from top to bottom.",
         unit="none",
     )
+    torus: tuple[str, ...] = setting(
+        "lens:prescription:torus",
+        (),
+        "Tori",
+        'Curve of each surface that is turned about an axis across it to make a torus: "upright" for that from top to bottom, '
+        '"across" for that from side to side; "" for any other surface.',
+        "The other curve, a circle, has the radius of the turn and no conic constant. Aspheric terms are those of the curve that "
+        "is turned, by the distance along it.",
+        unit="none, text",
+        keyable=False,
+    )
+    phase2: Floats = setting(
+        "lens:prescription:phase2",
+        (),
+        "Phase P2",
+        "Coefficient of r^2 in the phase that each surface adds by diffraction, r the distance from the axis in millimetres.",
+        "Light of every wavelength gets the phase of the order that is used, and all of it goes there; a surface of negative "
+        "phase makes light converge.",
+        unit="radians mm^-2",
+    )
+    phase4: Floats = setting(
+        "lens:prescription:phase4",
+        (),
+        "Phase P4",
+        "Coefficient of r^4 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-4",
+    )
+    phase6: Floats = setting(
+        "lens:prescription:phase6",
+        (),
+        "Phase P6",
+        "Coefficient of r^6 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-6",
+    )
+    phase8: Floats = setting(
+        "lens:prescription:phase8",
+        (),
+        "Phase P8",
+        "Coefficient of r^8 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-8",
+    )
+    phase10: Floats = setting(
+        "lens:prescription:phase10",
+        (),
+        "Phase P10",
+        "Coefficient of r^10 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-10",
+    )
+    phase12: Floats = setting(
+        "lens:prescription:phase12",
+        (),
+        "Phase P12",
+        "Coefficient of r^12 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-12",
+    )
+    phase14: Floats = setting(
+        "lens:prescription:phase14",
+        (),
+        "Phase P14",
+        "Coefficient of r^14 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-14",
+    )
+    phase16: Floats = setting(
+        "lens:prescription:phase16",
+        (),
+        "Phase P16",
+        "Coefficient of r^16 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-16",
+    )
+    phase18: Floats = setting(
+        "lens:prescription:phase18",
+        (),
+        "Phase P18",
+        "Coefficient of r^18 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-18",
+    )
+    phase20: Floats = setting(
+        "lens:prescription:phase20",
+        (),
+        "Phase P20",
+        "Coefficient of r^20 in the phase that each surface adds by diffraction.",
+        unit="radians mm^-20",
+    )
     opening_shape: tuple[str, ...] = setting(
         "lens:prescription:openingShape",
         (),
         "Opening Shapes",
-        'Shape, "ellipse" or "rectangle", of the opening of each surface; "" where it has none.',
+        'Shape, "ellipse", "rectangle" or "polygon", of the opening of each surface; "" where it has none.',
         "Light passes within it and within the clear diameter, which has to be wide enough for it. A circle is an ellipse of "
         "equal width and height.",
         unit="none, text",
@@ -253,11 +336,21 @@ class Prescription:
         "are on the axis.",
         unit="millimetres",
     )
+    opening_corners: Pairs = setting(
+        "lens:prescription:openingCorners",
+        (),
+        "Opening Corners",
+        "Corners of the openings that are polygons, right and up from the axis as seen from behind the camera, in the order "
+        "of the surfaces; each polygon ends where its first corner is repeated.",
+        "A polygon has from 3 to 64 corners, and edges that do not cross. Its size and its centre are those of its corners.",
+        unit="millimetres",
+        keyable=False,
+    )
     obscuration_shape: tuple[str, ...] = setting(
         "lens:prescription:obscurationShape",
         (),
         "Obscuration Shapes",
-        'Shape, "ellipse" or "rectangle", of the obscuration of each surface; "" where it has none.',
+        'Shape, "ellipse", "rectangle" or "polygon", of the obscuration of each surface; "" where it has none.',
         "No light passes within it. A round one makes a ring of the clear diameter.",
         unit="none, text",
         keyable=False,
@@ -276,6 +369,16 @@ class Prescription:
         "Centre of each surface's obscuration, right and up from the axis as seen from behind the camera; without the array "
         "all are on the axis.",
         unit="millimetres",
+    )
+    obscuration_corners: Pairs = setting(
+        "lens:prescription:obscurationCorners",
+        (),
+        "Obscuration Corners",
+        "Corners of the obscurations that are polygons, right and up from the axis as seen from behind the camera, in the order "
+        "of the surfaces; each polygon ends where its first corner is repeated.",
+        "A polygon has from 3 to 64 corners, and edges that do not cross. Its size and its centre are those of its corners.",
+        unit="millimetres",
+        keyable=False,
     )
     coating_wavelength: Floats = setting(
         "lens:prescription:coatingWavelength",

@@ -64,6 +64,8 @@ def _unsqueeze(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) 
     if has_surfaces(camera):
         if lens.has_cylinders:
             raise SettingsError("the ray-by-ray reference knows no lenses with cylinders")
+        if lens.prescription is not None and lens.prescription.is_diffractive:
+            raise SettingsError("the ray-by-ray reference knows no lenses with diffractive surfaces")
         if lens.has_outlines:
             raise SettingsError("the ray-by-ray reference knows no lenses with openings or obscurations")
         if camera.focal_surface is not None:

@@ -18,6 +18,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import Prescription, Surface
 from render.optics.flare.coating import reflectance
 from render.optics.glass import D_LINE_NM, refractive_index
+from render.optics.prescription.diffraction import reduced_mm
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.surface_shape import intersect, slopes_at
 from render.optics.prescription.tracing import refract
@@ -141,7 +142,8 @@ def _met(
         share = reflectance(before, after, cosine, colours_nm, _coating_nm(prescription, step.surface))
     if is_mirror:
         return headings - 2 * cosine[:, None] * normal, share
-    bent, refracted = refract(surface, local, headings, before / after)
+    reduced = reduced_mm(wavelength_nm) / after if surface.phase else 0.0
+    bent, refracted = refract(surface, local, headings, before / after, reduced)
     return np.where(refracted[:, None], bent, np.nan), 1 - share if is_twice_more else share
 
 

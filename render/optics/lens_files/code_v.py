@@ -14,6 +14,7 @@
 
 A command ends at `;` or at the end of its line, unless that ends in `&`; `!` begins a comment. What is not listed has no say
 in how light goes through a lens, or is refused: mirrors, tilts, gratings, glass whose index varies within it.
+`render.optics.lens_files.code_v_diffraction` has diffractive surfaces.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from typing import Literal
 
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_apertures import APERTURES, CodeVApertures
+from render.optics.lens_files.code_v_diffraction import COMMANDS, CodeVDiffraction
 from render.optics.lens_files.code_v_glass import PrivateGlasses
 from render.optics.lens_files.code_v_surfaces import CodeVSurfaces
 from render.optics.lens_files.code_v_zoom import CodeVZoom
@@ -42,7 +44,7 @@ _APERTURES: dict[str, tuple[str, Literal["pupil", "f_number", "image_na"]]] = {
     "FNO": ("f-number", "f_number"),
     "NA": ("numerical aperture", "image_na"),
 }
-_UNSUPPORTED = ("DIF", "GRT", "HOE", "GRX", "GRY")
+_UNSUPPORTED = ("GRT", "HOE", "GRX", "GRY")
 _REFUSED = {
     "RMD": "mirrors",
     "GRN": "gradient-index glasses",
@@ -123,6 +125,7 @@ class _Reader:
         self._zoom = CodeVZoom(text)
         self._apertures = CodeVApertures(text)
         self._special = CodeVSurfaces(text)
+        self._diffraction = CodeVDiffraction(text)
 
     def take(self, command: _Command) -> None:
         """Read one command; unknown ones are ignored."""
@@ -149,6 +152,7 @@ class _Reader:
             raise self._text.error("there is no surface (S) between the object (SO) and the image (SI)")
         self._special.finish()
         draft = self._draft
+        self._diffraction.finish(draft.unit_mm)
         draft.surfaces = self._surfaces[1:-1]
         draft.notes += self._apertures.finish(draft.surfaces)
         self._zoom.finish(draft, self._surfaces)
@@ -218,6 +222,8 @@ class _Reader:
             surface.is_stop = True
         elif name == "GLA":
             surface.glass = self._glass(_first(words), line, label)
+        elif name in COMMANDS:
+            self._diffraction.take(surface, name, words, line)
         elif name in APERTURES:
             self._apertures.take(name, surface, words, line)
         elif name in ("RDY", "CUY", "THI"):

@@ -5,10 +5,10 @@
     SPS QCN 12.0; SCO QC4 1e-2              Forbes's Qcon: a_0 is QC4, a_1 QC6, ...; C1 is K, C2 NRADIUS, C3 QC4, ...
     SPS QBF 12.0; SCO QB4 1e-2              Qbfs, with the same numbers
     CYL; RDX 50                             cylinder: RDY (the radius behind S) and RDX, one of them 0
-    YTO; RDX 50                             the curve in y, with K, turned about an axis parallel to y; XTO: that in x
+    YTO; RDX 50; K -1; A 1e-6               the curve in y, with K, A, B, ..., turned about an axis parallel to y; XTO: that in x
     AAS; RDX 50; KX -1; AR 1e-6             biconic, with K in y and terms AR, BR, CR, DR of r⁴, r⁶, r⁸, r¹⁰
 
-A torus is read where it is a cylinder or a sphere; any other torus is refused, as are all other special surfaces (SPS).
+The terms of a cylinder (CYL) are those of its curve. All other special surfaces (SPS) are refused.
 """
 
 from __future__ import annotations
@@ -164,38 +164,30 @@ class CodeVSurfaces:
         if left := [name for name in _ASYMMETRIC if each.values.get(name)]:
             raise self._error(each, f"{left[0]} of a biconic must be 0: terms without symmetry are not supported")
         surface.conic = each.values.get("KY", surface.conic)
-        conic = each.values.get("KX", 0.0)
         if each.kind == "AAS":
             if "CUX" not in each.values:
                 raise self._error(each, "a biconic (AAS) needs its radius in x (RDX) or curvature (CUX)")
             if any(surface.terms.values()):
                 raise self._error(each, "a biconic (AAS) has the terms AR, BR, CR and DR, got others")
             surface.terms = {power: each.values.get(name, 0.0) for name, power in _RADIAL.items()}
+            surface.across = radius, each.values.get("KX", 0.0)
         else:
-            conic = self._conic_of_torus(each, radius)
-        if (radius, conic) != (surface.radius, surface.conic):
-            surface.across = radius, conic
+            self._finish_torus(each, radius)
 
-    def _conic_of_torus(self, each: _Read, radius: float) -> float:
-        """Conic constant in x of a torus that is a cylinder or a sphere."""
-        surface = each.surface
-        if any(surface.terms.values()):
-            raise self._error(each, f"aspheric terms of a cylinder or torus ({each.kind}) are not supported")
+    def _finish_torus(self, each: _Read, radius: float) -> None:
+        """Set the curve in x of a torus or cylinder; K and the terms are those of the curve that is turned."""
+        surface, kind = each.surface, each.kind
         if each.values.get("KX"):
-            raise self._error(each, f"KX of a cylinder or torus ({each.kind}) must be 0")
-        is_sphere = radius == surface.radius and surface.conic == 0
-        if radius and surface.radius and not is_sphere:
-            what = f"a torus ({each.kind}) of the radii {surface.radius:g} and {radius:g} is not supported"
-            raise self._error(each, f"{what}: expected a cylinder (one radius 0)")
-        if each.kind == "XTO":
-            conic, surface.conic = surface.conic, 0.0
-            if conic and not radius:
-                raise self._error(each, f"K of a toroid (XTO) that is straight in x must be 0, got {conic:g}")
-            return conic
-        if surface.conic and not surface.radius:
-            what = f"K of a cylinder or toroid ({each.kind}) that is straight in y must be 0, got {surface.conic:g}"
+            raise self._error(each, f"KX of a cylinder or torus ({kind}) must be 0")
+        if kind == "CYL" and radius and surface.radius:
+            what = f"a cylinder (CYL) is straight one way, got the radii {surface.radius:g} and {radius:g}: a torus is YTO or XTO"
             raise self._error(each, what)
-        return 0.0
+        if kind == "CYL" and radius and (surface.conic or any(surface.terms.values())):
+            what = "K and aspheric terms of a cylinder (CYL) that is straight in y are not supported"
+            raise self._error(each, f"{what}: those of its curve in x are read of a toroid (XTO)")
+        lies = kind == "XTO"
+        surface.torus = "across" if lies else "upright"
+        surface.across, surface.conic = (radius, surface.conic if lies else 0.0), 0.0 if lies else surface.conic
 
     def _find(self, surface: DraftSurface) -> _Read | None:
         return self._read.get(id(surface))

@@ -7,11 +7,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from render.model.lens import Glass, Outline, Prescription, Surface
+from render.model.lens import Across, Glass, Outline, Prescription, Surface
 from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM
 from render.optics.dispersion.names import glass_of_code
 from render.optics.glass import refractive_index
-from render.optics.lens_files.written_parts import beam_diameter_mm, glass_form, number
+from render.optics.lens_files.written_parts import (
+    BICONIC_TERMS,
+    beam_diameter_mm,
+    glass_form,
+    number,
+    unwritable_surface,
+)
+from render.optics.prescription.diffraction import reduced_mm
 from render.optics.prescription.paraxial import first_order
 
 _LETTERS = "ABCDEFGHJ"  # of r⁴, r⁶, ... r²⁰
@@ -26,11 +33,18 @@ def code_v_text(lens: Prescription, notes: list[str]) -> str:
     Args:
         lens: complete, with a plain name.
         notes: takes what the format cannot say.
+
+    Raises:
+        SettingsError: a surface has a shape that CODE V does not have.
     """
     private: dict[Glass, str] = {}
     surfaces: list[str] = []
-    for index, surface in enumerate(lens.surfaces, 1):
-        surfaces += _surface(index, surface, private, notes)
+    for index in range(len(lens.surfaces)):
+        surfaces += _surface(index, lens, private)
+        polygons = {"opening": lens.surfaces[index].opening, "obscuration": lens.surfaces[index].obscuration}
+        for name, outline in polygons.items():
+            if outline is not None and outline.kind == "polygon":
+                notes.append(f"The {name} of surface {index + 1} is not written: it is a polygon.")
     lines = [
         "RDM;LEN",
         f"TITLE '{lens.name}'",
@@ -51,7 +65,8 @@ def code_v_text(lens: Prescription, notes: list[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _surface(index: int, surface: Surface, private: dict[Glass, str], notes: list[str]) -> Iterator[str]:
+def _surface(index: int, lens: Prescription, private: dict[Glass, str]) -> Iterator[str]:
+    surface = lens.surfaces[index]
     glass = _glass(surface.glass, private)
     yield f"S     {number(surface.radius_mm)} {number(surface.thickness_mm)} {glass}".rstrip()
     if surface.is_stop:
@@ -59,24 +74,55 @@ def _surface(index: int, surface: Surface, private: dict[Glass, str], notes: lis
     yield f"  CIR {number(surface.semi_diameter_mm)}"
     yield from _aperture(surface.opening, "L'OPENING'")
     yield from _aperture(surface.obscuration, "OBS")
-    if surface.odd:
+    yield from _shape(surface) if surface.across is None else _two_curves(index, lens, surface.across)
+    if surface.phase:
+        yield "  DIF DOE"
+        yield "  HOR 1"
+        yield f"  HWL {D_LINE_NM!r}"
+        yield "  HCT R"
+        path = (number(term * float(reduced_mm(D_LINE_NM))) for term in surface.phase)
+        yield from (f"  HCO C{place} {value}" for place, value in enumerate(path, 1))
+
+
+def _shape(surface: Surface) -> Iterator[str]:
+    if surface.odd or any(surface.aspheric[len(_LETTERS) :]):  # which has all powers up to r³⁰
         yield "  SPS ODD 0.0"
         yield f"  SCO K {number(surface.conic)}"
         yield from (f"  SCO AR{power} {number(term)}" for power, term in sorted(surface.aspheric_terms.items()) if term)
     elif surface.aspheric:
-        terms = zip(_LETTERS, surface.aspheric, strict=False)
         yield "  ASP"
         yield f"  K {number(surface.conic)}"
-        yield from (f"  {letter} {number(term)}" for letter, term in terms)
+        yield from _letters(surface)
     elif surface.conic:
         yield "  CON"
         yield f"  K {number(surface.conic)}"
-    if any(surface.aspheric[len(_LETTERS) :]) and not surface.odd:
-        notes.append(f"Surface {index} has terms beyond r^20, which are not written.")
+
+
+def _letters(surface: Surface) -> Iterator[str]:
+    yield from (f"  {letter} {number(term)}" for letter, term in zip(_LETTERS, surface.aspheric, strict=False))
+
+
+def _two_curves(index: int, lens: Prescription, across: Across) -> Iterator[str]:
+    surface, torus = lens.surfaces[index], across.torus
+    most = len(_LETTERS) if torus else BICONIC_TERMS
+    if any(surface.odd):
+        raise unwritable_surface(index, lens, "two curves and aspheric terms of odd powers", "")
+    if any(surface.aspheric[most:]):
+        raise unwritable_surface(index, lens, f"two curves and aspheric terms beyond r^{2 + 2 * most}", "")
+    yield f"  {'XTO' if torus == 'across' else 'YTO' if torus else 'AAS'}"
+    yield f"  RDX {number(across.radius_mm)}"
+    if torus:
+        yield f"  K {number(across.conic if torus == 'across' else surface.conic)}"
+        yield from _letters(surface)
+        return
+    yield f"  KX {number(across.conic)}"
+    yield f"  K {number(surface.conic)}"
+    names = ("AR", "BR", "CR", "DR")
+    yield from (f"  {name} {number(term)}" for name, term in zip(names, surface.aspheric, strict=False))
 
 
 def _aperture(outline: Outline | None, which: str) -> Iterator[str]:
-    if outline is None:
+    if outline is None or outline.kind == "polygon":
         return
     half, centre = outline.half_mm, outline.centre_mm
     if outline.kind == "ellipse" and half[0] == half[1]:

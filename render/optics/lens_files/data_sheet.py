@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from render.errors import SettingsError
-from render.model.lens import MAX_F_STOP, DataSheet
+from render.model.data_sheet import MAX_F_STOP, DataSheet
 from render.optics.data_sheet import at_heights
 from render.optics.lens_files.lens_text import LensText
 

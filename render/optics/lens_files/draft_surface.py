@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 from render.model.lens import AIR, Glass, Outline
 from render.optics.lens_files.forbes import ForbesTerms
@@ -23,8 +24,10 @@ class DraftSurface:
         terms: coefficients by the power of r.
         is_stop: whether it is the aperture stop.
         across: radius and conic constant in x, where they are others than in y; None where not.
+        torus: the curve, in y or in x, that is turned about an axis across it and has the terms; empty for no torus.
         opening: within which light passes, in the file's unit in place of millimetres; None where there is none.
         obscuration: within which no light passes, likewise.
+        phase: coefficients of the phase that it adds by diffraction, radians, by the power of r.
         forbes: departure in Forbes's polynomials; None where there is none.
     """
 
@@ -41,8 +44,11 @@ class DraftSurface:
     opening: Outline | None = None
     obscuration: Outline | None = None
     forbes: ForbesTerms | None = None
+    torus: Literal["", "upright", "across"] = ""
+    phase: dict[int, float] = field(default_factory=dict)
 
     @property
     def is_flat(self) -> bool:
         """Whether it is a plane."""
-        return self.radius == 0 and self.across is None and self.forbes is None and not any(self.terms.values())
+        is_straight = self.radius == 0 and (self.across is None or self.across[0] == 0)
+        return is_straight and self.forbes is None and not any((*self.terms.values(), *self.phase.values()))

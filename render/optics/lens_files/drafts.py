@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from render.errors import InputError
-from render.model.lens import AIR, Across, Glass, Prescription, Surface
+from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.dispersion.formulas import index_at
 from render.optics.lens_files.configurations import (
     DraftConfigurations,
@@ -28,6 +28,7 @@ FAR_AWAY_MM = 1e7  # an object beyond it is at infinity: CODE V writes 1e13
 _MAX_LENGTH_MM = 1e5
 _INDEX_RANGE, _LEAST_ABBE = (1.0, 5.0), 5.0
 _EDGE_OF_CONIC = 0.995
+_HIGHEST_PHASE = 20
 _VISIBLE_NM = np.linspace(400.0, 700.0, 31)
 
 
@@ -170,14 +171,22 @@ def _in_mm(surface: DraftSurface, draft: Draft) -> Surface:
         shape.conic,
         shape.aspheric,
         surface.is_stop,
-        across=surface.across and Across(surface.across[0] * draft.unit_mm, surface.across[1]),
+        across=shape.across,
         opening=scaled(surface.opening, draft.unit_mm),
         obscuration=scaled(surface.obscuration, draft.unit_mm),
         odd=shape.odd,
+        phase=_phase_in_mm(surface, draft),
     )
     if made.opening is not None and semi_diameter > conic_extent_mm(made):  # corners that no glass can have
         made = replace(made, semi_diameter_mm=_EDGE_OF_CONIC * conic_extent_mm(made))
     return made
+
+
+def _phase_in_mm(surface: DraftSurface, draft: Draft) -> tuple[float, ...]:
+    highest = max((power for power, term in surface.phase.items() if term), default=0)
+    if highest > _HIGHEST_PHASE:
+        raise _error(surface, draft, f"terms of the phase are supported up to r^{_HIGHEST_PHASE}, got r^{highest}")
+    return tuple(surface.phase.get(power, 0.0) / draft.unit_mm**power for power in range(2, highest + 1, 2))
 
 
 def _error(surface: DraftSurface, draft: Draft, what: str) -> InputError:

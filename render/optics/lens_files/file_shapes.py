@@ -7,12 +7,14 @@ wavelength, and refused where that is not enough.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial
 
 from render.model.arrays import DoubleArray
+from render.model.lens import Across
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.forbes import ForbesTerms, qcon_terms
 from render.optics.lens_files.lens_text import LensText
@@ -35,6 +37,7 @@ class FileShape:
         aspheric: coefficients of r⁴, r⁶, ...
         odd: coefficients of r³, r⁵, ...
         note: on an approximation; "" where there is none.
+        across: curve from side to side; None where it is that from top to bottom.
     """
 
     radius_mm: float
@@ -42,10 +45,11 @@ class FileShape:
     aspheric: tuple[float, ...]
     odd: tuple[float, ...]
     note: str = ""
+    across: Across | None = None
 
 
 def shape_in_mm(surface: DraftSurface, unit_mm: float, text: LensText) -> FileShape:
-    """The shape of a surface as it was read.
+    """The shape of a surface as it was read. Of a torus, the curve that is turned has all that a surface of revolution can have.
 
     Args:
         surface: as its file has it.
@@ -55,6 +59,27 @@ def shape_in_mm(surface: DraftSurface, unit_mm: float, text: LensText) -> FileSh
     Raises:
         InputError: the model has no such shape; the message names the surface.
     """
+    if surface.across is None:
+        return _round_shape(surface, unit_mm, text)
+    radius, conic = surface.across
+    if surface.torus != "across":
+        shape = _round_shape(surface, unit_mm, text)
+        return replace(shape, across=_curve(shape, radius * unit_mm, conic, surface.torus))
+    lying = _round_shape(replace(surface, radius=radius, conic=conic), unit_mm, text)
+    standing = replace(lying, radius_mm=surface.radius * unit_mm, conic=surface.conic)
+    return replace(standing, across=_curve(standing, lying.radius_mm, lying.conic, surface.torus))
+
+
+def _curve(shape: FileShape, radius_mm: float, conic: float, torus: Literal["", "upright", "across"]) -> Across | None:
+    """The curve from side to side; a torus without terms that is straight one way is a cylinder, which a biconic is too."""
+    if torus and not (shape.aspheric or shape.odd):
+        is_sphere = radius_mm == shape.radius_mm and not (conic or shape.conic)
+        torus = torus if radius_mm and shape.radius_mm and not is_sphere else ""
+    curve = Across(radius_mm, conic, torus)
+    return None if curve == Across(shape.radius_mm, shape.conic) else curve
+
+
+def _round_shape(surface: DraftSurface, unit_mm: float, text: LensText) -> FileShape:
     # sag/unit = a·(r/unit)^p, so a grows by unit^(1 − p)
     terms = {power: value * unit_mm ** (1 - power) for power, value in surface.terms.items() if value != 0}
     radius, conic, forbes = surface.radius * unit_mm, surface.conic, surface.forbes and surface.forbes.scaled(unit_mm)
@@ -80,7 +105,7 @@ def shape_in_mm(surface: DraftSurface, unit_mm: float, text: LensText) -> FileSh
         radius, conic = 0.5 / terms.pop(2), -1.0  # a·r² is the paraboloid of that radius
     note = ""
     reason = _reason(terms, forbes)
-    if reason and surface.across is not None:
+    if reason and surface.across is not None and not surface.torus:
         raise text.error(f"its {reason} are not supported beside two curves", surface.line, surface.label)
     if reason:
         width = surface.semi_diameter * unit_mm or (forbes.radius if forbes is not None else 0.0)

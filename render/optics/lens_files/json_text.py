@@ -89,6 +89,21 @@ class JsonPart:
         parts = self.entries(key, at_most=at_most)
         return [JsonPart(self._text, {"": part._value}, part._place).number("") for part in parts]
 
+    def rows(self, key: str, *, at_most: int) -> list[list[float]]:
+        """The numbers of a list of lists that are equally long, or of an array that is an object with them (`__ndarray__`); none
+        where it is missing.
+
+        Raises:
+            InputError: it is no such list, or has more rows or columns than that.
+        """
+        if self.part(key, "__ndarray__"):
+            return self.part(key).rows("__ndarray__", at_most=at_most)
+        parts = self.entries(key, at_most=at_most)
+        found = [JsonPart(self._text, {"": part._value}, part._place).numbers("", at_most=at_most) for part in parts]
+        if len({len(row) for row in found}) > 1:
+            raise self.part(key).error("expected rows of the same length")
+        return found
+
     def word(self, key: str) -> str:
         """A text; empty where it is missing."""
         value = self.part(key)._value

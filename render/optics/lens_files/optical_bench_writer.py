@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from render.errors import SettingsError
 from render.model.lens import Glass, Prescription, Surface
-from render.optics.lens_files.written_parts import glass_form, index_change, number
+from render.optics.lens_files.written_parts import glass_form, index_change, number, unwritable_surface
 from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.paraxial import first_order
 
@@ -18,7 +18,15 @@ def optical_bench_text(lens: Prescription, notes: list[str]) -> str:
     Args:
         lens: complete, with a plain name.
         notes: takes what the format cannot say.
+
+    Raises:
+        SettingsError: it has cylinders or diffractive surfaces.
     """
+    for index, surface in enumerate(lens.surfaces):
+        if surface.across is not None:
+            raise unwritable_surface(index, lens, "another curve from side to side", ".zmx or .seq")
+        if surface.phase:
+            raise unwritable_surface(index, lens, "diffraction", ".zmx or .seq")
     near = _near(lens, notes)
     moving = _moving(lens, near)
     rows = [row for index in range(len(lens.surfaces)) for row in _rows(lens, index, moving, notes)]

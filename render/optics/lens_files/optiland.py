@@ -9,7 +9,7 @@
       is_stop, aperture               clear radius r_max
       interaction_model               is_reflective
 
-Mirrors, tilts and other geometries are refused.
+`render.optics.lens_files.optiland_shapes` has the geometries. Mirrors, tilts and other geometries are refused.
 """
 
 from __future__ import annotations
@@ -22,15 +22,9 @@ from render.optics.lens_files.drafts import MAX_SURFACES, Draft, check_glass, fi
 from render.optics.lens_files.file_glasses import FileGlasses
 from render.optics.lens_files.json_text import JsonPart, read_json
 from render.optics.lens_files.lens_text import LensText
+from render.optics.lens_files.optiland_shapes import TYPES, set_shape
 from render.optics.lens_files.speed import SystemAperture, with_system_aperture
 
-_POWERS = {
-    "Plane": 0,
-    "StandardGeometry": 0,
-    "EvenAsphere": 2,
-    "OddAsphere": 1,
-}  # step of the terms' powers; 0 for none
-_MOST_COEFFICIENTS = 40
 _OFFSETS = ("x", "y", "rx", "ry")
 
 
@@ -51,7 +45,12 @@ def read_optiland(text: LensText, glasses: FileGlasses) -> Prescription:
     draft = Draft(text, name=whole.word("name"))
     places = [part.part("geometry", "cs").number("z", 0.0, infinite=True) for part in parts]
     for index, part in enumerate(parts[1:-1], 1):
-        draft.surfaces.append(_surface(text, part, places[index + 1] - places[index], glasses, str(index)))
+        surface = _surface(text, part, places[index + 1] - places[index], glasses, str(index))
+        behind = set_shape(part.part("geometry"), surface)
+        if draft.surfaces:
+            draft.surfaces[-1].thickness += behind
+        surface.thickness -= behind
+        draft.surfaces.append(surface)
     _check_image(parts[-1], str(len(parts) - 1))
     distance = parts[0].number("thickness", places[1] - places[0], infinite=True)
     is_near = is_object_near(draft, distance, draft.surfaces)
@@ -65,29 +64,21 @@ def read_optiland(text: LensText, glasses: FileGlasses) -> Prescription:
 def _surface(text: LensText, part: JsonPart, gap: float, glasses: FileGlasses, label: str) -> DraftSurface:
     geometry = part.part("geometry")
     kind = geometry.word("type")
-    if kind not in _POWERS:
-        raise geometry.error(f"surfaces of type {', '.join(_POWERS)} are supported, got {kind[:40] or 'none'}", label)
+    if kind not in TYPES:
+        raise geometry.error(f"surfaces of type {', '.join(TYPES)} are supported, got {kind[:40] or 'none'}", label)
     if part.flag("is_reflective") or part.part("interaction_model").flag("is_reflective"):
         raise part.error("mirrors (is_reflective) are not supported", label)
     if (model := part.part("interaction_model").word("type")) not in ("", "RefractiveReflectiveModel"):
         raise part.error(f"surfaces that refract are supported, got {model[:40]}", label)
     _check_axis(geometry.part("cs"), label)
-    radius = geometry.number("radius", math.inf, infinite=True)
-    surface = DraftSurface(
+    return DraftSurface(
         label,
         0,
-        0.0 if kind == "Plane" or math.isinf(radius) else radius,
-        part.number("thickness", gap, infinite=True),
-        check_glass(text, _medium(part.part("material_post"), glasses, label), 0, label),
-        _clear(part.part("aperture"), label),
+        thickness=part.number("thickness", gap, infinite=True),
+        glass=check_glass(text, _medium(part.part("material_post"), glasses, label), 0, label),
+        semi_diameter=_clear(part.part("aperture"), label),
         is_stop=part.flag("is_stop"),
     )
-    if kind != "Plane":
-        surface.conic = geometry.number("conic", 0.0)
-    step = _POWERS[kind]
-    values = geometry.numbers("coefficients", at_most=_MOST_COEFFICIENTS) if step else []
-    surface.terms = {step * (i + 1): value for i, value in enumerate(values) if value}
-    return surface
 
 
 def _check_axis(place: JsonPart, label: str) -> None:

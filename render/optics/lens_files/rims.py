@@ -132,7 +132,7 @@ def _shape(surface: DraftSurface) -> Surface:
     highest = max(surface.terms, default=2)
     even, odd = (tuple(surface.terms.get(power, 0.0) for power in range(i, highest + 1, 2)) for i in (4, 3))
     width = (1 - _ROUNDED) * surface.semi_diameter
-    across = surface.across and Across(*surface.across)
+    across = surface.across and Across(*surface.across, surface.torus)
     return Surface(
         surface.radius, 0.0, semi_diameter_mm=width, conic=surface.conic, aspheric=even, across=across, odd=odd
     )

@@ -12,7 +12,7 @@ from render.optics.lens_files.written_parts import plain_name
 WRITTEN_SUFFIXES = (".zmx", ".seq", ".txt")
 _WRITTEN = frozenset(  # fields of the model that the writers know
     {"radius_mm", "thickness_mm", "glass", "semi_diameter_mm", "conic", "aspheric", "is_stop", "coating_nm", "odd"}
-    | {"opening", "obscuration"}
+    | {"opening", "obscuration", "across", "focus_group_across", "phase"}
     | {"surfaces", "focus_group", "f_stop", "name", "notes", "configurations"}
 )
 
@@ -38,7 +38,7 @@ def write_lens(lens: Prescription, suffix: str) -> WrittenLens:
         suffix: of the file, which selects the format.
 
     Raises:
-        SettingsError: there is no such format, or none of them can hold what the lens has.
+        SettingsError: there is no such format, or it cannot hold what the lens has; the message names the surface.
     """
     suffix = suffix.lower()
     if suffix not in WRITTEN_SUFFIXES:
@@ -55,6 +55,8 @@ def write_lens(lens: Prescription, suffix: str) -> WrittenLens:
     lens = replace(lens, name=plain_name(lens.name))
     notes: list[str] = []
     text = text_of(lens, notes)
+    if lens.focus_group_across is not None:
+        notes.append("The cylinders that move to focus from side to side are not written.")
     if any(surface.coating_nm for surface in lens.surfaces):
         notes.append("Coatings are not written.")
     if suffix == ".txt" and lens.outlines:
@@ -66,8 +68,6 @@ def write_lens(lens: Prescription, suffix: str) -> WrittenLens:
 
 def unwritable(lens: Prescription) -> str:
     """Why a prescription cannot be written: it has what no writer knows; "" where it can."""
-    if lens.is_anamorphic:
-        return "it has cylinders, which no writer knows"
     parts: list[tuple[str, Prescription | Surface]] = [
         ("the lens", lens),
         *((f"surface {i + 1}", surface) for i, surface in enumerate(lens.surfaces)),

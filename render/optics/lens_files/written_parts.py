@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from render.errors import SettingsError
 from render.model.arrays import DoubleArray
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.dispersion.lines import C_LINE_NM, D_LINE_NM, F_LINE_NM, G_LINE_NM
@@ -16,6 +17,8 @@ from render.optics.glass import refractive_index
 _SAME_INDEX = 1e-7
 _LINES_NM = (C_LINE_NM, D_LINE_NM, F_LINE_NM, G_LINE_NM)
 _LONGEST_NAME = 100
+BICONIC_TERMS = 4
+"""Aspheric terms, from r⁴ on, that CODE V's biconic has."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,19 @@ def glass_form(glass: Glass) -> GlassForm:
     if _same(Glass(glass.index, glass.abbe), glass):
         return GlassForm("model")
     return GlassForm("own", glass.name)
+
+
+def unwritable_surface(index: int, lens: Prescription, what: str, suffixes: str) -> SettingsError:
+    """The error of a surface that a format cannot hold.
+
+    Args:
+        index: from 0.
+        lens: to be written.
+        what: it has.
+        suffixes: of the formats that hold it; empty where none does.
+    """
+    where = f"surface {index + 1} of {lens.name or 'the lens'} has {what}, which this format cannot hold"
+    return SettingsError(f"{where}: {f'write {suffixes}' if suffixes else 'no lens file that is written can'}")
 
 
 def index_change(glass: Glass) -> float:

@@ -47,6 +47,7 @@ _REFUSED_TYPES = {
     "IRREGULA": "tilts and decentres of a surface",
     "BIREFRIN": "birefringent media",
     "PARAXIAL": "ideal lenses without glass",
+    "CHEB": "surfaces of Chebyshev polynomials",
 }  # what it is, by the beginning of the type's name
 _BREAK = "COORDBRK"
 _TILTS = {"1": "decentre in x", "2": "decentre in y", "3": "tilt about x", "4": "tilt about y", "5": "tilt about z"}
@@ -261,6 +262,9 @@ class _Reader:
         """Take extra data (XDAT), which spheres and even aspheres have left over from another type."""
         if self._aspheres.holds(surface):
             self._aspheres.take(surface, "XDAT", list(words), line)
+        elif len(words) > 1 and self._two_curves.holds(surface):
+            extra = self._number(surface, words[1], f"extra data (XDAT {words[0][:9]})", line)
+            self._two_curves.take_extra(surface, words[0], extra)
 
     def _break(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
         """Refuse a decentre (PARM 1 and 2) or a tilt (3 to 5)."""

@@ -3,10 +3,11 @@
     CLAP 2 12.5 0        light passes between these radii; OBSC: everywhere else
     SQAP 18 10 0         within these half widths in x and y; SQOB: outside of them
     ELAP 18 10 0         within the ellipse of these half axes; ELOB: outside of it
+    SPID 1.5 4           arms of this width, so many of them, evenly from +x
     OBDC 0.5 -1          centre of the aperture, in x and y
 
-A circle about the axis is the clear diameter, in place of DIAM, which in a drawing is often wider. A spider (SPID), an aperture
-by points (USAP) and an obscuration (OBSC) that is a ring within its lens are named in a note.
+A circle about the axis is the clear diameter, in place of DIAM, which in a drawing is often wider. Notes name a spider (SPID) on
+a surface without a clear diameter, an aperture by points (USAP), and an obscuration (OBSC) that is a ring within its lens.
 """
 
 from __future__ import annotations
@@ -14,17 +15,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from render.errors import InputError
 from render.model.lens import Outline
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.lens_text import LensText
-from render.optics.prescription.outlines import is_circle, reach_mm
+from render.optics.prescription.outlines import is_circle, reach_mm, spider
 
 _RADII = ("CLAP", "OBSC")
 _HALF_WIDTHS = ("SQAP", "SQOB", "ELAP", "ELOB")
-_NOT_READ = ("SPID", "USAP", "UDAD")
+_NOT_READ = ("USAP", "UDAD")
+_SPIDER, _MOST_ARMS = "SPID", 16
+_BEYOND = 1.05  # clear semi-diameters to which an arm goes
 _CENTRE = "OBDC"
-APERTURES = (*_RADII, *_HALF_WIDTHS, *_NOT_READ, _CENTRE)
+APERTURES = (*_RADII, *_HALF_WIDTHS, *_NOT_READ, _SPIDER, _CENTRE)
 
 
 @dataclass
@@ -54,9 +59,9 @@ class ZemaxApertures:
         what = f"centre of the aperture ({command})"
         what = f"radius ({command})" if command in _RADII else f"half width ({command})" if least == 0 else what
         if command in _NOT_READ:
-            if command != "SPID" or any(word.strip("0.+-eE") for word in words[:1]):  # without width it is none
-                self._left_out.append((surface, command))
+            self._left_out.append((surface, command))
             return
+        what = "width, or number of arms, of the spider (SPID)" if command == _SPIDER else what
         first, second = (
             self._text.number(word, what, line, surface.label, at_least=least) for word in (*words, "0", "0")[:2]
         )
@@ -87,6 +92,8 @@ class ZemaxApertures:
 
     def _set(self, aperture: _Aperture) -> None:
         surface, (first, second), kind = aperture.surface, aperture.size, aperture.kind
+        if kind == _SPIDER:
+            self._set_spider(aperture)
         if kind in _RADII:
             if second <= first:
                 raise self._error(aperture, f"the radii must grow, got {first:g} and {second:g}")
@@ -110,6 +117,20 @@ class ZemaxApertures:
                 surface.obscuration = outline
             else:
                 self._open(surface, outline)
+
+    def _set_spider(self, aperture: _Aperture) -> None:
+        surface, (width, arms) = aperture.surface, aperture.size
+        if not width or not arms:  # without width, or arms, it is none
+            return
+        if not (arms == int(arms) and arms <= _MOST_ARMS):
+            raise self._error(aperture, f"the number of arms must be a whole one up to {_MOST_ARMS}, got {arms:g}")
+        if not surface.semi_diameter:
+            self._left_out.append((surface, _SPIDER))
+            return
+        length = _BEYOND * (surface.semi_diameter + float(np.hypot(*aperture.centre)))
+        if width >= 2 * length * np.sin(np.pi / max(arms, 2)):
+            raise self._error(aperture, f"{arms:g} arms of the width {width:g} leave nothing open")
+        surface.obscuration = spider(width, int(arms), length, aperture.centre)
 
     def _open(self, surface: DraftSurface, outline: Outline | None) -> None:
         if outline is None:

@@ -1,9 +1,10 @@
-"""Zemax's aspheres beyond EVENASPH: odd powers, many powers, and Forbes's polynomials.
+"""Zemax's aspheres beyond EVENASPH: odd powers, many powers, Forbes's polynomials, and diffractive surfaces.
 
     TYPE ODDASPHE        PARM i: coefficient of r^i, i from 1 to 8
     TYPE XASPHERE        extended asphere: coefficients of ρ², ρ⁴, ... with ρ = r/R
     TYPE XOSPHERE        extended odd asphere, also XODDASPH: coefficients of ρ, ρ², ρ³, ...
     TYPE QED...          Q-type asphere, also QTYP...: PARM 1 0 is Qbfs, 1 is Qcon; coefficients a_0, a_1, ...
+    TYPE BINARY_2        PARM 0: order of diffraction; PARM i: coefficient of r^(2i); XDAT: of ρ², ρ⁴, ... in the phase, radians
       XDAT 1 4.0         number of coefficients
       XDAT 2 1.0         normalisation radius R
       XDAT 3 ...         the first coefficient
@@ -22,11 +23,13 @@ from render.optics.lens_files.lens_text import LensText
 
 _STEPS = {"XASPHERE": 2, "XOSPHERE": 1, "XODDASPH": 1}  # of the powers
 _FORBES = ("QED", "QTYP")
-_LAST_ODD = 8
+_BINARY = "BINARY_2"
+_LAST_ODD = _LAST_EVEN = 8
+_MOST_ORDERS = 1000
 _MOST_EXTRA = 242  # XDAT: OpticStudio's extended surfaces have up to 240 coefficients
 _COUNT, _RADIUS, _FIRST = 1, 2, 3
 
-TYPES = ("ODDASPHE", *_STEPS)
+TYPES = ("ODDASPHE", *_STEPS, _BINARY)
 
 
 def is_asphere(kind: str) -> bool:
@@ -87,13 +90,22 @@ class ZemaxAspheres:
                 self._refuse_others(each, range(_LAST_ODD + 1))
                 each.surface.terms = {power: value for power, value in each.parameters.items() if power}
                 continue
+            if each.kind == _BINARY:
+                self._refuse_others(each, range(_LAST_EVEN + 1))
+                each.surface.terms = {2 * place: value for place, value in each.parameters.items() if place}
             coefficients = self._coefficients(each)
             radius = each.extra.get(_RADIUS, 0.0)
             if not any(coefficients):
                 continue
             if not radius > 0:
                 raise self._error(each, f"the normalisation radius (XDAT 2) must be above 0, got {radius:g}")
-            if each.kind in _STEPS:
+            if each.kind == _BINARY:
+                order = self._order(each)
+                powers = {2 * (i + 1): value for i, value in enumerate(coefficients) if value}
+                each.surface.phase = {
+                    power: order * self._normalised(each, value, radius, power) for power, value in powers.items()
+                }
+            elif each.kind in _STEPS:
                 step = _STEPS[each.kind]
                 self._refuse_others(each, range(1))
                 powers = {step * (i + 1): value for i, value in enumerate(coefficients)}
@@ -102,6 +114,15 @@ class ZemaxAspheres:
                 }
             else:
                 self._set_forbes(each, coefficients, radius)
+
+    def _order(self, each: _Read) -> float:
+        if 0 not in each.parameters:
+            raise self._error(each, f"a surface of TYPE {_BINARY} needs its order of diffraction (PARM 0)")
+        order = each.parameters[0]
+        if not (order == int(order) and abs(order) <= _MOST_ORDERS):
+            what = f"the order of diffraction (PARM 0) must be a whole number up to {_MOST_ORDERS}, got {order:g}"
+            raise self._error(each, what)
+        return order
 
     def _coefficients(self, each: _Read) -> tuple[float, ...]:
         count = each.extra.get(_COUNT, 0.0)

@@ -1,21 +1,34 @@
 """Zemax's surfaces with two curves: BICONICX and TOROIDAL.
 
-    TYPE BICONICX        CURV and CONI are the curve in y
-      PARM 1 50.0        radius in x, 0 for none
-      PARM 2 -1.0        conic constant in x
-    TYPE TOROIDAL        the curve in y, turned about an axis that is parallel to y
-      PARM 1 50.0        radius of that turn, 0 for none: a cylinder
-
-A torus is read where it is a cylinder or a sphere, which a surface with two curves is exactly; any other torus is refused.
+TYPE BICONICX        CURV and CONI are the curve in y
+  PARM 1 50.0        radius in x, 0 for none
+  PARM 2 -1.0        conic constant in x
+TYPE TOROIDAL        the curve in y, with CONI, turned about an axis that is parallel to y
+  PARM 1 50.0        radius of that turn, 0 for none: a cylinder
+  PARM 3 1.1E-6      PARM i: coefficient of y^(2i - 2) in the curve, i from 2 to 8
+  XDAT 1 0           number of Zernike terms; with any it is refused
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
+from render.errors import InputError
 from render.optics.lens_files.draft_surface import DraftSurface
 from render.optics.lens_files.lens_text import LensText
 
 TYPES = ("BICONICX", "TOROIDAL")
 _RADIUS, _CONIC = "1", "2"
+_TERMS = {str(place): 2 * place - 2 for place in range(2, 9)}  # powers of y
+_EXTRAPOLATE = "0"  # whether rays that miss go on
+
+
+@dataclass
+class _Read:
+    surface: DraftSurface
+    kind: str
+    line: int
+    parameters: dict[str, float] = field(default_factory=dict)
 
 
 class TwoCurves:
@@ -23,45 +36,49 @@ class TwoCurves:
 
     def __init__(self, text: LensText) -> None:
         self._text = text
-        self._read: list[tuple[DraftSurface, str, dict[str, float], int]] = []
+        self._read: dict[int, _Read] = {}  # by the id of the surface, which lives as long
 
     def begin(self, surface: DraftSurface, kind: str, line: int) -> None:
         """Take a surface whose TYPE is one of `TYPES`."""
-        self._read.append((surface, kind, {}, line))
+        self._read[id(surface)] = _Read(surface, kind, line)
 
     def holds(self, surface: DraftSurface) -> bool:
         """Whether a surface is one of these."""
-        return any(own is surface for own, *_ in self._read)
+        return id(surface) in self._read
 
     def take(self, surface: DraftSurface, number: str, value: float) -> None:
         """Take a parameter (PARM) of one of these."""
-        for own, _, parameters, _ in self._read:
-            if own is surface:
-                parameters[number] = value
+        self._read[id(surface)].parameters[number] = value
+
+    def take_extra(self, surface: DraftSurface, number: str, value: float) -> None:
+        """Take extra data (XDAT) of one of these.
+
+        Raises:
+            InputError: a torus has Zernike terms.
+        """
+        each = self._read[id(surface)]
+        if each.kind == "TOROIDAL" and number == "1" and value:
+            raise self._error(
+                each, f"Zernike terms (XDAT 1) of a torus are not supported: their number must be 0, got {value:g}"
+            )
 
     def finish(self) -> None:
         """Set the curves in x.
 
         Raises:
-            InputError: a surface has parameters that no surface with two curves has.
+            InputError: a surface has parameters that its type has not.
         """
-        for surface, kind, parameters, line in self._read:
-            left = [number for number, value in parameters.items() if value and number not in (_RADIUS, _CONIC)]
-            radius, conic = parameters.get(_RADIUS, 0.0), parameters.get(_CONIC, 0.0)
-            if kind == "TOROIDAL":
-                if conic:
-                    left.insert(0, _CONIC)
-                conic = self._conic_of_torus(surface, radius, line)
+        for each in self._read.values():
+            known = (_RADIUS, *_TERMS, _EXTRAPOLATE) if each.kind == "TOROIDAL" else (_RADIUS, _CONIC)
+            left = [number for number, value in each.parameters.items() if value and number not in known]
             if left:
-                what = f"PARM {left[0][:9]} of a surface of TYPE {kind} must be 0"
-                raise self._text.error(what, line, surface.label)
-            if (radius, conic) != (surface.radius, surface.conic):
-                surface.across = radius, conic
+                raise self._error(each, f"PARM {left[0][:9]} of a surface of TYPE {each.kind} must be 0")
+            surface, radius = each.surface, each.parameters.get(_RADIUS, 0.0)
+            if each.kind == "TOROIDAL":
+                surface.across, surface.torus = (radius, 0.0), "upright"
+                surface.terms = {power: each.parameters.get(number, 0.0) for number, power in _TERMS.items()}
+            else:
+                surface.across = radius, each.parameters.get(_CONIC, 0.0)
 
-    def _conic_of_torus(self, surface: DraftSurface, radius: float, line: int) -> float:
-        """Conic constant in x of a torus that is a cylinder or a sphere."""
-        is_sphere = radius == surface.radius and surface.conic == 0
-        if radius and surface.radius and not is_sphere:
-            what = f"a torus of the radii {surface.radius:g} and {radius:g} is not supported: expected a cylinder (one radius 0)"
-            raise self._text.error(what, line, surface.label)
-        return 0.0
+    def _error(self, each: _Read, what: str) -> InputError:
+        return self._text.error(what, each.line, each.surface.label)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
-from render.model.lens import MAX_SHEET_MM
+from render.model.data_sheet import MAX_SHEET_MM
 from render.optics.lens_files.lens_text import LensText
 
 _COLUMNS = ("height_mm", "lp_mm", "sagittal", "tangential")

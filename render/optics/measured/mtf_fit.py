@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
-from render.model.lens import DataSheet
+from render.model.data_sheet import DataSheet
 from render.optics.data_sheet import at_heights, open_pupil, sheet_errors
 from render.optics.measured.geometric_mtf import geometric_mtf
 from render.optics.measured.mtf_chart import MtfChart

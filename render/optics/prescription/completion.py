@@ -107,6 +107,7 @@ def _scale_surface(surface: Surface, factor: float) -> Surface:
         aspheric=tuple(term * factor ** -(2 * i + 3) for i, term in enumerate(surface.aspheric)),
         odd=tuple(term * factor ** -(2 * i + 2) for i, term in enumerate(surface.odd)),
         across=surface.across and replace(surface.across, radius_mm=surface.across.radius_mm * factor),
+        phase=tuple(term * factor ** -(2 * i + 1) for i, term in enumerate(surface.phase)),
         opening=scaled(surface.opening, factor),
         obscuration=scaled(surface.obscuration, factor),
     )

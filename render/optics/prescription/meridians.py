@@ -7,9 +7,12 @@ lens turned by a quarter about its axis.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 from render.model.lens import Across, Prescription, Surface
 from render.optics.prescription import outlines
+
+_OTHER: dict[str, Literal["", "upright", "across"]] = {"": "", "upright": "across", "across": "upright"}
 
 
 def turned(prescription: Prescription) -> Prescription:
@@ -19,8 +22,14 @@ def turned(prescription: Prescription) -> Prescription:
 
 def upright(prescription: Prescription) -> Prescription:
     """The lens of revolution with the curves from top to bottom: each cylinder that lies across is a plane plate."""
-    surfaces = tuple(replace(surface, across=None) for surface in prescription.surfaces)
+    surfaces = tuple(_upright(surface) for surface in prescription.surfaces)
     return replace(prescription, surfaces=surfaces, focus_group_across=None)
+
+
+def _upright(surface: Surface) -> Surface:
+    terms_are_across = surface.torus == "across"
+    aspheric, odd = ((), ()) if terms_are_across else (surface.aspheric, surface.odd)
+    return replace(surface, across=None, aspheric=aspheric, odd=odd)
 
 
 def _turned(surface: Surface) -> Surface:
@@ -28,5 +37,5 @@ def _turned(surface: Surface) -> Surface:
     surface = replace(surface, opening=opening, obscuration=obscuration)
     if surface.across is None:
         return surface
-    curve = Across(surface.radius_mm, surface.conic)
+    curve = Across(surface.radius_mm, surface.conic, _OTHER[surface.torus])
     return replace(surface, radius_mm=surface.across.radius_mm, conic=surface.across.conic, across=curve)

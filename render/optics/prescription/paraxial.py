@@ -15,6 +15,7 @@ from render.errors import InputError
 from render.model.arrays import DoubleArray
 from render.model.lens import Prescription
 from render.optics.glass import D_LINE_NM, refractive_index
+from render.optics.prescription.diffraction import power_per_mm
 
 
 @dataclass(frozen=True)
@@ -56,15 +57,22 @@ class ParaxialSystem:
         curvatures: ``(n,)`` at the vertices, 1/mm.
         vertices_mm: ``(n,)`` z of the vertices.
         indices: ``(n + 1,)`` refractive index before the first surface and behind each.
+        by_diffraction: ``(n,)`` power that each surface has by the phase that it adds, 1/mm.
     """
 
     curvatures: DoubleArray
     vertices_mm: DoubleArray
     indices: DoubleArray
+    by_diffraction: DoubleArray
 
     @cached_property
     def powers(self) -> DoubleArray:
-        """Power of each surface ``(n,)``, ``(n' − n)·c``, in 1/mm."""
+        """Power of each surface ``(n,)``, ``(n' − n)·c`` and that by diffraction, in 1/mm."""
+        return self.by_refraction + self.by_diffraction
+
+    @property
+    def by_refraction(self) -> DoubleArray:
+        """Power of each surface ``(n,)`` without its diffraction, which alone bends the image, in 1/mm."""
         return np.diff(self.indices) * self.curvatures
 
 
@@ -102,6 +110,7 @@ def paraxial_system(
         np.array([1 / surface.radius_mm if surface.radius_mm else 0.0 for surface in surfaces]),
         vertices(prescription) if vertices_mm is None else vertices_mm,
         np.array([1.0, *(refractive_index(surface.glass, wavelength_nm) for surface in surfaces)]),
+        np.array([power_per_mm(surface, wavelength_nm) for surface in surfaces]),
     )
 
 
@@ -142,7 +151,7 @@ def first_order(prescription: Prescription, wavelength_nm: float = D_LINE_NM) ->
         entrance_pupil_magnification=entrance_scale,
         exit_pupil_mm=exit_,
         exit_pupil_magnification=exit_scale,
-        petzval_sum=float(np.sum(system.powers / (system.indices[:-1] * system.indices[1:]))),
+        petzval_sum=float(np.sum(system.by_refraction / (system.indices[:-1] * system.indices[1:]))),
         length_mm=length,
     )
 

@@ -71,8 +71,10 @@ def principal_rays(lens: FocusedLens) -> PrincipalRays:
     rear = trace_forward(glass, points, directions, vertices_mm=placed, clip=False, between=(split, count))
     front = trace_backward(glass, points, -directions, vertices_mm=placed, clip=False, between=(0, split))
     film = rear.at(lens.film_mm)[:, 1]
+    # a lens of one surface, its stop, has nothing before that: its entrance pupil is the stop
+    entering = front.at(lens.entrance_pupil_mm)[:, 1] if split else np.zeros(_SAMPLES)
     turned = -1.0 if film[1] < 0 else 1.0  # where a group turns the picture around between stop and film
-    heights, crossing = turned * film, -turned * front.at(lens.entrance_pupil_mm)[:, 1]
+    heights, crossing = turned * film, -turned * entering
     slopes = turned * front.directions[:, 1] / front.directions[:, 2]
     good = np.isfinite(heights) & np.isfinite(slopes)
     good[1:] &= (np.diff(heights) > 0) & (np.diff(slopes) > 0)

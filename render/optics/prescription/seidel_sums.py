@@ -111,5 +111,6 @@ def fourth_power_terms(surfaces: tuple[Surface, ...]) -> DoubleArray:
 
     Third-order theory has no place for odd powers; they are left out.
     """
-    terms = [s.conic * curvature(s) ** 3 / 8 + (s.aspheric[0] if s.aspheric else 0.0) for s in surfaces]
+    own = [s.aspheric[0] if s.aspheric and s.torus != "across" else 0.0 for s in surfaces]
+    terms = [s.conic * curvature(s) ** 3 / 8 + term for s, term in zip(surfaces, own, strict=True)]
     return np.array(terms)

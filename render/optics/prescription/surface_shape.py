@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray
-from render.model.lens import Surface
+from render.model.lens import Across, Surface
 
 # A surface of unknown clear diameter ends at this slope (dz/dr): no useful ray meets it beyond.
 _STEEPEST = 3.0
@@ -40,19 +40,26 @@ def sag_mm(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray
     Of a surface with two curves it is that from top to bottom.
     """
     r2 = np.asarray(radius_squared, np.float64)
-    c = curvature(surface)
-    with np.errstate(invalid="ignore"):
-        sag = c * r2 / (1 + np.sqrt(1 - (1 + surface.conic) * c * c * r2))
-    return np.asarray(sag + _aspheric_sag(surface, r2) if surface.is_aspheric else sag)
+    sag = _conic_sag(curvature(surface), surface.conic, r2)
+    return np.asarray(sag + _aspheric_sag(surface, r2) if surface.is_aspheric and surface.torus != "across" else sag)
 
 
 def sag_gradient(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray:
     """Derivative of `sag_mm` by the *square* of the distance from the axis, 1/mm."""
     r2 = np.asarray(radius_squared, np.float64)
-    c = curvature(surface)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        gradient = c / (2 * np.sqrt(1 - (1 + surface.conic) * c * c * r2))
+    gradient = _conic_gradient(curvature(surface), surface.conic, r2)
     return np.asarray(gradient + _aspheric_gradient(surface, r2) if surface.is_aspheric else gradient)
+
+
+def _conic_sag(c: float, conic: float, r2: DoubleArray) -> DoubleArray:
+    with np.errstate(invalid="ignore"):
+        return np.asarray(c * r2 / (1 + np.sqrt(1 - (1 + conic) * c * c * r2)))
+
+
+def _conic_gradient(c: float, conic: float, r2: DoubleArray) -> DoubleArray:
+    """Derivative of the sag by the square of the distance from the axis."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(c / (2 * np.sqrt(1 - (1 + conic) * c * c * r2)))
 
 
 def _aspheric_sag(surface: Surface, r2: DoubleArray) -> DoubleArray:
@@ -90,6 +97,8 @@ def sag_at(surface: Surface, points: DoubleArray) -> DoubleArray:
     r2 = (points**2).sum(axis=-1)
     if surface.across is None:
         return sag_mm(surface, r2)
+    if surface.torus:
+        return _torus(surface, points)[0]
     curved, bent = _biconic(surface, points)
     with np.errstate(invalid="ignore"):
         sag = curved / (1 + np.sqrt(1 - bent))
@@ -101,6 +110,8 @@ def slopes_at(surface: Surface, points: DoubleArray) -> DoubleArray:
     r2 = (points**2).sum(axis=-1)
     if surface.across is None:
         return np.asarray(2 * points * sag_gradient(surface, r2)[..., None])
+    if surface.torus:
+        return _torus(surface, points)[1]
     curved, bent = _biconic(surface, points)
     curvatures, bends = _curves(surface)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -126,8 +137,51 @@ def _curves(surface: Surface) -> tuple[DoubleArray, DoubleArray]:
     return curvatures, (1 + np.array([across, surface.conic])) * curvatures**2
 
 
+def _torus(surface: Surface, points: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """Sag ``(...)`` and slopes ``(..., 2)`` of a torus; NaN where it does not go."""
+    curved, turned, c, conic, turn = _torus_curves(surface)
+    along, beside = points[..., curved], points[..., turned]
+    square = along * along
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        curve, gradient = _conic_sag(c, conic, square), _conic_gradient(c, conic, square)
+        if surface.is_aspheric:
+            curve, gradient = curve + _aspheric_sag(surface, square), gradient + _aspheric_gradient(surface, square)
+        near = 1 - turn * curve  # share of the turn's radius that is left
+        root = np.sqrt(np.where(near > 0, near * near - (turn * beside) ** 2, np.nan))
+        slopes = np.empty(points.shape)
+        slopes[..., curved], slopes[..., turned] = near / root * 2 * along * gradient, turn * beside / root
+        return np.asarray(curve + turn * beside * beside / (near + root)), slopes
+
+
+def _torus_curves(surface: Surface) -> tuple[int, int, float, float, float]:
+    """Axis of the curve that is turned, and the other one; its curvature and conic constant; the turn's curvature."""
+    across = surface.across or Across()
+    if surface.torus == "across":
+        return 0, 1, curvature_across(surface), across.conic, curvature(surface)
+    return 1, 0, curvature(surface), surface.conic, curvature_across(surface)
+
+
+@lru_cache(maxsize=512)
+def _torus_extent_mm(surface: Surface) -> float:
+    """Distance from the axis to which a torus goes all around."""
+    angle = np.linspace(0, np.pi / 2, 91)
+    ways = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    inside = np.isfinite(_torus(surface, _RADII_MM[:, None, None] * ways)[0]).all(axis=-1)
+    if inside.all():
+        return float("inf")
+    first = int(inside.argmin())
+    low, high = float(_RADII_MM[first - 1]) if first else 0.0, float(_RADII_MM[first])
+    for _ in range(50):
+        middle = (low + high) / 2
+        goes_on = np.isfinite(_torus(surface, middle * ways)[0]).all()
+        low, high = (middle, high) if goes_on else (low, middle)
+    return low
+
+
 def conic_extent_mm(surface: Surface) -> float:
     """Distance from the axis to which the surface's conic goes all around; infinite for planes, parabolas and hyperbolas."""
+    if surface.torus:
+        return _torus_extent_mm(surface)
     bend = float(_curves(surface)[1].max())
     return float(1 / np.sqrt(bend)) if bend > 0 else float("inf")
 

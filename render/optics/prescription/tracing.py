@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray
 from render.model.lens import Prescription, Surface
 from render.optics.glass import D_LINE_NM, refractive_index
+from render.optics.prescription.diffraction import diffract, reduced_mm
 from render.optics.prescription.outlines import clearance
 from render.optics.prescription.paraxial import vertices
 from render.optics.prescription.surface_shape import intersect, slopes_at
@@ -30,7 +31,7 @@ class Fate(IntEnum):
     PASSES = 0
     BLOCKED = 1  # by the rim of a surface, its opening or its obscuration, or by the stop
     MISSES = 2  # the surface, which has no rim to be blocked by
-    REFLECTED = 3  # totally: glass to air at too flat an angle
+    REFLECTED = 3  # totally: glass to air at too flat an angle, or an order of diffraction that does not exist there
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +135,8 @@ def _trace(
         positions[:, 2] -= vertices_mm[i]
         local, hit = intersect(surface, positions, headings)
         rim = _rim_mm(surface, stop_radius_mm) if clip else np.inf
-        headings, refracted = refract(surface, local, headings, before / behind)
+        reduced = reduced_mm(wavelength_nm) / behind if surface.phase else 0.0
+        headings, refracted = refract(surface, local, headings, before / behind, reduced)
         fate = _fate(local, hit, refracted, rim)
         if clip and (surface.opening is not None or surface.obscuration is not None):
             fate[hit & (clearance(surface, local[:, :2]) > 0)] = Fate.BLOCKED
@@ -177,7 +179,11 @@ def _fate(local: DoubleArray, hit: NDArray[np.bool_], refracted: NDArray[np.bool
 
 
 def refract(
-    surface: Surface, local: DoubleArray, directions: DoubleArray, ratio: float | DoubleArray
+    surface: Surface,
+    local: DoubleArray,
+    directions: DoubleArray,
+    ratio: float | DoubleArray,
+    reduced: float | DoubleArray = 0.0,
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """Snell's law in vector form (Welford 1986, ch. 4).
 
@@ -186,10 +192,13 @@ def refract(
         local: ``(n, 3)`` where, relative to its vertex.
         directions: ``(n, 3)`` unit vectors.
         ratio: index that the rays come from over the one that they go into, ``()`` or ``(n,)``.
+        reduced: wavelength in the medium that they go into, over 2π, mm, for a diffractive surface.
 
     Returns:
         ``(n, 3)`` unit vectors, and ``(n,)`` whether the ray is refracted rather than totally reflected.
     """
+    if surface.phase:
+        return diffract(surface, local, directions, ratio, reduced)
     if np.ndim(ratio) == 0 and ratio == 1:
         return directions, np.ones(len(directions), bool)
     right, up, along = directions.T

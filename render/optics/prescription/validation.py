@@ -16,6 +16,7 @@ from render.optics.prescription.surface_shape import clearance_mm, conic_extent_
 MAX_SURFACES = 200
 MAX_ASPHERIC_TERMS = 10
 MAX_CONFIGURATIONS = 64
+MAX_CORNERS = 64
 _LARGEST_INDEX = 5.0  # germanium has 4
 _LEAST_ABBE = 1.0  # the densest flints have about 15
 _LARGEST_NUMBER = 1e5  # mm, for lengths along the axis and across it: a hundred metres
@@ -109,6 +110,7 @@ def _check_numbers(prescription: Prescription, index: int, surface: Surface) -> 
             else {}
         ),
     }
+    numbers |= {f"phase coefficient of r^{2 * i + 2}": term for i, term in enumerate(surface.phase)}
     for what, number in numbers.items():
         if not np.isfinite(number):
             raise bad_lens(prescription, f"its {what} must be a finite number, got {number}", index)
@@ -121,7 +123,13 @@ def _check_numbers(prescription: Prescription, index: int, surface: Surface) -> 
     for what in ("thickness", "clear semi-diameter"):
         if numbers[what] < 0:
             raise bad_lens(prescription, f"its {what} must be 0 or more, got {numbers[what]:g} mm", index)
-    for kind, terms in (("aspheric", surface.aspheric), ("odd aspheric", surface.odd)):
+    if surface.across is not None and surface.torus:
+        conic = surface.across.conic if surface.torus == "upright" else surface.conic
+        if conic:
+            curve = "from side to side" if surface.torus == "upright" else "from top to bottom"
+            what = f"a torus whose curve {curve} is a circle has no conic constant there: it must be 0, got {conic:g}"
+            raise bad_lens(prescription, what, index)
+    for kind, terms in (("aspheric", surface.aspheric), ("odd aspheric", surface.odd), ("phase", surface.phase)):
         if len(terms) > MAX_ASPHERIC_TERMS:
             what = f"expected at most {MAX_ASPHERIC_TERMS} {kind} coefficients, got {len(terms)}"
             raise bad_lens(prescription, what, index)
@@ -154,6 +162,9 @@ def _check_outlines(prescription: Prescription, index: int, surface: Surface) ->
     for name, outline in (("opening", surface.opening), ("obscuration", surface.obscuration)):
         if outline is None:
             continue
+        if outline.kind == "polygon" and not 3 <= len(outline.corners_mm) <= MAX_CORNERS:
+            what = f"its {name} must have from 3 to {MAX_CORNERS} corners, got {len(outline.corners_mm)}"
+            raise bad_lens(prescription, what, index)
         if not all(_LEAST_RADIUS_MM <= half <= _LARGEST_NUMBER for half in outline.half_mm):
             wide, high = (2 * half for half in outline.half_mm)
             size = f"from {2 * _LEAST_RADIUS_MM:g} to {2 * _LARGEST_NUMBER:g} mm wide and high"
@@ -168,7 +179,7 @@ def _check_outlines(prescription: Prescription, index: int, surface: Surface) ->
 
 def _check_whole(prescription: Prescription) -> None:
     surfaces, last = prescription.surfaces, len(prescription.surfaces) - 1
-    if all(_is_window(prescription, i) for i in range(len(surfaces))):
+    if all(_is_window(prescription, i) for i in range(len(surfaces))) and not prescription.is_diffractive:
         raise bad_lens(prescription, "no surface refracts: expected one with another index behind it than before it")
     stops = [i for i, surface in enumerate(surfaces) if surface.is_stop]
     if len(stops) > 1:
@@ -201,7 +212,8 @@ def _check_cylinders(prescription: Prescription, first: int, last: int) -> None:
     if ends != [1.0, 1.0]:
         raise bad_lens(prescription, "the group that focuses from side to side must begin and end in the air", first)
     for i in range(first, last + 1):
-        if surfaces[i].radius_mm or surfaces[i].is_aspheric or surfaces[i].is_stop:
+        has_terms = surfaces[i].is_aspheric and surfaces[i].torus != "across"
+        if surfaces[i].radius_mm or has_terms or surfaces[i].phase or surfaces[i].is_stop:
             what = "it focuses from side to side, and must be a cylinder without power from top to bottom"
             raise bad_lens(prescription, what, i)
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
-from render.optics.prescription.outlines import clearance
+from render.optics.prescription.outlines import clearance, is_mirrored
 from render.optics.prescription.tracing import TracedRays, trace_backward
 
 _COARSE, _SIDE = 48, 72
@@ -140,7 +140,7 @@ def _coarse_clearances(
 def _mirrored_half(lens: FocusedLens, place_mm: DoubleArray, box: _Box, side: int) -> NDArray[np.int64] | None:
     """Indices of the grid's right half where the left half is its mirror image; None where it is not."""
     width = box.high[0] - box.low[0]
-    is_aside = any(outline.centre_mm[0] for outline in lens.prescription.outlines)
+    is_aside = not all(is_mirrored(outline, 0) for outline in lens.prescription.outlines)
     if place_mm[0] or is_aside or lens.prescription.is_anamorphic or abs(box.low[0] + box.high[0]) > _SAME * width:
         return None
     return np.arange(side * side).reshape(side, side)[:, side // 2 :].ravel()

@@ -8,6 +8,7 @@ import numpy as np
 
 from render.model.arrays import DoubleArray
 from render.optics.glass import refractive_index
+from render.optics.prescription.diffraction import phase_at, reduced_mm
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.principal_rays import PrincipalRays, principal_rays
 from render.optics.prescription.tracing import TracedRays, trace_forward
@@ -148,6 +149,9 @@ class GlassRays:
             (leg * refractive_index(glass, wavelength_nm) for leg, glass in zip(legs, glasses, strict=True)),
             start=np.zeros(rays.points_mm.shape[1]),
         )
+        for surface, points in zip(lens.prescription.surfaces[::-1], rays.points_mm, strict=True):
+            if surface.phase:
+                path = path + reduced_mm(wavelength_nm) * phase_at(surface, points[:, :2])
         met = rays.points_mm[-1] - [0.0, 0.0, lens.entrance_pupil_mm]
         toward = np.array([*slope, -1.0])
         if self._focus:

@@ -75,7 +75,7 @@ class LensReport:
         image_circle_mm: diameter beyond which there is no light; infinite where it does not end.
         airy_um: diameter of the disc that diffraction makes of a point, at the d line; 0 for a pinhole, which is left out.
         barrel: None for a lens without surfaces.
-        third_order: None for a lens without errors.
+        third_order: None for a lens without errors, and for one with diffractive surfaces.
         spots: over the field, in the plane of focus.
         curves: over the field.
         notes: values that were computed or left out, one sentence each.
@@ -293,6 +293,8 @@ def corner_mm(camera: Camera) -> float:
 
 
 def _third_order(camera: Camera, lens: FocusedLens | None) -> ThirdOrder | None:
+    if lens is not None and lens.prescription.is_diffractive:
+        return None
     if lens is not None:
         return third_order_of_glass(lens.prescription, lens.f_stop, corner_mm(camera))
     if camera.lens.seidel is not None and camera.f_stop:
@@ -337,6 +339,10 @@ def _notes(camera: Camera, lens: FocusedLens | None) -> tuple[str, ...]:
         )
     if lens is None and camera.f_stop and focus_w(camera) > 1000 / camera.focal_length_mm:
         notes += ("Focused nearer than its focal length: no real lens makes an image of that, but this one does.",)
+    if lens is not None and lens.prescription.is_diffractive:
+        notes += (
+            "All light is taken to go into the one order of its diffractive surfaces; third-order errors are left out.",
+        )
     if camera.lens.model == "heightField":
         notes += ("Its height field is left out here: the numbers and drawings are of the surfaces without it.",)
     if camera.lens.has_cylinders:

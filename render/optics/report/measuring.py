@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.model.lens import DataSheet, IrisShape
+from render.model.data_sheet import DataSheet
+from render.model.lens import IrisShape
 from render.optics.data_sheet import MIDDLE_NM
 from render.optics.iris import fill_iris
 from render.optics.report.field import radial, relative_light

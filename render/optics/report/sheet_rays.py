@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.model.lens import DataSheet
+from render.model.data_sheet import DataSheet
 from render.optics.data_sheet import SheetErrors, seen_slopes, sheet_errors
 from render.optics.glass import D_LINE_NM
 from render.optics.report.film_rays import UPWARD, Beams, DistantBeams, even_grid, grid_beams

@@ -6,18 +6,30 @@ struct LensSurface {
     vec4 aspheric[3];   // coefficients of r^4, r^6, ... r^26
     vec4 kind;          // number of aspheric coefficients, 1 + index of its height map (0 for none), lowest and highest height
 #ifdef BICONIC
-    vec4 across;        // curvature (1/mm) and conic constant from side to side; 1 where they are others than from top to bottom
+    vec4 across;        // curvature (1/mm) and conic constant from side to side; 1 where they are others than from top to bottom; of a
+                        // torus 1 where the curve from top to bottom is turned, 2 where that from side to side is
 #endif
 #ifdef OUTLINES
     vec4 opening;       // half width (negative of a rectangle, 0 where there is none), half height, centre
     vec4 obscuration;   // likewise
 #endif
+#ifdef POLYGONS
+    vec4 corners;       // first corner and number of corners of the opening, and of the obscuration; 0 corners of another shape
+#endif
 #ifdef ODD_POWERS
     vec4 odd[3];        // coefficients of r^3, r^5, ... r^23; 0 beyond those it has
     vec4 odd_count;     // their number
 #endif
+#ifdef PHASES
+    vec4 phase[3];      // coefficients of r^2, r^4, ... r^20 of the phase that it adds, radians; 0 beyond those it has
+    vec4 phase_count;   // their number
+#endif
 };
 layout(std430, binding = 0) readonly buffer LensSurfaces { LensSurface surfaces[]; };
+
+#ifdef POLYGONS
+layout(std430, binding = 4) readonly buffer Corners { vec2 corners[]; };
+#endif
 
 #ifdef HEIGHT_FIELD
 uniform sampler2D heights[2];   // mm toward the film, over the square around the clear aperture, row 0 at the top
@@ -45,9 +57,33 @@ vec2 aspheric_sag(LensSurface s, float r2)
     return whole;
 }
 
+#ifdef TORIC
+// Sag and its gradient of a torus; false where it does not go.
+bool torus_at(LensSurface s, vec2 at, out float sag, out vec2 gradient)
+{
+    bool stands = s.across.w == 1.0;
+    vec2 place = stands ? at.yx : at;   // along the curve that is turned, and beside it
+    float c = stands ? s.shape.x : s.across.x, conic = stands ? s.shape.z : s.across.y, turn = stands ? s.across.x : s.shape.x;
+    float square = place.x * place.x, inside = 1.0 - (1.0 + conic) * c * c * square;
+    if (inside <= 0.0) return false;
+    float root = sqrt(inside);
+    vec2 curve = vec2(c * square / (1.0 + root), 0.5 * c / root) + aspheric_sag(s, square);
+    float near = 1.0 - turn * curve.x, left = near * near - turn * turn * place.y * place.y;
+    if (near <= 0.0 || left <= 0.0) return false;
+    left = sqrt(left);
+    sag = curve.x + turn * place.y * place.y / (near + left);
+    vec2 slopes = vec2(2.0 * place.x * curve.y * near, turn * place.y) / left;
+    gradient = stands ? slopes.yx : slopes;
+    return true;
+}
+#endif
+
 // Sag and its gradient; false beyond the surface's own rim.
 bool sag_at(LensSurface s, vec2 at, out float sag, out vec2 gradient)
 {
+#ifdef TORIC
+    if (s.across.w > 0.0) return torus_at(s, at, sag, gradient);
+#endif
     float r2 = dot(at, at);
 #ifdef BICONIC
     vec2 c = vec2(s.across.x, s.shape.x), bend = (1.0 + vec2(s.across.y, s.shape.z)) * c * c;
@@ -168,9 +204,44 @@ float excess(vec4 outline, vec2 at)
 }
 #endif
 
+#ifdef PHASES
+// Direction behind a diffractive surface; zero where the order does not exist.
+vec3 diffract(LensSurface s, vec2 at, vec3 d, vec3 normal, float ratio, float reduced)
+{
+    float r2 = dot(at, at), slope = 0.0;
+    for (int i = int(s.phase_count.x) - 1; i >= 0; --i) slope = slope * r2 + float(i + 1) * s.phase[i >> 2][i & 3];
+    vec3 going = ratio * d + vec3(reduced * 2.0 * slope * at, 0.0);
+    float along = dot(going, normal), squared = 1.0 - dot(going, going) + along * along;
+    if (squared < 0.0) return vec3(0.0);
+    return normalize(going + (sign(dot(d, normal)) * sqrt(squared) - along) * normal);
+}
+#endif
+
+#ifdef POLYGONS
+// Twice the distance from the edge of a polygon over the smaller of its half sizes, negative within it.
+float polygon_excess(vec2 half_size, int first, int count, vec2 at)
+{
+    float square = 1e30, way = 1.0;
+    for (int i = 0; i < count; ++i) {
+        vec2 begin = corners[first + i], end = corners[first + (i + 1) % count];
+        vec2 edge = end - begin, to_point = at - begin;
+        vec2 off = to_point - edge * clamp(dot(to_point, edge) / max(dot(edge, edge), 1e-30), 0.0, 1.0);
+        square = min(square, dot(off, off));
+        bool spans = (begin.y <= at.y) != (end.y <= at.y);
+        bool is_left = edge.x * to_point.y > edge.y * to_point.x;
+        if (spans && is_left == (edge.y > 0.0)) way = -way;
+    }
+    return 2.0 * way * sqrt(square) / min(half_size.x, half_size.y);
+}
+#endif
+
 // Refract a ray at one surface: `o` moves onto it, `d` is refracted (Snell), `clearance` grows to (r / half diameter)² - 1, or to
 // that of the surface's opening or obscuration.
-bool refract_at(LensSurface s, float from_index, float to_index, inout vec3 o, inout vec3 d, inout float clearance)
+bool refract_at(LensSurface s, float from_index, float to_index, inout vec3 o, inout vec3 d, inout float clearance
+#ifdef PHASES
+                , float reduced     // wavelength in air over 2π, mm
+#endif
+                )
 {
     float t, sag;
     vec2 gradient;
@@ -179,11 +250,22 @@ bool refract_at(LensSurface s, float from_index, float to_index, inout vec3 o, i
     if (!sag_at(s, o.xy, sag, gradient)) return false;
     if (s.shape.y > 0.0) clearance = max(clearance, dot(o.xy, o.xy) / (s.shape.y * s.shape.y) - 1.0);
 #ifdef OUTLINES
-    if (s.opening.x != 0.0) clearance = max(clearance, excess(s.opening, o.xy));
-    if (s.obscuration.x != 0.0) clearance = max(clearance, -excess(s.obscuration, o.xy));
+    float open = s.opening.x != 0.0 ? excess(s.opening, o.xy) : -1.0;
+    float obscured = s.obscuration.x != 0.0 ? excess(s.obscuration, o.xy) : 1.0;
+#ifdef POLYGONS
+    if (s.corners.y > 0.0) open = polygon_excess(s.opening.xy, int(s.corners.x), int(s.corners.y), o.xy);
+    if (s.corners.w > 0.0) obscured = polygon_excess(s.obscuration.xy, int(s.corners.z), int(s.corners.w), o.xy);
+#endif
+    clearance = max(clearance, max(open, -obscured));
+#endif
+    vec3 normal = normalize(vec3(-gradient, 1.0));
+#ifdef PHASES
+    if (s.phase_count.x > 0.0) {
+        d = diffract(s, o.xy, d, normal, from_index / to_index, reduced / to_index);
+        return d != vec3(0.0);
+    }
 #endif
     if (from_index == to_index) return true;
-    vec3 normal = normalize(vec3(-gradient, 1.0));
     d = refract(d, normal, from_index / to_index);
     return d != vec3(0.0);
 }

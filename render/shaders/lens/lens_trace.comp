@@ -21,6 +21,9 @@ uniform int surface_count;
 uniform int stop_index;
 uniform float entrance_mm;      // distance from the front vertex to the entrance pupil
 uniform float stop_mm;          // radius of the stop
+#ifdef PHASES
+uniform float reduced[MAX_WAVELENGTHS]; // wavelengths over 2π, mm
+#endif
 uniform vec2 to_stop[MAX_WAVELENGTHS];  // near the axis, stop point = x · film point + y · slope
 
 const int NEWTON_STEPS = 6;
@@ -32,7 +35,11 @@ bool through(int first, int last, int wavelength, inout Path path)
     for (int i = first; i >= last; --i) {
         path.o.z += surfaces[i].shape.w;
         int index = wavelength * (surface_count + 1) + i;
+#ifdef PHASES
+        if (!refract_at(surfaces[i], indices[index + 1], indices[index], path.o, path.d, path.clearance, reduced[wavelength])) return false;
+#else
         if (!refract_at(surfaces[i], indices[index + 1], indices[index], path.o, path.d, path.clearance)) return false;
+#endif
     }
     return true;
 }

@@ -11,7 +11,7 @@ import OpenImageIO as oiio
 
 from render.errors import InputError, SettingsError
 from render.model.arrays import DoubleArray
-from render.model.lens import DataSheet
+from render.model.data_sheet import DataSheet
 from render.optics.data_sheet import at_heights
 from render.optics.framing import FULL_FRAME_MM
 from render.optics.lens_files import MeasuredLens

@@ -28,6 +28,9 @@ ASPHERIC = tuple(f"aspheric{power}" for power in range(4, _HIGHEST_POWER + 1, 2)
 ODD = tuple(f"aspheric{power}" for power in range(3, _HIGHEST_POWER, 2))
 """Fields that hold the coefficients of r³, r⁵, ... r¹⁹."""
 
+PHASE = tuple(f"phase{power}" for power in range(2, _HIGHEST_POWER + 1, 2))
+"""Fields that hold the coefficients of r², r⁴, ... r²⁰ of the phase of diffractive surfaces."""
+
 
 def lens_data(prescription: Prescription, name: str = "") -> LensData:
     """LensAPI data of a prescription.
@@ -41,6 +44,7 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
     """
     surfaces = [replace(surface, glass=_portable(surface.glass)) for surface in prescription.surfaces]
     highest = max((power for surface in surfaces for power in surface.aspheric_terms), default=0)
+    highest = max(highest, *(2 * len(surface.phase) for surface in surfaces))
     if highest > _HIGHEST_POWER:
         raise InputError(f"{prescription.name} has a term of r^{highest}, USD has them up to r^{_HIGHEST_POWER}")
     stops = [index for index, surface in enumerate(surfaces) if surface.is_stop]
@@ -53,6 +57,10 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         **{
             field: _unless_zero(surface.aspheric_terms.get(power, 0.0) for surface in surfaces)
             for power, field in (*zip(count(4, 2), ASPHERIC), *zip(count(3, 2), ODD))
+        },
+        **{
+            field: _unless_zero(surface.phase[i] if i < len(surface.phase) else 0.0 for surface in surfaces)
+            for i, field in enumerate(PHASE)
         },
     }
     data = PrescriptionData(
@@ -107,14 +115,16 @@ def nominal_squeeze(prescription: Prescription) -> float:
     return squeeze if SQUEEZES[0] <= squeeze <= SQUEEZES[1] else 1.0
 
 
-def _across(prescription: Prescription) -> dict[str, tuple[float, ...]]:
+def _across(prescription: Prescription) -> dict[str, Any]:
     """Arrays of the curves from side to side; none of a lens with rotational symmetry."""
     if not prescription.is_anamorphic:
         return {}
+    tori = tuple(surface.torus for surface in prescription.surfaces)
     curves = [surface.across or Across(surface.radius_mm, surface.conic) for surface in prescription.surfaces]
     conics = tuple(curve.conic for curve in curves)
     same = conics == tuple(surface.conic for surface in prescription.surfaces)
-    return {"radius_across": tuple(curve.radius_mm for curve in curves), "conic_across": () if same else conics}
+    radii = tuple(curve.radius_mm for curve in curves)
+    return {"radius_across": radii, "conic_across": () if same else conics, "torus": tori if any(tori) else ()}
 
 
 def _outlines(prescription: Prescription, name: Literal["opening", "obscuration"]) -> dict[str, Any]:
@@ -122,11 +132,14 @@ def _outlines(prescription: Prescription, name: Literal["opening", "obscuration"
     outlines: list[Outline | None] = [getattr(surface, name) for surface in prescription.surfaces]
     if not any(outlines):
         return {}
-    sizes = tuple((2 * o.half_mm[0], 2 * o.half_mm[1]) if o else (0.0, 0.0) for o in outlines)
-    centres = tuple(o.centre_mm if o else (0.0, 0.0) for o in outlines)
+    sized = [o if o and o.kind != "polygon" else None for o in outlines]
+    polygons = [o.corners_mm for o in outlines if o and o.kind == "polygon"]
+    sizes = tuple((2 * o.half_mm[0], 2 * o.half_mm[1]) if o else (0.0, 0.0) for o in sized)
+    centres = tuple(o.centre_mm if o else (0.0, 0.0) for o in sized)
     return {
         f"{name}_shape": tuple(o.kind if o else "" for o in outlines),
-        f"{name}_size": sizes,
+        f"{name}_size": sizes if any(sized) else (),
+        f"{name}_corners": tuple(corner for corners in polygons for corner in (*corners, corners[0])),
         f"{name}_centre": centres if any(any(centre) for centre in centres) else (),
     }
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, cast
+from typing import Literal, cast
 
-from render.errors import CameraError
 from render.model.lens import Outline
+from render.optics.prescription.outlines import polygon
+from render.stage.camera.lens_rows import row_error, row_values
 from usd_schemas import Prescription as PrescriptionData
 
-_SHAPES = ("ellipse", "rectangle")
+_SHAPES = ("ellipse", "rectangle", "polygon")
+_LEAST_CORNERS = 3
 
 
 def outlines(
@@ -26,30 +28,49 @@ def outlines(
     Raises:
         CameraError: an array has another length than the surfaces, or there is no such shape.
     """
-    shapes, sizes, centres = (_array(rows, f"{name}_{part}", count, camera) for part in ("shape", "size", "centre"))
+    shapes, sizes, centres = (
+        list(row_values(rows, f"{name}_{part}", count, camera)) for part in ("shape", "size", "centre")
+    )
     if (sizes or centres) and not shapes:
-        raise _error(rows, f"{name}_shape", camera, "given with sizes or centres", "none")
-    if shapes and not sizes:
-        raise _error(rows, f"{name}_size", camera, "given with shapes", "none")
+        raise row_error(rows, f"{name}_shape", camera, "given with sizes or centres", "none")
+    polygons = _polygons(rows, name, camera)
+    if shapes.count("polygon") != len(polygons):
+        expected = f'{shapes.count("polygon")} polygons, one for each shape that is "polygon"'
+        raise row_error(rows, f"{name}_corners", camera, expected, f"{len(polygons)}")
+    if set(shapes) - {"", "polygon"} and not sizes:
+        raise row_error(rows, f"{name}_size", camera, "given with shapes", "none")
     found: list[Outline | None] = []
     for i, shape in enumerate(shapes):
         if shape not in ("", *_SHAPES):
             wanted = ", ".join(f'"{each}"' for each in _SHAPES)
-            raise _error(rows, f"{name}_shape", camera, f'{wanted} or ""', f'"{shape[:40]}"')
-        wide, high = sizes[i]
+            raise row_error(rows, f"{name}_shape", camera, f'{wanted} or ""', f'"{shape[:40]}"')
+        if shape == "polygon":
+            found.append(polygons.pop(0))
+            continue
+        wide, high = sizes[i] if sizes else (0.0, 0.0)
         centre = tuple(centres[i]) if centres else (0.0, 0.0)
         kind = cast(Literal["ellipse", "rectangle"], shape)
         found.append(Outline(kind, (wide / 2, high / 2), cast(tuple[float, float], centre)) if shape else None)
     return found or [None] * count
 
 
-def _array(rows: PrescriptionData, field: str, count: int, camera: str) -> Sequence[Any]:
-    values: Sequence[Any] = getattr(rows, field)
-    if len(values) not in (0, count):
-        raise _error(rows, field, camera, f"{count} entries, like lens:prescription:radius", f"{len(values)}")
-    return values
-
-
-def _error(rows: PrescriptionData, field: str, camera: str, expected: str, got: str) -> CameraError:
-    name = rows.__dataclass_fields__[field].metadata["usd"]
-    return CameraError(f"{name} of camera {camera} must be {expected}, got {got}", path=camera)
+def _polygons(rows: PrescriptionData, name: str, camera: str) -> list[Outline]:
+    """The polygons of an array of corners: each ends where its first corner is repeated."""
+    corners: Sequence[tuple[float, float]] = getattr(rows, f"{name}_corners")
+    found: list[Outline] = []
+    begun: list[tuple[float, float]] = []
+    for corner in corners:
+        if begun and corner == begun[0]:
+            if len(begun) < _LEAST_CORNERS:
+                raise row_error(
+                    rows, f"{name}_corners", camera, f"at least {_LEAST_CORNERS} for each polygon", f"{len(begun)}"
+                )
+            found.append(polygon(begun))
+            begun = []
+        else:
+            begun.append(corner)
+    if begun:
+        raise row_error(
+            rows, f"{name}_corners", camera, "closed polygons, whose first corner is repeated", "an open one"
+        )
+    return found

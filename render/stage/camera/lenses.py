@@ -11,12 +11,11 @@ from typing import Any
 
 from render.errors import CameraError, SettingsError
 from render.model.arrays import DoubleArray
+from render.model.data_sheet import DataSheet
 from render.model.lens import (
     AIR,
     AberrationScales,
-    Across,
     Configuration,
-    DataSheet,
     Glass,
     HeightField,
     IrisShape,
@@ -30,7 +29,8 @@ from render.optics.channel_indices import with_channel_indices
 from render.optics.dispersion.names import agreeing_glass
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.validation import MAX_CONFIGURATIONS
-from render.stage.camera.lens_data import ASPHERIC, ODD, SQUEEZES
+from render.stage.camera.lens_curves import curves_across
+from render.stage.camera.lens_data import ASPHERIC, ODD, PHASE, SQUEEZES
 from render.stage.camera.lens_outlines import outlines
 from render.stage.camera.planes import read_plane, rotate_plane
 from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
@@ -136,7 +136,7 @@ def _prescription(data: LensData, camera: str) -> Prescription:
     if not -1 <= rows.stop_surface < count:
         raise _error(camera, "lens:prescription:stopSurface", f"from -1 to {count - 1}", f"{rows.stop_surface}")
     group, group_across = (_group(rows, field, count, camera) for field in ("focus_group", "focus_group_across"))
-    across = _across(rows, columns, camera)
+    across = curves_across(rows, columns["radius"], columns["conic"], camera)
     if wanted and any(across):
         raise _error(
             camera, "lens:prescription:radiusAcross", f"left out for lens:model {data.model}", "radii of cylinders"
@@ -160,6 +160,7 @@ def _prescription(data: LensData, camera: str) -> Prescription:
                 openings[i],
                 obscurations[i],
                 _terms([columns[field][i] for field in ODD]),
+                _terms([columns[field][i] for field in PHASE]),
             )
             for i in range(count)
         ),
@@ -213,27 +214,24 @@ def _group(rows: PrescriptionData, field: str, count: int, camera: str) -> tuple
     return first, last
 
 
-def _across(rows: PrescriptionData, columns: dict[str, Sequence[Any]], camera: str) -> list[Across | None]:
-    """Curves from side to side, None where they are those from top to bottom."""
-    radii, conics = columns["radius"], columns["conic"]
-    count = len(radii)
-    both = zip(
-        _column(rows, "radius_across", count, camera) if rows.radius_across else radii,
-        _column(rows, "conic_across", count, camera) if rows.conic_across else conics,
-        radii,
-        conics,
-        strict=True,
-    )
-    return [None if (r, k) == (radius, conic) else Across(r, k) for r, k, radius, conic in both]
-
-
 _NOTHING: dict[str, Any] = {
     "sellmeier_b": (0.0, 0.0, 0.0),
     "sellmeier_c": (0.0, 0.0, 0.0),
     "glass": "",
     "index": 1.0,
 }
-_COLUMNS = ("radius", "thickness", "abbe", "clear_diameter", "conic", "coating_wavelength", *_NOTHING, *ASPHERIC, *ODD)
+_COLUMNS = (
+    "radius",
+    "thickness",
+    "abbe",
+    "clear_diameter",
+    "conic",
+    "coating_wavelength",
+    *_NOTHING,
+    *ASPHERIC,
+    *ODD,
+    *PHASE,
+)
 
 
 def _column(rows: PrescriptionData, field: str, count: int, camera: str) -> Sequence[Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from render.model.lens import DataSheet
+from render.model.data_sheet import DataSheet
 
 SHEET = DataSheet(
     heights_mm=(0.0, 5.0, 10.0, 15.0, 21.6),

@@ -12,7 +12,8 @@ from render.errors import SettingsError
 from render.lab.reference.lens_rays import lens_rays
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
-from render.model.lens import AberrationScales, DataSheet, Lens
+from render.model.data_sheet import DataSheet
+from render.model.lens import AberrationScales, Lens
 from render.optics.data_sheet import SheetErrors, at_heights, open_pupil, sheet_errors
 from render.optics.distortion import chief_rays
 from render.trace.data_sheet_table import make_data_sheet_table

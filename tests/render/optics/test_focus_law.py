@@ -13,7 +13,7 @@ from render.model.camera import Camera
 from render.model.lens import Lens
 from render.model.lens_law import LensLaw
 from render.optics.depth_of_field import coc_slope_mm_m
-from render.optics.focus_law import focus_law, focus_laws
+from render.optics.focus_law import focus_law, focus_laws, ring_scale
 from render.optics.prescription.mounting import distance_from_film_m, mount_lens
 from tests.render.kits.lenses import PLANAR, SIX_LENSES, KnownLens
 
@@ -69,6 +69,24 @@ def test_what_is_engraved_is_measured_from_the_film(model: str, marked_m: float)
 def test_a_mark_nearer_than_life_size_is_taken_for_life_size() -> None:
     camera = Camera(np.eye(4), focal_length_mm=50.0, f_stop=2.0, lens=Lens(close_focus_m=0.1))
     assert focus_law(camera).near_w[0] == pytest.approx(1 / 0.1)
+
+
+@pytest.mark.parametrize("model", ["thin", "prescription"])
+@pytest.mark.parametrize("marked_m", [0.0, 0.9])
+def test_the_scale_of_the_ring_is_from_pupil_and_film(model: str, marked_m: float) -> None:
+    camera = camera_with(PLANAR, 82.5)
+    camera = replace(camera, lens=replace(camera.lens, model=model, close_focus_m=marked_m))  # type: ignore[arg-type]
+    scale = ring_scale(camera)
+    from_film_m = scale.close_focus_m + scale.to_film_mm[1] / 1000
+    assert distance_from_film_m(replace(camera, focus_distance_m=scale.close_focus_m)) == pytest.approx(
+        from_film_m, rel=1e-3
+    )
+    assert distance_from_film_m(replace(camera, focus_distance_m=5000.0)) == pytest.approx(
+        5000.0 + scale.to_film_mm[0] / 1000, rel=1e-6
+    )
+    assert (
+        from_film_m == pytest.approx(marked_m, rel=1e-3) if marked_m else scale.close_focus_m == pytest.approx(0.9075)
+    )
 
 
 @pytest.mark.parametrize("breathing", [False, True])

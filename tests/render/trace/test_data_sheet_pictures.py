@@ -10,7 +10,8 @@ import pytest
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import spheres_over_checkerboard
-from render.model.lens import DataSheet, IrisShape, Lens
+from render.model.data_sheet import DataSheet
+from render.model.lens import IrisShape, Lens
 from render.optics.data_sheet import at_heights, open_pupil, sheet_errors
 from render.optics.view import PinholeView
 from render.trace.rays import make_ray_pattern

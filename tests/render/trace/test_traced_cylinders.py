@@ -42,12 +42,25 @@ LENS = Prescription(
 )
 
 
-def test_the_device_traces_cylinders_as_float64_does() -> None:
+TORI = replace(
+    LENS,
+    surfaces=(
+        replace(LENS.surfaces[0], across=Across(-150.0, torus="upright"), conic=-0.8, aspheric=(3e-6,), odd=(-1e-5,)),
+        replace(LENS.surfaces[1], across=Across(-70.0, -1.2, torus="across")),
+        LENS.surfaces[2],
+        replace(LENS.surfaces[3], across=Across(80.0)),
+        LENS.surfaces[4],
+    ),
+)
+
+
+@pytest.mark.parametrize("made", [LENS, TORI], ids=["biconic", "tori"])
+def test_the_device_traces_cylinders_as_float64_does(made: Prescription) -> None:
     graphics = GraphicsContext()
     graphics.make_current()
     try:
         tracer = SurfaceTracer(graphics.ctx, ProgramCache(graphics.ctx))
-        lens = focus_lens(complete_prescription(LENS, image_height_mm=12.0), 4.0, 5.6)
+        lens = focus_lens(complete_prescription(made, image_height_mm=12.0), 4.0, 5.6)
         line = np.linspace(-10, 10, 5)
         films = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
         angle = np.linspace(0, 2 * np.pi, 12, endpoint=False)

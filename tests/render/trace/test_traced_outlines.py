@@ -16,7 +16,9 @@ from render.model.lens import Across, Glass, Lens, Outline, Prescription, Surfac
 from render.model.scene import Dome, Scene
 from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.focusing import focus_lens
+from render.optics.prescription.outlines import polygon, spider, without_outlines
 from render.optics.prescription.stop_rays import rays_from_film
+from render.optics.report.film_cone import film_cone
 from render.trace.surface_tracer import SurfaceTracer
 from tests.render.kits.lens_pictures import glowing_point, spot_size
 
@@ -52,6 +54,8 @@ def with_cylinder(lens: Prescription) -> Prescription:
         outlined(Outline("rectangle", (5.0, 3.0), (0.5, 0.25)), at=0),
         outlined(Outline("ellipse", (9.0, 7.0), (0.0, 1.0)), Outline("rectangle", (1.5, 2.5), (1.0, -2.0)), at=4),
         with_cylinder(outlined(Outline("rectangle", (4.0, 3.0)), CIRCLE)),
+        outlined(polygon([(-4.0, -3.0), (5.0, -3.0), (0.0, 5.0)]), spider(0.5, 3, 9.0), at=0),
+        with_cylinder(outlined(obscuration=spider(1.0, 4, 7.0))),
     ],
 )
 def test_the_device_stops_rays_as_float64_does(prescription: Prescription) -> None:
@@ -104,6 +108,20 @@ def test_a_picture_is_as_bright_as_the_area_left_open(
 ) -> None:
     prescription = outlined(opening, obscuration)
     assert centre(renderer, prescription) == pytest.approx(area / (np.pi * STOP_MM**2), rel=0.015)
+
+
+@pytest.mark.parametrize(
+    ("opening", "obscuration"), [(polygon([(-4.0, -3.0), (5.0, -3.0), (0.0, 4.0)]), None), (None, spider(1.0, 4, 7.0))]
+)
+def test_a_polygon_leaves_the_light_of_float64_rays(
+    renderer: FrameRenderer, opening: Outline | None, obscuration: Outline | None
+) -> None:
+    lens = focus_lens(outlined(opening, obscuration), 2.0, outlined().f_stop)
+    plain = replace(lens, prescription=without_outlines(lens.prescription))
+    own, whole = (film_cone(each, np.zeros(2), side=201) for each in (lens, plain))
+    assert own is not None
+    assert whole is not None
+    assert centre(renderer, lens.prescription) == pytest.approx(own.light / whole.light, rel=0.015)
 
 
 def bokeh(renderer: FrameRenderer, prescription: Prescription, x: float = 0.0, y: float = 0.0) -> FloatArray:

@@ -8,23 +8,11 @@ from render.errors import InputError
 from render.model.lens import Across, Surface
 from render.optics.lens_files import parse_lens_file
 from render.optics.lens_files.forbes import ForbesTerms, qcon_terms
-
-FILE = """RDM;LEN
-EPD 8
-DIM {unit}
-SO 0.0 0.1E14
-S {radius} 5.0 NBK7_SCHOTT
-  {commands}
-S -50 60
-  STO
-  CIR 8
-SI 0.0 0.0
-GO
-"""
+from tests.render.kits.surface_files import CODE_V
 
 
 def _front(commands: str, radius: float = 50.0, unit: str = "M") -> Surface:
-    return parse_lens_file(FILE.format(commands=commands, radius=radius, unit=unit).encode(), "a.seq").surfaces[0]
+    return parse_lens_file(CODE_V.format(commands=commands, radius=radius, unit=unit).encode(), "a.seq").surfaces[0]
 
 
 @pytest.mark.parametrize(
@@ -75,6 +63,8 @@ def test_qbfs_terms_are_read() -> None:
         ("AAS; RDX 80; KX -0.5; K -2", 50.0, Across(80.0, -0.5), -2.0),
         ("AAS; CUX 0.0125; KX -0.5; KY -2", 50.0, Across(80.0, -0.5), -2.0),
         ("AAS; RDX S1 INFINITY", 50.0, Across(0.0, 0.0), 0.0),
+        ("YTO; RDX 70; K -0.5", 50.0, Across(70.0, 0.0, "upright"), -0.5),
+        ("XTO; CUX 0.02; K -0.5", 70.0, Across(50.0, -0.5, "across"), 0.0),
     ],
 )
 def test_cylinders_and_biconics(commands: str, radius: float, across: Across | None, conic: float) -> None:
@@ -82,6 +72,21 @@ def test_cylinders_and_biconics(commands: str, radius: float, across: Across | N
     assert front.radius_mm == radius
     assert front.across == across
     assert front.conic == conic
+
+
+@pytest.mark.parametrize(
+    ("commands", "across", "conic"),
+    [
+        ("YTO; RDX 70; K -1; A 1e-6; C 3e-13", Across(70.0, 0.0, "upright"), -1.0),
+        ("XTO; RDX 70; K -1; A 1e-6; C 3e-13", Across(70.0, -1.0, "across"), 0.0),
+        ("YTO; RDX 50; A 1e-6; C 3e-13", Across(50.0, 0.0, "upright"), 0.0),
+        ("CYL; K -1; A 1e-6; C 3e-13", Across(0.0, 0.0, "upright"), -1.0),
+    ],
+)
+def test_a_torus_has_the_terms_of_its_curve(commands: str, across: Across, conic: float) -> None:
+    front = _front(commands)
+    assert (front.across, front.conic) == (across, conic)
+    assert front.aspheric == pytest.approx((1e-6, 0.0, 3e-13))
 
 
 def test_a_biconic_has_terms_with_symmetry() -> None:
@@ -106,10 +111,9 @@ def test_a_biconic_has_terms_with_symmetry() -> None:
         ("SPS QCN 9; SCO QC98 1e-9", "at most 20 Forbes terms are supported, got 48"),
         ("SPS QBF 9; SCO K -1; SCO QB4 1e-3", "Qbfs terms depart from a sphere"),
         ("SCO C1 1", "SCO stands at a surface without SPS"),
-        ("YTO; RDX 70", r"a torus \(YTO\) of the radii 50 and 70 is not supported"),
-        ("CYL; A 1e-6", r"aspheric terms of a cylinder or torus \(CYL\) are not supported"),
+        ("CYL; RDX 70", r"a cylinder \(CYL\) is straight one way, got the radii 50 and 70: a torus is YTO or XTO"),
+        ("RDY 0; CYL; RDX 70; A 1e-6", r"K and aspheric terms of a cylinder \(CYL\) that is straight in y are not"),
         ("CYL; KX 1", r"KX of a cylinder or torus \(CYL\) must be 0"),
-        ("XTO; K 1", r"K of a toroid \(XTO\) that is straight in x must be 0"),
         ("AAS; K -1", r"a biconic \(AAS\) needs its radius in x"),
         ("AAS; RDX 60; AP 0.1", "AP of a biconic must be 0"),
         ("AAS; RDX 60; A 1e-6", "a biconic .* has the terms AR, BR, CR and DR"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from render.errors import InputError
@@ -9,37 +10,15 @@ from render.model.lens import Across, Prescription
 from render.optics.lens_files import parse_lens_file
 from render.optics.prescription.meridians import turned
 from render.optics.prescription.paraxial import focal_points, paraxial_system
-
-FILE = """MODE SEQ
-UNIT MM
-FNUM 8 0
-SURF 0
-  TYPE STANDARD
-  CURV 0
-  DISZ INFINITY
-SURF 1
-  TYPE {kind}
-  CURV {curvature}
-  CONI {conic}
-{parameters}  DISZ 5
-  GLAS N-BK7 0 0 1.5168 64.17
-  DIAM 8
-SURF 2
-  STOP
-  TYPE STANDARD
-  CURV -0.02
-  DISZ 60
-  DIAM 8
-SURF 3
-  TYPE STANDARD
-  CURV 0
-  DISZ 0
-"""
+from render.optics.prescription.surface_shape import sag_at
+from tests.render.kits.surface_files import ZEMAX
 
 
 def read(kind: str, curvature: float, conic: float = 0.0, unit: str = "MM", **parameters: float) -> Prescription:
     lines = "".join(f"  PARM {name[1:]} {value}\n" for name, value in parameters.items())
-    text = FILE.format(kind=kind, curvature=curvature, conic=conic, parameters=lines).replace("UNIT MM", f"UNIT {unit}")
+    text = ZEMAX.format(kind=kind, curvature=curvature, conic=conic, parameters=lines).replace(
+        "UNIT MM", f"UNIT {unit}"
+    )
     return parse_lens_file(text.encode(), "cylinders.zmx")
 
 
@@ -68,6 +47,36 @@ def test_a_torus_that_is_a_cylinder_or_a_sphere_is_read(
     assert lens.surfaces[0].across == across
 
 
+def test_a_torus_has_the_terms_of_its_curve() -> None:
+    lens = read("TOROIDAL", 0.02, -1.0, p1=70.0, p3=1e-6, p4=-2e-9)
+    front = lens.surfaces[0]
+    assert (front.radius_mm, front.conic, front.across) == (50.0, -1.0, Across(70.0, 0.0, "upright"))
+    assert front.aspheric == (1e-6, -2e-9)
+    inches = read("TOROIDAL", 0.2, -1.0, "CM", p1=7.0, p3=1e-3).surfaces[0]
+    assert inches.across == Across(70.0, 0.0, "upright")
+    assert inches.aspheric == pytest.approx((1e-6,))
+
+
+def test_a_term_of_y_squared_is_the_curvature_of_a_flat_curve() -> None:
+    front = read("TOROIDAL", 0.0, p1=70.0, p2=0.01).surfaces[0]
+    assert (front.radius_mm, front.conic, front.across) == (50.0, -1.0, Across(70.0, 0.0, "upright"))
+
+
+def test_a_term_of_y_squared_on_a_curve_is_fitted_along_it() -> None:
+    lens = read("TOROIDAL", 0.02, p1=70.0, p2=1e-4)
+    y = np.linspace(-8, 8, 33)
+    curve = 0.02 * y**2 / (1 + np.sqrt(1 - 0.0004 * y**2)) + 1e-4 * y**2
+    points = np.stack([np.full(33, 3.0), y], axis=1)
+    np.testing.assert_allclose(sag_at(lens.surfaces[0], points), 70 - np.sqrt((70 - curve) ** 2 - 9), atol=1e-9)
+    assert "place of its term of r^2" in lens.notes[0]
+
+
+def test_zernike_terms_of_a_torus_are_refused() -> None:
+    text = ZEMAX.format(kind="TOROIDAL", curvature=0.02, conic=0, parameters="  PARM 1 70\n  XDAT 1 4\n")
+    with pytest.raises(InputError, match=r"surface 1: Zernike terms \(XDAT 1\) of a torus are not supported"):
+        parse_lens_file(text.encode(), "a.zmx")
+
+
 def test_the_planes_of_a_biconic_have_its_curves() -> None:
     """Each plane's focal length is the one that the thick lens's equation gives."""
     lens = read("BICONICX", 0.02, p1=80.0)
@@ -80,9 +89,7 @@ def test_the_planes_of_a_biconic_have_its_curves() -> None:
 @pytest.mark.parametrize(
     ("kind", "parameters", "message"),
     [
-        ("TOROIDAL", {"p1": 70.0}, "a torus of the radii 50 and 70 is not supported"),
-        ("TOROIDAL", {"p1": 0.0, "p3": 1e-6}, "PARM 3 of a surface of TYPE TOROIDAL must be 0"),
-        ("TOROIDAL", {"p1": 0.0, "p2": 1e-6}, "PARM 2 of a surface of TYPE TOROIDAL must be 0"),
+        ("TOROIDAL", {"p1": 70.0, "p9": 1e-6}, "PARM 9 of a surface of TYPE TOROIDAL must be 0"),
         ("BICONICX", {"p1": 70.0, "p5": 1.0}, "PARM 5 of a surface of TYPE BICONICX must be 0"),
         ("BICONICX", {"p1": float("inf")}, "parameter"),
     ],
@@ -93,7 +100,7 @@ def test_other_surfaces_are_refused(kind: str, parameters: dict[str, float], mes
 
 
 def test_a_plane_of_air_that_a_cylinder_bulges_through_is_left_out() -> None:
-    text = FILE.format(kind="TOROIDAL", curvature=0, conic=0, parameters="  PARM 1 -50\n")
+    text = ZEMAX.format(kind="TOROIDAL", curvature=0, conic=0, parameters="  PARM 1 -50\n")
     element = "SURF 0.{0}\n  TYPE STANDARD\n  CURV {1}\n  DISZ {2}\n{3}  DIAM 8\n"
     glass = "  GLAS N-BK7 0 0 1.5168 64.17\n"
     before = element.format(1, 0.02, 3, glass) + element.format(2, 0, 2, "") + element.format(3, 0, 0.02, "")

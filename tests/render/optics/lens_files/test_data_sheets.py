@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from render.errors import InputError
-from render.model.lens import DataSheet
+from render.model.data_sheet import DataSheet
 from render.optics.lens_files import MeasuredLens, data_sheet_text, parse_measured_lens, read_measured_lens
 from render.shot.lens.lens_alone import lens_alone
 from render.shot.lens.lens_choice import choose_lens

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from render.errors import InputError
-from render.model.lens import Prescription
+from render.model.lens import Across, Prescription
 from render.optics.lens_files import parse_lens_file
 from render.optics.prescription.paraxial import first_order
 
@@ -121,6 +121,17 @@ def test_optiland_aspheres_model_glass_and_rims() -> None:
     assert (first.conic, first.aspheric, first.semi_diameter_mm) == (-0.5, (1e-6, 2e-9), 8.5)
     assert (first.glass.index, first.glass.abbe) == (1.62, 60.3)
     assert lens.f_stop == 5.6
+
+
+def test_optiland_tori() -> None:
+    model = _optiland()
+    geometry = model["surface_group"]["surfaces"][1]["geometry"]
+    geometry |= {"type": "ToroidalGeometry", "radius_rotation": 60.0, "radius_yz": 22.0, "conic_yz": -0.5}
+    geometry |= {"coeffs_poly_y": [0.0, 1e-6], "geometry_type": "Toroidal"}
+    del geometry["radius"], geometry["conic"]
+    first = _read(model, "a.json").surfaces[0]
+    assert (first.radius_mm, first.conic, first.across) == (22.0, -0.5, Across(60.0, 0.0, "upright"))
+    assert first.aspheric == (1e-6,)
 
 
 def test_odd_aspheres_of_packages_have_every_power() -> None:

@@ -10,7 +10,7 @@ from render.model.lens import Outline, Prescription
 from render.optics.lens_files import parse_lens_file
 from render.optics.lens_files.writing import write_lens
 from render.optics.prescription.completion import complete_prescription
-from render.optics.prescription.outlines import reach_mm
+from render.optics.prescription.outlines import polygon, reach_mm, spider, spider_arms
 from tests.render.kits.lens_files import TRIPLET_ZMX
 
 
@@ -23,6 +23,24 @@ def with_outlines(opening: Outline | None, obscuration: Outline | None) -> Presc
 
 RECTANGLE, CIRCLE = Outline("rectangle", (6.0, 4.5)), Outline("ellipse", (2.0, 2.0))
 BESIDE = Outline("ellipse", (2.0, 2.0), (1.0, -0.5))
+
+
+@pytest.mark.parametrize("arms", [1, 3, 4])
+def test_a_spider_comes_back_from_zemax(arms: int) -> None:
+    made = spider(0.5, arms, 10.5, (0.25, 0.0))
+    lens = with_outlines(None, made)
+    again = parse_lens_file(write_lens(lens, ".zmx").content, "again.zmx").surfaces[0].obscuration
+    assert again is not None
+    width, count, _, centre = spider_arms(again) or (0.0, 0, 0.0, ())
+    assert (width, count, centre) == (pytest.approx(0.5), arms, pytest.approx((0.25, 0.0)))
+
+
+def test_polygons_are_named_where_they_are_not_written() -> None:
+    both = with_outlines(polygon([(0.0, 6.0), (4.0, -5.0), (-4.0, -5.0)]), None)
+    assert (
+        "The opening of surface 1 is not written: it is a polygon that is no spider." in write_lens(both, ".zmx").notes
+    )
+    assert "The opening of surface 1 is not written: it is a polygon." in write_lens(both, ".seq").notes
 
 
 @pytest.mark.parametrize("suffix", [".zmx", ".seq"])

@@ -9,6 +9,7 @@ from render.errors import InputError
 from render.model.lens import Outline, Prescription
 from render.optics.lens_files import parse_lens_file
 from render.optics.prescription.completion import complete_prescription
+from render.optics.prescription.outlines import spider
 from tests.render.kits.lens_files import TRIPLET_ZMX
 
 
@@ -45,6 +46,8 @@ def circle(radius: float, x: float = 0.0, y: float = 0.0) -> Outline:
         ("ELAP 6 4 0", Outline("ellipse", (6.0, 4.0)), None, 6.0),
         ("SQOB 1 2 0", None, Outline("rectangle", (1.0, 2.0)), None),
         ("ELOB 1 2 0\n  OBDC 3 0", None, Outline("ellipse", (1.0, 2.0), (3.0, 0.0)), None),
+        ("SPID 0.5 3 0", None, spider(0.5, 3, 1.05 * 9), None),
+        ("SPID 0.5 4 0\n  OBDC 0 1", None, spider(0.5, 4, 1.05 * 10, (0.0, 1.0)), None),
     ],
 )
 def test_apertures_are_read(
@@ -65,11 +68,31 @@ def test_apertures_have_the_unit_of_the_file() -> None:
     )
 
 
-@pytest.mark.parametrize("command", ["SPID 0.5 3 0", "USAP", "OBSC 1 2 0"])
+@pytest.mark.parametrize("command", ["USAP", "OBSC 1 2 0"])
 def test_what_is_not_read_is_named(command: str) -> None:
     lens = with_aperture(command)
     assert named(lens) == [f"The aperture of surface 1 ({command[:4]}) is not read; light passes it."]
     assert not lens.outlines
+
+
+def test_a_spider_without_a_clear_diameter_is_named() -> None:
+    text = TRIPLET_ZMX.replace("  DIAM 9 1 0 0 1", "  DIAM 0 1 0 0 1", 1)
+    assert named(with_aperture("SPID 0.5 3 0", text)) == [
+        "The aperture of surface 1 (SPID) is not read; light passes it."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("SPID 0.5 2.5 0", r"of its aperture \(SPID\) the number of arms must be a whole one up to 16, got 2.5"),
+        ("SPID 0.5 17 0", "the number of arms must be a whole one up to 16, got 17"),
+        ("SPID 19 3 0", "3 arms of the width 19 leave nothing open"),
+    ],
+)
+def test_impossible_spiders_are_refused(command: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        with_aperture(command)
 
 
 def test_an_aperture_of_zeros_is_none() -> None:

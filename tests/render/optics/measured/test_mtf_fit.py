@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from render.errors import InputError
-from render.model.lens import DataSheet
+from render.model.data_sheet import DataSheet
 from render.optics.data_sheet import at_heights, open_pupil, sheet_errors
 from render.optics.lens_files.lens_text import decode
 from render.optics.measured.geometric_mtf import geometric_mtf

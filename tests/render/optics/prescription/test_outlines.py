@@ -9,7 +9,7 @@ import pytest
 
 from render.errors import InputError
 from render.model.arrays import DoubleArray
-from render.model.lens import Across, Glass, Outline, Prescription, Surface
+from render.model.lens import Across, Outline, Prescription, Surface
 from render.optics.prescription.beams import best_focus_mm
 from render.optics.prescription.completion import complete_prescription, scale_prescription
 from render.optics.prescription.focusing import focus_lens
@@ -18,33 +18,8 @@ from render.optics.prescription.outlines import clearance, excess, reach_mm
 from render.optics.prescription.stop_rays import rays_from_film
 from render.optics.prescription.tracing import Fate, trace_forward
 from render.optics.prescription.validation import check_prescription
+from tests.render.kits.outlined_lenses import DISC, RADIUS, lens, passed_share
 
-RADIUS = 10.0
-
-
-def lens(opening: Outline | None = None, obscuration: Outline | None = None) -> Prescription:
-    """A singlet with the stop before it, which has the outlines."""
-    return Prescription(
-        (
-            Surface(0.0, 2.0, semi_diameter_mm=RADIUS, is_stop=True, opening=opening, obscuration=obscuration),
-            Surface(100.0, 4.0, Glass(1.5), 16.0),
-            Surface(-100.0, 0.0, semi_diameter_mm=16.0),
-        ),
-        name="the singlet",
-    )
-
-
-def passed_share(prescription: Prescription, side: int = 801) -> float:
-    """Share of the light along the axis on the disc of the stop that gets through."""
-    line = (np.arange(side) + 0.5) / side * 2 * RADIUS - RADIUS
-    points = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-    points = points[np.hypot(*points.T) < RADIUS]
-    starts = np.column_stack([points, np.full(len(points), -5.0)])
-    traced = trace_forward(prescription, starts, np.tile([0.0, 0.0, 1.0], (len(points), 1)))
-    return float(traced.passes.mean())
-
-
-DISC = np.pi * RADIUS**2
 LENS_OF_CIRCLES = 2 * np.arccos(0.25) * RADIUS**2 - 2.5 * np.sqrt(4 * RADIUS**2 - 25)  # two circles 5 mm apart
 
 

@@ -11,7 +11,8 @@ import pytest
 
 from render.cli.main import main
 from render.drawing import draw_lens_sheet
-from render.model.lens import DataSheet, IrisShape
+from render.model.data_sheet import DataSheet
+from render.model.lens import IrisShape
 from render.optics.lens_files import read_measured_lens
 from render.optics.report import lens_report
 from render.optics.report.field import spots

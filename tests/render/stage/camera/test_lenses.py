@@ -12,8 +12,8 @@ from pxr import Usd, UsdGeom
 
 from render.errors import CameraError, InputError
 from render.model.camera import Camera
+from render.model.data_sheet import DataSheet as SheetTables
 from render.model.lens import AIR, Across, Glass, Outline, Prescription, Surface
-from render.model.lens import DataSheet as SheetTables
 from render.optics.glass import refractive_index
 from render.optics.lens_files import MeasuredLens, parse_lens_file
 from render.optics.prescription.completion import complete_prescription
@@ -436,6 +436,8 @@ def test_a_lens_of_spheres_has_no_arrays_across() -> None:
     ("change", "message"),
     [
         ({"radius_across": (1.0,)}, "radiusAcross .* 4 entries"),
+        ({"torus": ("bent", "", "", "")}, 'torus .* "upright", "across" or "", got "bent"'),
+        ({"torus": ("upright",)}, "torus .* 4 entries"),
         ({"focus_group_across": (2, 9)}, "focusGroupAcross .* rising from 0 to 3, got \\(2, 9\\)"),
     ],
 )
@@ -466,7 +468,10 @@ def test_openings_and_obscurations_are_written_and_read(stage: Usd.Stage, camera
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"opening_shape": ("", "star", "", "")}, 'openingShape .* "ellipse", "rectangle" or "", got "star"'),
+        (
+            {"opening_shape": ("", "star", "", "")},
+            'openingShape .* "ellipse", "rectangle", "polygon" or "", got "star"',
+        ),
         ({"opening_shape": ("rectangle",)}, "openingShape .* 4 entries, .* got 1"),
         ({"opening_shape": ()}, "openingShape .* given with sizes or centres, got none"),
         ({"obscuration_size": ()}, "obscurationSize .* given with shapes, got none"),

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from render.errors import SettingsError
 from render.layers.index import Draw
 from render.model.arrays import IntArray
 from render.model.mattes import MatteSum
 from render.model.scene import Batch, Scene
+from render.model.splats import MOST_MATTE_CLOUDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,11 +25,13 @@ class MatteNumbers:
             one, 0 where there is one for all.
         surfaces: ``(m,)`` uint32 numbers of `MatteSum.number`.
         is_deep: `MatteSum.is_deep`.
+        splats: numbers of the scene's batches of splats; 0 of those that are held out.
     """
 
     objects: NDArray[np.uint32]
     surfaces: NDArray[np.uint32]
     is_deep: bool = False
+    splats: tuple[int, ...] = ()
 
 
 def number_surfaces(draws: Sequence[Draw], scene: Scene, mattes: MatteSum) -> MatteNumbers:
@@ -37,7 +41,18 @@ def number_surfaces(draws: Sequence[Draw], scene: Scene, mattes: MatteSum) -> Ma
         draws: draws of the index, in its order.
         scene: the scene that they draw.
         mattes: gives the numbers.
+
+    Raises:
+        SettingsError: there are more clouds of splats than mattes tell apart.
     """
+    if len(scene.splats) > MOST_MATTE_CLOUDS:
+        raise SettingsError(
+            f"mattes tell up to {MOST_MATTE_CLOUDS} clouds of Gaussian splats apart, and the shot has {len(scene.splats)}: "
+            "leave the mattes out, or join clouds"
+        )
+    splats = tuple(
+        0 if batch.is_holdout else mattes.number(scene.prim_paths[batch.prim_id], "") for batch in scene.splats
+    )
     objects, surfaces = [np.zeros((0, 2), np.uint32)], [np.zeros(0, np.uint32)]
     used = 0
     for draw in draws:
@@ -52,7 +67,7 @@ def number_surfaces(draws: Sequence[Draw], scene: Scene, mattes: MatteSum) -> Ma
         objects.append(np.stack([first, np.full(count, each_triangle)], axis=1).astype(np.uint32))
         surfaces.append(numbers)
         used += len(numbers)
-    return MatteNumbers(np.concatenate(objects), np.concatenate(surfaces), mattes.is_deep)
+    return MatteNumbers(np.concatenate(objects), np.concatenate(surfaces), mattes.is_deep, splats)
 
 
 def _ids(batch: Batch) -> tuple[IntArray, IntArray, bool]:

@@ -21,7 +21,7 @@ class Pick:
 
     Attributes:
         prim_path: prim that represents the instance: a mesh, an instance proxy or a PointInstancer.
-        face: index of the authored face.
+        face: index of the authored face, or of the splat.
         fan_triangle: index of the triangle in the face's fan, corners ``(0, i + 1, i + 2)``.
         barycentric: weights of those corners.
         instance: number in `render.model.scene.Batch.instance_numbers`, or -1.
@@ -53,8 +53,8 @@ def read_hits(peeler: Peeler, view: PinholeView) -> SurfaceHits:
 
 
 def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: float) -> Pick | None:
-    """Pick the nearest surface at picture position (x, y): draw one pixel around it, then intersect its triangle exactly. Splats
-    that hide half of it count as one, of a face 0 that a cloud does not have."""
+    """Pick the nearest surface at picture position (x, y): draw one pixel around it, then intersect its triangle exactly. Of
+    splats that hide half of it, the one at which they do."""
     one = replace(view, width=1, height=1, cx=view.cx - x + 0.5, cy=view.cy - y + 0.5)
     surface = _pick_triangle(peeler, scene, view, one, x, y)
     if not scene.splats:
@@ -62,11 +62,22 @@ def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: f
     from render.layers.splats import splat_in_middle  # few shots need it
 
     hidden = splat_in_middle(scene.splats, one)
-    if hidden is None or (surface is not None and surface.depth_m <= hidden[0]):
+    if hidden is None or (surface is not None and surface.depth_m <= hidden.depth_m):
         return surface
     origin, direction = view.ray(x, y)
-    px, py, pz = (origin + hidden[0] * direction).tolist()
-    return Pick(scene.prim_paths[hidden[1].prim_id], 0, 0, (1.0, 0.0, 0.0), -1, None, hidden[0], (px, py, pz))
+    px, py, pz = (origin + hidden.depth_m * direction).tolist()
+    batch = hidden.batch
+    number = -1 if batch.instance_numbers is None else int(batch.instance_numbers[hidden.pose])
+    return Pick(
+        prim_path=scene.prim_paths[batch.prim_id],
+        face=hidden.number,
+        fan_triangle=0,
+        barycentric=(1.0, 0.0, 0.0),
+        instance=number,
+        prototype_path=scene.prim_paths[batch.source_id] if number >= 0 else None,
+        depth_m=hidden.depth_m,
+        position_m=(px, py, pz),
+    )
 
 
 def _pick_triangle(

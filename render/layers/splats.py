@@ -18,8 +18,14 @@ from render.optics.view import PinholeView
 
 LOW_PASS_PX2 = 0.3
 """Variance that is added to an ellipse along each axis, square pixels of the picture."""
+HELD_OUT = 1 << 20
+"""Number in place of the batch's of splats that are held out."""
 _BEYOND_VIEW = 1.3
 """Slopes, relative to those at the view's edge, at which the derivative is taken at most, as in Kerbl et al."""
+_LEAST_PX2, _MOST_PX2 = 1e-12, 1e30
+"""Limits on the variance of an ellipse, square pixels: a larger one is left out."""
+_FARTHEST_EYE = 1e15
+"""Limit on the distance of the eye in a cloud's space, whose square float32 holds; directions are the same beyond."""
 _HARMONICS = (
     0.28209479177387814,
     0.4886025119029199,
@@ -35,7 +41,8 @@ class ProjectedSplats:
 
     Attributes:
         records: ``(n, 12)`` float32 as ``splats/splat.vert`` reads them: centre in pixels, w from the view's base (1/m), opacity;
-            Cholesky factor of the covariance in pixels (xx, yx, yy), radius in standard deviations; colour, 0.
+            Cholesky factor of the covariance in pixels (xx, yx, yy), radius in standard deviations; colour, number of the batch,
+            or `HELD_OUT`.
         view: view that they are projected in.
     """
 
@@ -47,6 +54,11 @@ class ProjectedSplats:
         """``(n,)`` inverse depth of each, 1/m, ascending."""
         return np.asarray(self.records[:, 2])
 
+    @property
+    def owners(self) -> LongArray:
+        """``(n,)`` number of the batch of each, or `HELD_OUT`."""
+        return self.records[:, 11].astype(np.int64)
+
 
 def project_splats(batches: Sequence[SplatBatch], view: PinholeView, low_pass_px2: float) -> ProjectedSplats:
     """Project the splats that a view sees.
@@ -57,9 +69,12 @@ def project_splats(batches: Sequence[SplatBatch], view: PinholeView, low_pass_px
         low_pass_px2: variance that ellipses are widened by, square pixels of the view.
     """
     parts = [np.zeros((0, 12), np.float32)]
-    for batch in batches:
+    for number, batch in enumerate(batches):
         for pose in batch.poses:
-            parts.append(_project(batch.cloud, pose, view, low_pass_px2))
+            parts.append(_project(batch.cloud, pose, view, low_pass_px2)[0])
+            parts[-1][:, 11] = number
+            if batch.is_holdout:
+                parts[-1][:, 8:] = 0, 0, 0, HELD_OUT
     records = np.concatenate(parts)
     return ProjectedSplats(records[np.argsort(records[:, 2], kind="stable")], view)
 
@@ -78,29 +93,49 @@ def nearest_splat_w(batches: Sequence[SplatBatch], view: PinholeView) -> float:
     return nearest_w
 
 
-def splat_in_middle(batches: Sequence[SplatBatch], view: PinholeView) -> tuple[float, SplatBatch] | None:
-    """Depth at which splats hide half of what lies behind, in the middle of a view, metres, and the cloud there.
+@dataclass(frozen=True)
+class HidingSplat:
+    """Splat at which opacity passes one half.
+
+    Attributes:
+        depth_m: its depth, metres.
+        batch: its batch.
+        pose: which of the batch's poses it stands at.
+        number: its number in the prim's own list.
+    """
+
+    depth_m: float
+    batch: SplatBatch
+    pose: int
+    number: int
+
+
+def splat_in_middle(batches: Sequence[SplatBatch], view: PinholeView) -> HidingSplat | None:
+    """Find the splat at which they hide half of what lies behind, in the middle of a view.
 
     Args:
         batches: the scene's splats.
         view: view of one pixel.
     """
-    w, opacities, owners = [np.zeros(0)], [np.zeros(0)], [np.zeros(0, np.int64)]
-    for number, batch in enumerate(batches):
-        for pose in batch.poses:
-            records = _project(batch.cloud, pose, view, LOW_PASS_PX2).astype(np.float64)
+    w, opacities, owners = [np.zeros(0)], [np.zeros(0)], [np.zeros((0, 3), np.int64)]
+    for which, batch in enumerate(batches):
+        for number, pose in enumerate(batch.poses):
+            drawn, rows = _project(batch.cloud, pose, view, LOW_PASS_PX2)
+            records = drawn.astype(np.float64)
             across = (view.width / 2 - records[:, 0]) / records[:, 4]
             down = (view.height / 2 - records[:, 1] - records[:, 5] * across) / records[:, 6]
             w.append(records[:, 2])
             opacities.append(records[:, 3] * np.exp(-(across**2 + down**2) / 2))
-            owners.append(np.full(len(records), number))
+            owners.append(np.stack([np.full(len(rows), which), np.full(len(rows), number), rows], axis=1))
     near_to_far = np.argsort(-np.concatenate(w), kind="stable")
     hidden = np.flatnonzero(np.cumprod(1 - np.concatenate(opacities)[near_to_far]) <= 0.5)
     if not len(hidden):
         return None
     found = near_to_far[hidden[0]]
-    depth_m = 1 / (float(np.concatenate(w)[found]) + view.base_w)
-    return depth_m, batches[int(np.concatenate(owners)[found])]
+    which, number, row = np.concatenate(owners)[found].tolist()
+    batch, depth_m = batches[which], 1 / (float(np.concatenate(w)[found]) + view.base_w)
+    numbers = batch.cloud.numbers
+    return HidingSplat(depth_m, batch, number, row if numbers is None else int(numbers[row]))
 
 
 def colours_towards(cloud: SplatCloud, rows: LongArray, eye: DoubleArray) -> FloatArray:
@@ -118,8 +153,10 @@ def colours_towards(cloud: SplatCloud, rows: LongArray, eye: DoubleArray) -> Flo
     return linear if cloud.to_working is None else (linear @ cloud.to_working.T).astype(np.float32)
 
 
-def _project(cloud: SplatCloud, pose: DoubleArray, view: PinholeView, low_pass_px2: float) -> FloatArray:
-    """Records of one instance, in the cloud's order."""
+def _project(
+    cloud: SplatCloud, pose: DoubleArray, view: PinholeView, low_pass_px2: float
+) -> tuple[FloatArray, LongArray]:
+    """Records of one instance, and which of the cloud's splats they are, in its order."""
     places = _in_camera(cloud, pose, view)
     rows = np.flatnonzero(_is_drawn(cloud, places, view))
     places = places[rows]
@@ -134,13 +171,15 @@ def _project(cloud: SplatCloud, pose: DoubleArray, view: PinholeView, low_pass_p
     right, up = (right + x * back) * per_depth, (up + y * back) * per_depth
     xx, xy, yx, yy = view.shear
     across, down = view.fx * (xx * right + xy * up), -view.fy * (yx * right + yy * up)
-    spread_x, spread_y = ((part * part).sum(axis=1) + low_pass_px2 for part in (across, down))
+    with np.errstate(over="ignore"):
+        spread_x, spread_y = ((part * part).sum(axis=1) + max(low_pass_px2, _LEAST_PX2) for part in (across, down))
     wide, high = reach * np.sqrt(spread_x), reach * np.sqrt(spread_y)
-    seen = (pixels[:, 0] > -wide) & (pixels[:, 0] < view.width + wide)
+    seen = (spread_x < _MOST_PX2) & (spread_y < _MOST_PX2)
+    seen &= (pixels[:, 0] > -wide) & (pixels[:, 0] < view.width + wide)
     seen &= (pixels[:, 1] > -high) & (pixels[:, 1] < view.height + high)
     first = np.sqrt(spread_x[seen])
     between = (across[seen] * down[seen]).sum(axis=1) / first
-    eye = (np.linalg.inv(view.camera_from_world @ pose) @ (view.eye_x_m, view.eye_y_m, 0.0, 1.0))[:3]
+    eye = _eye_in(view.camera_from_world @ pose, view)
     records = np.zeros((int(seen.sum()), 12), np.float32)
     records[:, :2] = pixels[seen]
     records[:, 2] = 1 / depth[seen] - view.base_w
@@ -149,7 +188,15 @@ def _project(cloud: SplatCloud, pose: DoubleArray, view: PinholeView, low_pass_p
     records[:, 6] = np.sqrt(np.maximum(spread_y[seen] - between * between, 1e-6 * spread_y[seen]))
     records[:, 7] = reach[seen]
     records[:, 8:11] = colours_towards(cloud, rows[seen], eye)
-    return records
+    return records, rows[seen]
+
+
+def _eye_in(camera_from_cloud: DoubleArray, view: PinholeView) -> DoubleArray:
+    """The view's eye ``(3,)`` in a cloud's space; of one that is flattened, the nearest place that is mapped to it."""
+    # the cutoff leaves a space that is stretched by less as it is
+    own = np.linalg.pinv(camera_from_cloud[:3, :3], rcond=1e-9)
+    eye = own @ ([view.eye_x_m, view.eye_y_m, 0.0] - camera_from_cloud[:3, 3])
+    return np.asarray(eye * min(1.0, _FARTHEST_EYE / max(float(np.abs(eye).max()), 1.0)))
 
 
 def _in_camera(cloud: SplatCloud, pose: DoubleArray, view: PinholeView) -> DoubleArray:

@@ -26,6 +26,8 @@ class SurfaceHits:
         objects: ``(height, width)`` int64 object number (`Draw.first_object`).
         triangles: ``(height, width)`` int32 index in the draw's geometry.
         slopes: ``(height, width, 2)`` float64 of the ray, right and up, per unit of depth.
+        splat_prims: ``(height, width)`` int32 index in `Scene.prim_paths` of splats that are met, of which nothing else is known;
+            -1 elsewhere. None where the scene has none.
     """
 
     w: DoubleArray
@@ -33,12 +35,33 @@ class SurfaceHits:
     objects: LongArray
     triangles: IntArray
     slopes: DoubleArray
+    splat_prims: IntArray | None = None
 
     def at(self, rows: IndexArray, columns: IndexArray) -> SurfaceHits:
         """Hits of other pixels: of ``(rows, columns)`` at each."""
         place = rows, columns
         return SurfaceHits(
-            self.w[place], self.draws[place], self.objects[place], self.triangles[place], self.slopes[place]
+            self.w[place],
+            self.draws[place],
+            self.objects[place],
+            self.triangles[place],
+            self.slopes[place],
+            None if self.splat_prims is None else self.splat_prims[place],
+        )
+
+    def behind_splats(self, w: DoubleArray, prims: IntArray) -> SurfaceHits:
+        """Hits of splats where they are nearer.
+
+        Args:
+            w: ``(height, width)`` inverse depth of splats, 1/m; 0 where there are none.
+            prims: ``(height, width)`` index of their prim; -1 of a holdout, which is nothing.
+        """
+        nearer = w > self.w
+        return replace(
+            self,
+            w=np.where(nearer, np.where(prims < 0, 0.0, w), self.w),
+            draws=np.where(nearer, np.int32(-1), self.draws),
+            splat_prims=np.where(nearer, prims, np.int32(-1)),
         )
 
 
@@ -110,6 +133,9 @@ class SurfaceDescription:
             faces[here] = batch.geometry.face_ids[triangles]
             if batch.instance_numbers is not None:
                 instances[here] = batch.instance_numbers[poses]
+        splats = self._hits.splat_prims
+        if splats is not None:
+            prims = np.where(splats >= 0, splats, prims)
         return prims, faces, instances
 
     @cached_property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import moderngl
 
@@ -14,6 +14,9 @@ from render.model.lens import IrisShape
 from render.trace.axis_rays import LensErrors
 from render.trace.focal_map import FocalMaps
 from render.trace.picture_focus import PictureFocus
+
+if TYPE_CHECKING:  # loaded where a scene has splats
+    from render.trace.splats.planes import SplatPlanes
 
 SPLIT_PX = 24.0
 """Radius in pixels up to which circles of confusion are drawn at full resolution, where a blur draws larger ones at less."""
@@ -85,6 +88,7 @@ class FocusSplitter:
         iris: IrisShape,
         squeeze: float,
         scope: Resources,
+        splats: SplatPlanes | None = None,
     ) -> FocusSplit:
         """Split a peeled scene at the focus.
 
@@ -96,11 +100,12 @@ class FocusSplitter:
             iris: iris of the lens.
             squeeze: anamorphic squeeze of the lens.
             scope: scope that owns the textures.
+            splats: planes of splats between the layers. A field that has some is blurred by the mean of its radii.
         """
         view, affine, targets = focus.view, focus.affine, peeled.targets
         near, far = (scope.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4")) for _ in range(2))
         radii = scope.keep(self._ctx.texture((view.width, view.height), 2, dtype="f4"))
-        program = self._programs.compute("postblur/focus_split.comp")
+        program = self._programs.compute("postblur/focus_split.comp", {} if splats is None else {"SPLATS": 1})
         sources: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[0],
             "packed_w_far": targets.packed_w[-1],
@@ -111,6 +116,8 @@ class FocusSplitter:
         for unit, (name, texture) in enumerate(sources.items()):
             texture.use(unit)
             set_uniforms(program, **{name: unit})
+        if splats is not None:
+            splats.bind(program, len(sources))
         set_uniforms(program, is_mapped=affine is None, focus=affine or (0.0, 0.0, 0.0), pupil_px=pupil_px)
         set_uniforms(program, most_px=most_px, layers=peeled.count)
         for unit, texture in enumerate((near, far, radii)):

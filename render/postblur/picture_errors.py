@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.model.lens import AberrationScales, DataSheet
+from render.model.data_sheet import DataSheet
+from render.model.lens import AberrationScales
 from render.optics.data_sheet import MIDDLE_NM, SPAN_NM, at_heights, seen_slopes, sheet_errors
 from render.optics.spectrum import THREE_LINES
 from render.optics.view import PinholeView

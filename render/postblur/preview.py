@@ -177,7 +177,7 @@ class Previewer:
         focus = picture_focus(camera, wide)
         pupil_px = max(wide.fx, wide.fy) * pupil_radius_m(camera)
         most_px = largest_radius_px(focus, pupil_px, self._nearest_w(peeler, peeled))
-        picture = self._blur.blur_layers(peeled, camera, focus, pupil_px, most_px, self._flag)
+        picture = self._blur.blur_layers(peeled, camera, view, focus, pupil_px, most_px, self._flag)
         left, top = round(wide.cx - view.cx), round(wide.cy - view.cy)
         return np.ascontiguousarray(picture[top : top + view.height, left : left + view.width])
 

@@ -23,6 +23,7 @@ from render.trace.axis_rays import LensErrors
 from render.trace.bundles import BundleMaker
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import make_ray_pattern
+from render.trace.splat_layers import SplatLayers
 
 MAX_MARGIN = 0.125
 """Largest margin peeled around the picture for the light that is blurred into it, as a share of the longer side."""
@@ -42,6 +43,7 @@ class SingleImageBlur:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._splitter = FocusSplitter(ctx, programs)
         self._bundles = BundleMaker(ctx, programs)
+        self._splats = SplatLayers(ctx, programs)
 
     def draw(
         self,
@@ -84,7 +86,9 @@ class SingleImageBlur:
         focus = picture_focus(camera, scaled.widen(margin))
         reach = pupil_px * float(inside.over_picture()[1].max())
         peeled = _peel(peeler, scaled, focus, reach, nearest_w, layers, unlit)
-        picture = self.blur_layers(peeled, camera, focus, pupil_px, most_px, blur, with_axis_errors=with_axis_errors)
+        picture = self.blur_layers(
+            peeled, camera, view, focus, pupil_px, most_px, blur, with_axis_errors=with_axis_errors
+        )
         inner = picture[margin : margin + scaled.height, margin : margin + scaled.width]
         return np.ascontiguousarray(inner.reshape(view.height, fine, view.width, fine, 4).mean(axis=(1, 3)))
 
@@ -92,6 +96,7 @@ class SingleImageBlur:
         self,
         peeled: Layers,
         camera: Camera,
+        view: PinholeView,
         focus: PictureFocus,
         pupil_px: float,
         most_px: float,
@@ -104,6 +109,7 @@ class SingleImageBlur:
         Args:
             peeled: from the pupil's centre.
             camera: its iris and squeeze count.
+            view: the picture, in whose pixels the splats' edges are softened.
             focus: of the layers' view.
             pupil_px: the pupil's radius times the focal length, px·m of that view.
             most_px: larger circles of confusion are taken for as large.
@@ -116,7 +122,12 @@ class SingleImageBlur:
         most_px = min(most_px, MOST_DIAGONALS * float(np.hypot(focus.view.width, focus.view.height)))
         pupil_px = min(pupil_px, _MOST_PUPIL_PX)
         with Resources() as scope:
-            split = self._splitter.split(peeled, focus, pupil_px, most_px, camera.iris, camera.lens.squeeze, scope)
+            wide = focus.view
+            pupil_m = pupil_px / max(wide.fx, wide.fy)
+            splats = self._splats.painting(peeled.splats, wide, view, focus, pupil_m)(peeled)
+            split = self._splitter.split(
+                peeled, focus, pupil_px, most_px, camera.iris, camera.lens.squeeze, scope, splats
+            )
             if with_axis_errors:
                 split = replace(split, errors=self._axis_errors(camera, focus.view))
             blurred = blur.blur(split, scope)
@@ -132,6 +143,7 @@ class SingleImageBlur:
     def release(self) -> None:
         """Release the memory."""
         self._splitter.release()
+        self._splats.release()
 
 
 def largest_radius_px(focus: PictureFocus, pupil_px: float, nearest_w: float) -> float:

@@ -112,7 +112,8 @@ class Accumulator:
     ) -> None:
         """Composite a group behind the view so far, and what that lets through. After the last group add the background, and
         the view to the total."""
-        program = self._programs.compute("trace/accumulate.comp", {} if splats is None else {"SPLATS": 1})
+        defines = {} if splats is None else {"SPLATS": 1} | ({"HELD_SPLATS": 1} if splats.has_holdouts else {})
+        program = self._programs.compute("trace/accumulate.comp", defines)
         targets = group.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[group.slot // LAYERS_PER_PACK],

@@ -1,6 +1,6 @@
 """AOVs seen through the lens: each pixel's depth and ids along the chief ray, the one through the middle of the pupil.
 
-A holdout, and what it hides, counts as nothing.
+A holdout, and what it hides, counts as nothing. Gaussian splats are met where their opacity passes one half.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from render.trace.layer_view import MAX_SLOPE
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle
 from render.trace.sharpness import Sharpness, measure_sharpness
+from render.trace.splat_layers import SplatLayers
 
 MAX_AREA_RATIO = 8.0
 """Surfaces are drawn with at most this many times the picture's pixels: a lens that sees further is measured less finely."""
@@ -175,16 +176,17 @@ def is_measured(name: str) -> bool:
     return name in _MEASURES or bool(primvar_of(name))
 
 
-def chief_hits(peeler: Peeler, view: PinholeView, chief: ChiefRays | None) -> SurfaceHits:
-    """Trace each pixel's chief ray to the first surface.
+def chief_hits(peeler: Peeler, view: PinholeView, chief: ChiefRays | None, splats: SplatLayers) -> SurfaceHits:
+    """Trace each pixel's chief ray to the first surface, or to splats that hide half of it.
 
     Args:
         peeler: with the scene loaded.
         view: the picture.
         chief: the lens's chief rays; None where they are straight.
+        splats: finds the scene's splats.
     """
     if chief is None:
-        return read_hits(peeler, view)
+        return splats.hide(read_hits(peeler, view), peeler.splats, view)
     x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
     slopes = np.stack([(x - view.cx) / view.fx, (y - view.cy) / view.fy], axis=-1)
     seen = chief.undistort_slopes(slopes)
@@ -205,7 +207,7 @@ def chief_hits(peeler: Peeler, view: PinholeView, chief: ChiefRays | None) -> Su
     )
     column = (seen[..., 0] - left).astype(int)
     row = (seen[..., 1] - top).astype(int)
-    return read_hits(peeler, wide).at(row, column)
+    return splats.hide(read_hits(peeler, wide), peeler.splats, wide).at(row, column)
 
 
 def _scale(seen: DoubleArray, view: PinholeView) -> float:

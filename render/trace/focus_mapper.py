@@ -19,6 +19,7 @@ from render.trace.aovs import chief_hits, cocs_px, depths_m
 from render.trace.bundles import BundleMaker
 from render.trace.picture_focus import picture_focus
 from render.trace.rays import make_ray_pattern
+from render.trace.splat_layers import SplatLayers
 
 _KEPT = 2
 """Depths that are kept: those of a preview and of the picture at rest."""
@@ -30,10 +31,11 @@ class FocusMapper:
 
     Args:
         bundles: makes the lens's rays.
+        splats: finds the splats that chief rays meet.
     """
 
-    def __init__(self, bundles: BundleMaker) -> None:
-        self._bundles = bundles
+    def __init__(self, bundles: BundleMaker, splats: SplatLayers) -> None:
+        self._bundles, self._splats = bundles, splats
         self._kept: OrderedDict[tuple[object, ...], _Kept] = OrderedDict()
 
     def measure(self, peeler: Peeler, scene: Scene, camera: Camera, view: PinholeView, wavelengths: int) -> FocusMap:
@@ -67,7 +69,7 @@ class FocusMapper:
         key = view.size, digest_of(chief)
         kept = self._kept.pop(key, None)
         if kept is None or kept[0]() is not scene or not kept[1].matches(view):
-            hits = without_holdouts(chief_hits(peeler, view, chief), peeler.index.draws)
+            hits = without_holdouts(chief_hits(peeler, view, chief, self._splats), peeler.index.draws)
             kept = ref(scene), view, hits.w
         self._kept[key] = kept
         while len(self._kept) > _KEPT:

@@ -130,7 +130,7 @@ class MotionTracer:
                 bundle = _merge_wavelengths(sweep.bundle(sample), focus, max(peeled.view.fx, peeled.view.fy), nearest_w)
                 return bundle, focus, MomentView(middle, sample.view, sample.shutter_time)
 
-            drawn = self._paint(peeled, middle, samples[len(samples) // 2], sweep)
+            drawn = self._paint(peeled, middle, samples[len(samples) // 2], sweep, with_mattes=mattes is not None)
             candidates = None
             if connections and drawn is None:
                 searched = [samples[i] for i in sorted({0, len(samples) // 2, len(samples) - 1})]
@@ -166,13 +166,15 @@ class MotionTracer:
                     on_progress((i + 1) / len(samples))
 
     def _paint(
-        self, peeled: Layers, middle: PinholeView, sample: ShutterSample, sweep: _ShutterSweep
+        self, peeled: Layers, middle: PinholeView, sample: ShutterSample, sweep: _ShutterSweep, *, with_mattes: bool
     ) -> SplatPlanes | None:
         """Draw the splats between the layers, for the focus half-way; None where the scene has none."""
         if not peeled.splats:
             return None
         focus = picture_focus(sample.camera, sample.view)
-        return self._splats.painting(peeled.splats, peeled.whole, middle, focus, sweep.bundle(sample).reach_m)(peeled)
+        pupil_m = sweep.bundle(sample).reach_m
+        paint = self._splats.painting(peeled.splats, peeled.whole, middle, focus, pupil_m, with_mattes=with_mattes)
+        return paint(peeled)
 
 
 class _ShutterSweep:

@@ -14,15 +14,21 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.lens import HeightField
 from render.optics.glass import refractive_index
+from render.optics.prescription.diffraction import reduced_mm
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.paraxial import paraxial_system, transfer
 from render.optics.prescription.surface_shape import curvature_across
 
 MAX_WAVELENGTHS = 65  # those of a spectrum, and the d line to measure colour errors from
+RAY_BYTES = 32
+"""Memory on the device of what is found of a ray."""
 _ROW = 20  # numbers of a ``LensSurface``; 12 aspheric terms in the middle
 _BICONIC = 4  # more numbers, for the curve from side to side
 _OUTLINES = 8  # more numbers behind that, for opening and obscuration
+_POLYGONS = 4  # more behind that, for the corners of polygons
 _ODD = 16  # more of one with odd powers: 12 terms and their count
+_PHASES = 16  # more behind that of one with diffractive surfaces, likewise
+_TORI = {"": 0, "upright": 1, "across": 2}
 _GROUP = 64
 
 
@@ -84,10 +90,15 @@ class SurfaceTracer:
             stop_mm=lens.stop_radius_mm,
             to_stop=near_axis + [(0.0, 1.0)] * (MAX_WAVELENGTHS - len(near_axis)),
         )
+        if lens.prescription.is_diffractive:
+            lengths = [float(reduced_mm(wavelength)) for wavelength in wavelengths_nm]
+            set_uniforms(program, reduced=lengths + [0.0] * (MAX_WAVELENGTHS - len(lengths)))
         with Resources() as scope:
             for binding, values in enumerate((_surfaces(lens, height_field), _indices(lens, wavelengths_nm), queries)):
                 scope.keep(self._ctx.buffer(values.tobytes())).bind_to_storage_buffer(binding)
-            answers = scope.keep(self._ctx.buffer(reserve=len(wavelengths_nm) * count * 32))
+            if lens.prescription.polygons:
+                scope.keep(self._ctx.buffer(_corners(lens).tobytes())).bind_to_storage_buffer(4)
+            answers = scope.keep(self._ctx.buffer(reserve=len(wavelengths_nm) * count * RAY_BYTES))
             answers.bind_to_storage_buffer(3)
             self._bind_heights(scope, program, height_field)
             program.run(-(-count // _GROUP), len(wavelengths_nm))
@@ -101,10 +112,16 @@ class SurfaceTracer:
             defines["HEIGHT_FIELD"] = 1
         if lens.prescription.is_anamorphic:
             defines["BICONIC"] = 1
+        if lens.prescription.has_tori:
+            defines["TORIC"] = 1
         if lens.prescription.outlines:
             defines["OUTLINES"] = 1
+        if lens.prescription.polygons:
+            defines["POLYGONS"] = 1
         if lens.prescription.has_odd_powers:
             defines["ODD_POWERS"] = 1
+        if lens.prescription.is_diffractive:
+            defines["PHASES"] = 1
         return self._programs.compute("lens/lens_trace.comp", defines)
 
     def _bind_heights(self, scope: Resources, program: moderngl.ComputeShader, field: HeightField | None) -> None:
@@ -136,9 +153,12 @@ def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
     surfaces, prescription = lens.prescription.surfaces, lens.prescription
     is_biconic, is_odd = prescription.is_anamorphic, prescription.has_odd_powers
     outlined = _ROW + _BICONIC * is_biconic
-    width = outlined + (_OUTLINES if prescription.outlines else 0) + _ODD * is_odd
+    polygons = outlined + (_OUTLINES if prescription.outlines else 0)
+    odd = polygons + (_POLYGONS if prescription.polygons else 0)
+    phases = odd + _ODD * is_odd
+    width = phases + _PHASES * prescription.is_diffractive
     table = np.zeros((len(surfaces), width), np.float32)
-    gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))
+    gaps, corners = np.diff(np.append(lens.vertices_mm, lens.film_mm)), 0
     for row, surface, gap in zip(table, surfaces, gaps, strict=True):
         # negative: the iris is not a rim here; the caller knows which stop points are open
         rim = -surface.semi_diameter_mm if surface.is_stop else surface.semi_diameter_mm
@@ -147,20 +167,32 @@ def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
         row[16] = len(surface.aspheric)
         if is_biconic:
             conic = surface.conic if surface.across is None else surface.across.conic
-            row[20:23] = [curvature_across(surface), conic, surface.across is not None]
-        for place, outline in ((outlined, surface.opening), (outlined + 4, surface.obscuration)):
+            row[20:24] = [curvature_across(surface), conic, surface.across is not None, _TORI[surface.torus]]
+        for place, outline in enumerate((surface.opening, surface.obscuration)):
             if outline is not None:
                 wide, high = outline.half_mm
-                row[place : place + 4] = [wide if outline.kind == "ellipse" else -wide, high, *outline.centre_mm]
+                begin = outlined + 4 * place
+                row[begin : begin + 4] = [-wide if outline.kind == "rectangle" else wide, high, *outline.centre_mm]
+            if outline is not None and outline.kind == "polygon":
+                row[polygons + 2 * place : polygons + 2 * place + 2] = [corners, len(outline.corners_mm)]
+                corners += len(outline.corners_mm)
         if is_odd:
-            row[-_ODD : len(surface.odd) - _ODD] = surface.odd
-            row[-4] = len(surface.odd)
+            row[odd : odd + len(surface.odd)] = surface.odd
+            row[odd + 12] = len(surface.odd)
+        if surface.phase:
+            row[phases : phases + len(surface.phase)] = surface.phase
+            row[phases + 12] = len(surface.phase)
     if field is not None:
         glass = [place for place, surface in enumerate(surfaces) if surface.radius_mm or not surface.is_stop]
         for index, (place, heights) in enumerate(zip((glass[0], glass[-1]), (field.front, field.back), strict=True)):
             if heights is not None:
                 table[place, 17:20] = [1 + index, heights.min(), heights.max()]
     return table
+
+
+def _corners(lens: FocusedLens) -> FloatArray:
+    """Corners ``(n, 2)`` of all polygons, in the order of the surfaces, openings first."""
+    return np.array([corner for outline in lens.prescription.polygons for corner in outline.corners_mm], np.float32)
 
 
 def _indices(lens: FocusedLens, wavelengths_nm: Sequence[float]) -> FloatArray:

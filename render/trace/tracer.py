@@ -153,6 +153,7 @@ class Tracer:
                 "CARRIED_CAMERA": moment_view is not None,
                 "MOVERS": movers is not None,
                 "SPLATS": splats is not None,
+                "HELD_SPLATS": splats is not None and splats.has_holdouts,
             },
             mattes=mattes,
         )
@@ -172,7 +173,8 @@ class Tracer:
             if mattes is not None:
                 self._mattes.bind(program, layers, _FIRST_UNIT + _LAYER_UNITS + _RAY_UNITS)
             if splats is not None:
-                splats.bind(program, _FIRST_UNIT + _LAYER_UNITS + _RAY_UNITS + 1)
+                clouds = () if mattes is None else mattes.splats
+                splats.bind(program, _FIRST_UNIT + _LAYER_UNITS + _RAY_UNITS + 1, clouds)
 
         self._is_bound, self._base_w = False, layers.view.base_w
         set_uniforms(program, **layer_uniforms(layers, view))

@@ -2,12 +2,16 @@
 // Light of a splat, to be blended over what lies behind it: in one plane of several (trace/splat_planes.glsl), or, where BETWEEN is
 // defined, between two layers of a pinhole's picture (accumulate.comp).
 // in:  splat.vert's outputs; w of the layers of the pixel (1/m; 0 empty, negative partly transparent)
-// out: premultiplied radiance and opacity
+// out: premultiplied radiance and opacity; where OWNERS is defined, in place of the radiance, the shares of three clouds in the opacity
 // Kerbl et al. 2023, section 4.
 
 in vec2 spread;
 flat in vec4 light;
 flat in float w;
+#ifdef OWNERS
+flat in int owner;
+uniform int first_owner;        // of the three clouds
+#endif
 
 layout(location = 0) out vec4 out_light;
 
@@ -46,5 +50,9 @@ void main()
 {
     float opacity = light.a * exp(-0.5 * dot(spread, spread));
     if (opacity < LEAST_OPACITY || is_left_out()) discard;
+#ifdef OWNERS
+    out_light = opacity * vec4(vec3(equal(ivec3(owner - first_owner), ivec3(0, 1, 2))), 1.0);
+#else
     out_light = opacity * vec4(min(light.rgb, vec3(65000.0)), 1.0);
+#endif
 }

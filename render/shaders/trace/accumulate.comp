@@ -23,6 +23,7 @@ uniform bool is_last;
 uniform float weight;
 #ifdef SPLATS
 uniform sampler2DArray between;     // premultiplied light and opacity of the splats in front of each layer, and behind the last
+const int MOST_BETWEEN = 5;         // slices of it, behind which there are as many for the opacity of holdouts
 #endif
 
 void main()
@@ -36,6 +37,9 @@ void main()
     for (int i = 0; i <= count && (i < count || is_last); ++i) {
         vec4 splats = texelFetch(between, ivec3(pixel, i), 0);
         total += passing * splats;
+#ifdef HELD_SPLATS
+        total.a -= passing * texelFetch(between, ivec3(pixel, i + MOST_BETWEEN), 0).r;
+#endif
         passing *= 1.0 - splats.a;
         float w_here = i < count ? w[i] : 0.0;
         if (w_here == 0.0) break;

@@ -54,13 +54,10 @@ void add_to_slots(uint number, float weight)
 #endif
 }
 
-// Note the surface of a texel: what it adds to the ray's light and coverage, and its inverse depth, that of the texel: planes of
-// texels reach beyond silhouettes.
-void note_surface(ivec3 texel, vec4 light, float w)
+// Note something by its number: what it adds to the ray's light and coverage, and its inverse depth.
+void note(uint number, vec4 light, float w)
 {
     if (light.a == 0.0) return;  // a holdout
-    uvec2 surface = texelFetch(surface_ids, texel, 0).xy, object = matte_objects[surface.x - 1u];
-    uint number = matte_numbers[object.x + object.y * surface.y];
 #ifdef DEEP
     number = number << 8 | uint(clamp(STEPS_PER_OCTAVE * log2(nearest_w / w), 0.0, 255.0));
 #endif
@@ -76,6 +73,13 @@ void note_surface(ivec3 texel, vec4 light, float w)
 #ifdef DEEP
     last_light += vec4(light_share * light.rgb, ray_share * light.a * w);
 #endif
+}
+
+// Note the surface of a texel, at the inverse depth of the texel: planes of texels reach beyond silhouettes.
+void note_surface(ivec3 texel, vec4 light, float w)
+{
+    uvec2 surface = texelFetch(surface_ids, texel, 0).xy, object = matte_objects[surface.x - 1u];
+    note(matte_numbers[object.x + object.y * surface.y], light, w);
 }
 
 // Continue the table of a pixel.

@@ -15,6 +15,7 @@ from render.stage.geometry.generated import generated_varies, is_generated
 from render.stage.geometry.points_data import has_velocities
 from render.stage.geometry.polygons import BadGeometry, Polygons
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.splat_boxes import splat_place, splats_move
 from render.stage.geometry.stand_ins import stand_in_polygons
 from render.stage.geometry.subdivision.limit_places import LimitPlaces
 from render.stage.geometry.subdivision.reading import is_refined
@@ -31,6 +32,7 @@ from render.stage.materials.stand_in_looks import read_stand_in
 from render.stage.materials.textures import TextureCache
 from render.stage.opening import confinement
 from render.stage.options import StageOptions
+from render.stage.values import SPLATS, schema_type
 from usd_schemas import FocusPoint
 
 
@@ -56,6 +58,9 @@ class AnchorSurface:
     ) -> None:
         self._prim, self._skeletons, self._log, self._displaced = prim, skeletons, log, displaced
         self._mode = mode_of(prim) if options.draw_modes else ""
+        self._is_cloud = not self._mode and schema_type(prim) == SPLATS
+        self._splats: dict[int, DoubleArray] = {}  # those that stand still
+        self._splats_move = self._is_cloud and splats_move(prim)
         self._is_generated = bool(self._mode) or is_generated(prim)
         self._reshapes = bool(self._mode) or (generated_varies(prim) if self._is_generated else faces_vary(prim))
         self._is_refined = not self._mode and is_refined(prim, options.complexity)
@@ -67,12 +72,15 @@ class AnchorSurface:
         self._moves = points is not None and (points.ValueMightBeTimeVarying() or has_velocities(prim))
 
     def find(self, point: FocusPoint, time: Usd.TimeCode) -> DoubleArray | None:
-        """``(3,)`` the place of a focus point in the prim's own space and units; None where it is on no face.
+        """``(3,)`` the place of a focus point in the prim's own space and units; None where it is on no face. Of splats, a
+        face is one of them.
 
         Raises:
-            NotFoundError: there is no such triangle.
+            NotFoundError: there is no such triangle or splat.
             BadGeometry: the faces contradict themselves, or the points are not there, or not finite.
         """
+        if self._is_cloud:
+            return None if point.face == -1 else self._splat(point, time)
         place = self._place(point, time)
         if place is None:
             return None
@@ -104,6 +112,21 @@ class AnchorSurface:
             if found is not None:
                 return found
         return np.asarray(corners[starts[face] + np.array([0, fan + 1, fan + 2])], np.int64), weights
+
+    def _splat(self, point: FocusPoint, time: Usd.TimeCode) -> DoubleArray:
+        """``(3,)`` the middle of the splat that a point's face names."""
+        place = self._splats.get(point.face)
+        if place is None:
+            place = splat_place(self._prim, point.face, time)
+        if place is None:
+            raise NotFoundError(
+                f"focus point {point.name} is on splat {point.face}, which {point.target[-1]} does not have",
+                code="anchor_not_found",
+                path=point.target[-1],
+            )
+        if not self._splats_move:
+            self._splats[point.face] = place
+        return place
 
     def _points_at(self, rows: LongArray, time: Usd.TimeCode) -> DoubleArray:
         """``(n, 3)`` where some of the surface's points are, of those that `_place` gave for this time."""

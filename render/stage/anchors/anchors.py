@@ -104,6 +104,47 @@ class AnchorReader:
         along = local - np.array(focus_point.offset, np.float64) - least
         return np.where(has_size, along / np.where(has_size, size, 1.0), 0.5)
 
+    def offset_to(self, focus_point: FocusPoint, position_m: DoubleArray, time: float) -> DoubleArray:
+        """Offset of a focus point with which it has a position.
+
+        Args:
+            focus_point: as it is at the time; its own offset does not matter.
+            position_m: ``(3,)`` metres in the world.
+            time: USD time code.
+
+        Returns:
+            ``(3,)`` as ``offset``: in the space and units of what the point is attached to.
+
+        Raises:
+            NotFoundError: what it is attached to does not exist at this time, or has no bounds to follow.
+            StageError: a transform is not finite, or flattens space; or the target's polygons cannot be used.
+        """
+        with read_quietly(self._stage):
+            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log, self._options), time)
+            unmoved = moment.local(focus_point) - np.array(focus_point.offset, np.float64)
+            return moment.local_of_world(focus_point, position_m) - unmoved
+
+    def extent(self, focus_point: FocusPoint, time: float) -> tuple[DoubleArray, DoubleArray]:
+        """Bounds in the world of what a focus point is attached to: its part, or else its target.
+
+        Args:
+            focus_point: as it is at the time.
+            time: USD time code.
+
+        Returns:
+            ``(3,)`` their middle and ``(3, 3)`` columns from there to the middles of three of their sides, metres.
+
+        Raises:
+            NotFoundError: the part, the target or its instance does not exist at this time, or it has no bounds.
+            StageError: a transform is not finite, or there are too many shapes.
+        """
+        with read_quietly(self._stage):
+            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log, self._options), time)
+            least, most = moment.bounds(focus_point)
+            middle = moment.world(focus_point, (least + most) / 2)
+            tips = [moment.world(focus_point, (least + most) / 2 + step) for step in np.diag((most - least) / 2)]
+        return middle, np.array(tips).T - middle[:, None]
+
     def positions(self, focus_points: Sequence[FocusPoint], times: Sequence[float]) -> DoubleArray:
         """Where focus points that say the same at all times are over some times.
 
@@ -288,7 +329,8 @@ class _AnchorContext:
             return np.asarray(np.linalg.solve(pose[:3, :3], position_m - pose[:3, 3]), np.float64)
         except np.linalg.LinAlgError as problem:
             path = self._sources.prim(focus_point).GetPath()
-            detail = f"focus point {focus_point.name} cannot follow the bounds of {path}, whose transform is flat"
+            follows = "follow the bounds of" if focus_point.part else "be moved on"
+            detail = f"focus point {focus_point.name} cannot {follows} {path}, whose transform is flat"
             raise StageError(f"{detail} at time {self._time.GetValue():g}") from problem
 
     def world(self, focus_point: FocusPoint, local: DoubleArray) -> DoubleArray:

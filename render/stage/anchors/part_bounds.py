@@ -14,8 +14,10 @@ from render.model.arrays import DoubleArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry
 from render.stage.geometry.skinning import Skeletons
+from render.stage.geometry.splat_boxes import splat_extent
 from render.stage.geometry.surface import resting_points
 from render.stage.options import DRAWN_PURPOSES
+from render.stage.values import SPLATS, schema_type
 
 Box = tuple[DoubleArray, DoubleArray]
 """Least and greatest corner, ``(3,)`` each."""
@@ -68,6 +70,8 @@ class Boxes:
 def _extent(shape: UsdGeom.Boundable, time: Usd.TimeCode) -> DoubleArray:
     authored = shape.GetExtentAttr()
     extent = authored.Get(time) if authored.HasAuthoredValue() else None
+    if extent is None and schema_type(shape.GetPrim()) == SPLATS:
+        extent = splat_extent(shape.GetPrim(), time)
     return np.array(UsdGeom.Boundable.ComputeExtentFromPlugins(shape, time) if extent is None else extent, np.float64)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from pxr import Usd
 
+from render.model.arrays import DoubleArray, IntArray
 from render.model.splats import MAX_SPLATS, SplatBatch, SplatCloud
 from render.stage.assembly.groups import DrawContext, note_problem, places_of, shrink
 from render.stage.assembly.inventory import Occurrence
@@ -49,25 +50,25 @@ class SplatReader:
 
     def _batch(self, number: int, occurrence: Occurrence, context: DrawContext) -> SplatBatch | None:
         """One cloud; None where it is not drawn. The same object as before where nothing has changed."""
-        if occurrence.camera_role != "seen":
-            if occurrence.camera_role == "holdout":
-                path = occurrence.path
-                context.log.add("splats_held_out", path, f"{path} is not drawn: splats cannot be held out")
+        if occurrence.camera_role not in ("seen", "holdout"):
             return None
         if is_hidden(occurrence.hiders, context.time):
             return None
         try:
-            poses, _, picked_as = places_of(occurrence, context)
+            poses, numbers, picked_as = places_of(occurrence, context)
         except PlaceError as problem:
             note_problem(problem, context.log)
             return None
         cloud = self._cloud(occurrence, context)
         if cloud is None:
             return None
-        poses = poses[context.levels.shows(occurrence.levels, len(poses))] @ shrink(context)
+        shown = context.levels.shows(occurrence.levels, len(poses))
+        poses, own_numbers = poses[shown] @ shrink(context), numbers[shown] if occurrence.chain else None
         kept = self._batches.get(number)
-        if kept is None or kept.cloud is not cloud or not np.array_equal(kept.poses, poses):
-            kept = self._batches[number] = SplatBatch(cloud, poses, context.prim_id(picked_as))
+        if kept is None or kept.cloud is not cloud or not _stands_as(kept, poses, own_numbers):
+            is_holdout = occurrence.camera_role == "holdout"
+            prim_id, source_id = context.prim_id(picked_as), context.prim_id(occurrence.path)
+            kept = self._batches[number] = SplatBatch(cloud, poses, prim_id, source_id, own_numbers, is_holdout)
         return kept
 
     def _cloud(self, occurrence: Occurrence, context: DrawContext) -> SplatCloud | None:
@@ -81,3 +82,10 @@ class SplatReader:
             except BadGeometry as problem:
                 context.log.add("bad_geometry", occurrence.path, f"{occurrence.path} is not drawn: {problem}")
         return self._clouds[key][1]
+
+
+def _stands_as(batch: SplatBatch, poses: DoubleArray, numbers: IntArray | None) -> bool:
+    """Whether a batch has these poses and these numbers of instances."""
+    own = batch.instance_numbers
+    same = own is numbers if own is None or numbers is None else np.array_equal(own, numbers)
+    return same and np.array_equal(batch.poses, poses)

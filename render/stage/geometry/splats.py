@@ -56,10 +56,34 @@ def read_splats(prim: Usd.Prim, time: Usd.TimeCode, scale: float, log: FindingLo
         raise BadGeometry(why_unreadable(problem)) from problem
 
 
-def _read(prim: Usd.Prim, time: Usd.TimeCode, scale: float, log: FindingLog) -> SplatCloud:
+def read_positions(prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray:
+    """Positions ``(n, 3)`` of a prim's splats at a time, in its own space and units.
+
+    Raises:
+        BadGeometry: there are none, or too many, or they are no list of points.
+    """
     positions = _rows(prim, "positions", 3, time)
     if positions is None:
         raise BadGeometry("it has no positions at this time")
+    return positions
+
+
+def read_ellipsoids(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[FloatArray, FloatArray]:
+    """Positions ``(n, 3)`` and axes ``(n, 3, 3)``, in columns, of a prim's splats at a time, in its own space and units.
+
+    Raises:
+        BadGeometry: there are no positions, or too many, or the lists are none.
+    """
+    positions = read_positions(prim, time)
+    scales, turns = (_rows(prim, name, width, time) for name, width in (("scales", 3), ("orientations", 4)))
+    count = min(len(rows) for rows in (positions, scales, turns) if rows is not None)
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        axes = _axes(count, *(None if rows is None else rows[:count] for rows in (scales, turns)))
+    return positions[:count], axes
+
+
+def _read(prim: Usd.Prim, time: Usd.TimeCode, scale: float, log: FindingLog) -> SplatCloud:
+    positions = read_positions(prim, time)
     lists = {name: _rows(prim, name, width, time) for name, width in (("scales", 3), ("orientations", 4))}
     lists["opacities"] = _rows(prim, "opacities", 1, time)
     per_splat, harmonics = _harmonics(prim, time, log)
@@ -102,6 +126,7 @@ def _usable(prim: Usd.Prim, cloud: SplatCloud, scale: float, log: FindingLog) ->
         cloud.harmonics[drawn],
         cloud.is_encoded,
         cloud.to_working,
+        None if drawn.all() else np.flatnonzero(drawn),
     )
 
 

@@ -14,6 +14,7 @@ from pxr import Usd, UsdGeom
 
 from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.stage.geometry.polygons import BadGeometry, Polygons
+from render.stage.geometry.splat_boxes import box_below
 from render.stage.values import UNREADABLE, why_unreadable
 
 MODES = ("origin", "bounds", "cards")
@@ -136,8 +137,7 @@ def model_box(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[DoubleArray, DoubleAr
         BadGeometry: there is nothing.
     """
     try:
-        found = UsdGeom.BBoxCache(time, list(_PURPOSES), useExtentsHint=True).ComputeUntransformedBound(prim)
-        box = found.ComputeAlignedRange()
+        box = box_below(prim, time, _PURPOSES)
     except UNREADABLE as problem:
         raise BadGeometry(why_unreadable(problem)) from problem
     low, high = np.array(box.GetMin(), np.float64), np.array(box.GetMax(), np.float64)

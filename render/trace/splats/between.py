@@ -9,11 +9,13 @@ import moderngl
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.layers.peeled import LayerGroup
-from render.layers.splats import LOW_PASS_PX2, ProjectedSplats, project_splats
+from render.layers.splats import HELD_OUT, LOW_PASS_PX2, ProjectedSplats, project_splats
 from render.layers.targets import LAYERS_PER_PACK
 from render.model.splats import SplatBatch
 from render.optics.view import PinholeView
 from render.trace.splats.drawing import SplatDrawer
+
+_HELD: dict[str, int | float | str] = {"BETWEEN": 1, "OWNERS": 1}
 
 
 class SplatsBetweenLayers(Resources):
@@ -26,7 +28,9 @@ class SplatsBetweenLayers(Resources):
         size: of the views, pixels.
 
     Attributes:
-        texture: RGBA32F array of light and opacity, premultiplied: in front of each layer of a group, and behind the last.
+        texture: RGBA32F array of light and opacity, premultiplied: in front of each layer of a group, and behind the last;
+            then as many slices again with the opacity of holdouts, where there are some.
+        has_holdouts: whether there are.
     """
 
     def __init__(
@@ -35,7 +39,10 @@ class SplatsBetweenLayers(Resources):
         super().__init__()
         self._batches = batches
         self._drawer = self.keep(SplatDrawer(ctx, programs, {"BETWEEN": 1}))
-        self.texture = self.keep(ctx.texture_array((*size, LAYERS_PER_PACK + 1), 4, dtype="f4"))
+        self.has_holdouts = any(batch.is_holdout for batch in batches)
+        self._held_drawer = self.keep(SplatDrawer(ctx, programs, _HELD)) if self.has_holdouts else None
+        slices = (1 + self.has_holdouts) * (LAYERS_PER_PACK + 1)
+        self.texture = self.keep(ctx.texture_array((*size, slices), 4, dtype="f4"))
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._splats: ProjectedSplats | None = None
 
@@ -45,23 +52,30 @@ class SplatsBetweenLayers(Resources):
 
     def draw(self, group: LayerGroup) -> None:
         """Draw the splats in front of each layer of a group, behind those before, and behind the last one of all."""
+        self._draw(self._drawer, group, 0)
+        if self._held_drawer is not None:
+            self._draw(self._held_drawer, group, LAYERS_PER_PACK + 1)
+
+    def _draw(self, drawer: SplatDrawer, group: LayerGroup, first: int) -> None:
+        """Draw the slices from the first on."""
         splats = self._splats
         if splats is None:
             return
         packs = group.targets.packed_w
-        with self._drawer.drawing():
+        with drawer.drawing():
             for number in range(group.count + group.is_last):
                 before, channel = self._before(group, number)
-                self._drawer.draw(
+                drawer.draw(
                     splats,
                     (0, len(splats.w)),
                     self.texture,
-                    number,
+                    first + number,
                     {"packed_w": packs[group.slot // LAYERS_PER_PACK], "before_w": packs[before]},
                     channel=number if number < group.count else -1,
                     before_channel=channel,
                     corner_px=(0.0, 0.0),
                     texel_scale=1.0,
+                    first_owner=HELD_OUT,
                 )
 
     def _before(self, group: LayerGroup, number: int) -> tuple[int, int]:

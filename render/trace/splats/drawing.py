@@ -1,4 +1,4 @@
-"""Draws splats far to near into a texture: one quad for each, blended over what is behind it."""
+"""Draws splats far to near: one quad for each, blended over what is behind it."""
 
 from __future__ import annotations
 
@@ -18,6 +18,73 @@ _SPLATS_AT_ONCE = 1 << 19
 """Splats of one buffer: 24 MiB, which every device takes."""
 
 
+class SplatQuads:
+    """Draws ranges of projected splats into what is bound. The splats that were drawn last stay on the device.
+
+    Args:
+        ctx: context of the device.
+        programs: its programs.
+        fragment: fragment shader behind ``splats/splat.vert``.
+        defines: of both.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, fragment: str, defines: dict[str, int | float | str]
+    ) -> None:
+        self._ctx = ctx
+        self._program = programs.drawing("splats/splat.vert", fragment, defines)
+        self._quad = ctx.vertex_array(self._program, [])
+        self._uploaded: tuple[ProjectedSplats, int, moderngl.Buffer] | None = None
+
+    def draw(
+        self,
+        splats: ProjectedSplats,
+        rows: tuple[int, int],
+        size: tuple[int, int],
+        textures: dict[str, moderngl.Texture],
+        **uniforms: object,
+    ) -> None:
+        """Draw some splats.
+
+        Args:
+            splats: splats in a view.
+            rows: first of them that is drawn, and one past the last.
+            size: of what they are drawn into, pixels.
+            textures: textures that the shader reads, by name.
+            uniforms: other uniforms of the shader.
+        """
+        for unit, (name, texture) in enumerate(textures.items()):
+            texture.use(unit)
+            set_uniforms(self._program, **{name: unit})
+        set_uniforms(self._program, target_px=tuple(map(float, size)), last_row=len(splats.w) - 1, **uniforms)
+        first, last = rows
+        while first < last:
+            begin = first - first % _SPLATS_AT_ONCE
+            stop = min(last, begin + _SPLATS_AT_ONCE)
+            self._upload(splats, begin).bind_to_storage_buffer(_RECORDS)
+            set_uniforms(self._program, first=first - begin, begin=begin)
+            self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=stop - first)
+            first = stop
+
+    def release(self) -> None:
+        """Release the memory."""
+        if self._uploaded is not None:
+            self._uploaded[2].release()
+            self._uploaded = None
+        self._quad.release()
+
+    def _upload(self, splats: ProjectedSplats, begin: int) -> moderngl.Buffer:
+        """Buffer of the splats from ``begin`` on."""
+        if self._uploaded is not None:
+            if self._uploaded[0] is splats and self._uploaded[1] == begin:
+                return self._uploaded[2]
+            self._uploaded[2].release()
+            self._uploaded = None
+        buffer = self._ctx.buffer(np.ascontiguousarray(splats.records[begin : begin + _SPLATS_AT_ONCE]).tobytes())
+        self._uploaded = splats, begin, buffer
+        return buffer
+
+
 class SplatDrawer:
     """Draws ranges of projected splats into slices of texture arrays.
 
@@ -29,9 +96,7 @@ class SplatDrawer:
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache, defines: dict[str, int | float | str]) -> None:
         self._ctx, self._framebuffer = ctx, int(GL.glGenFramebuffers(1))
-        self._program = programs.drawing("splats/splat.vert", "splats/splat.frag", defines)
-        self._quad = ctx.vertex_array(self._program, [])
-        self._uploaded: tuple[ProjectedSplats, int, moderngl.Buffer] | None = None
+        self._quads = SplatQuads(ctx, programs, "splats/splat.frag", defines)
 
     @contextmanager
     def drawing(self) -> Iterator[None]:
@@ -74,34 +139,9 @@ class SplatDrawer:
         width, height, _ = target.size
         GL.glViewport(0, 0, width, height)
         GL.glClearBufferfv(GL.GL_COLOR, 0, np.zeros(4, np.float32))
-        for unit, (name, texture) in enumerate(textures.items()):
-            texture.use(unit)
-            set_uniforms(self._program, **{name: unit})
-        set_uniforms(self._program, target_px=(float(width), float(height)), **uniforms)
-        first, last = rows
-        while first < last:
-            begin = first - first % _SPLATS_AT_ONCE
-            stop = min(last, begin + _SPLATS_AT_ONCE)
-            self._upload(splats, begin).bind_to_storage_buffer(_RECORDS)
-            set_uniforms(self._program, first=first - begin)
-            self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=stop - first)
-            first = stop
+        self._quads.draw(splats, rows, (width, height), textures, **uniforms)
 
     def release(self) -> None:
         """Release the memory."""
-        if self._uploaded is not None:
-            self._uploaded[2].release()
-            self._uploaded = None
-        self._quad.release()
+        self._quads.release()
         GL.glDeleteFramebuffers(1, [self._framebuffer])
-
-    def _upload(self, splats: ProjectedSplats, begin: int) -> moderngl.Buffer:
-        """Buffer of the splats from ``begin`` on."""
-        if self._uploaded is not None:
-            if self._uploaded[0] is splats and self._uploaded[1] == begin:
-                return self._uploaded[2]
-            self._uploaded[2].release()
-            self._uploaded = None
-        buffer = self._ctx.buffer(np.ascontiguousarray(splats.records[begin : begin + _SPLATS_AT_ONCE]).tobytes())
-        self._uploaded = splats, begin, buffer
-        return buffer

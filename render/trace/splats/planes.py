@@ -21,9 +21,9 @@ import numpy as np
 from render.errors import GraphicsError
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.peeled import Layers
-from render.layers.splats import LOW_PASS_PX2, ProjectedSplats, project_splats
+from render.layers.splats import HELD_OUT, LOW_PASS_PX2, ProjectedSplats, project_splats
 from render.model.arrays import DoubleArray, LongArray
-from render.model.splats import SplatBatch
+from render.model.splats import MOST_MATTE_CLOUDS, SplatBatch
 from render.optics.view import PinholeView
 from render.trace.picture_focus import PictureFocus
 from render.trace.splats.bins import MOST_PLANES, bin_edges
@@ -47,12 +47,15 @@ class SplatPlan:
         edges: ``(n + 1,)`` rows of the splats, far to near, between which the bins lie.
         places: ``(n, 3)`` mean, least and greatest w of each bin's splats, 1/m, far to near.
         texel_scale: texels of the planes per layer pixel.
+        owners: clouds whose shares in the opacity are drawn too: the first of three for each slice of a plane behind its light;
+            `HELD_OUT` for holdouts.
     """
 
     splats: ProjectedSplats
     edges: LongArray
     places: DoubleArray
     texel_scale: float
+    owners: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,25 +63,31 @@ class SplatPlanes:
     """Planes over some layers; valid until the next drawing.
 
     Attributes:
-        texture: RGBA16F, a slice for each plane, near to far.
+        texture: RGBA16F, a slice for each plane, near to far; with mattes of several clouds, as many again for each three of
+            them, with their shares in the opacity.
         places: ``(n, 2)`` w of each, and the greatest w of its splats, 1/m.
         scale: texture coordinates per layer pixel.
         corner: layer pixel, counted in the whole picture's layers, at the texture's corner.
+        has_holdouts: whether the first slices behind the planes' own have the opacity of holdouts.
     """
 
     texture: moderngl.TextureArray
     places: DoubleArray
     scale: tuple[float, float]
     corner: tuple[float, float]
+    has_holdouts: bool = False
 
-    def bind(self, program: moderngl.ComputeShader, unit: int) -> None:
-        """Bind the planes as ``trace/splat_planes.glsl`` reads them."""
+    def bind(self, program: moderngl.ComputeShader, unit: int, clouds: Sequence[int] = ()) -> None:
+        """Bind the planes as ``trace/splat_planes.glsl`` reads them; ``clouds``: numbers of the clouds for mattes."""
         places = np.zeros((MOST_PLANES, 2))
         places[: len(self.places)] = self.places
         self.texture.use(unit)
         set_uniforms(program, splat_planes=unit, splat_count=len(self.places))
         set_uniforms(program, splat_scale=self.scale, splat_corner=self.corner)
         set_uniforms(program, splat_places=[tuple(place) for place in places.tolist()])
+        if clouds:
+            numbers = [*clouds, *[0] * (MOST_MATTE_CLOUDS - len(clouds))]
+            set_uniforms(program, cloud_count=len(clouds), cloud_numbers=numbers)
 
 
 class SplatPainter:
@@ -91,7 +100,9 @@ class SplatPainter:
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx = ctx
+        self._programs = programs
         self._drawer = SplatDrawer(ctx, programs, {})
+        self._sharer: SplatDrawer | None = None
         self._texture: moderngl.TextureArray | None = None
         self._projected: tuple[Sequence[SplatBatch], float, ProjectedSplats] | None = None
 
@@ -103,6 +114,8 @@ class SplatPainter:
         focus: PictureFocus,
         pupil_m: float,
         held: tuple[int, int] | None = None,
+        *,
+        with_mattes: bool = False,
     ) -> SplatPlan | None:
         """Cut the splats of a picture into bins; None where it sees none.
 
@@ -113,7 +126,9 @@ class SplatPainter:
             focus: where it is focused.
             pupil_m: radius of the pupil.
             held: size of the layers that are traced at once; None for all.
+            with_mattes: whether clouds are told apart.
         """
+        owners = _owners(batches, with_mattes=with_mattes)
         w_f, pupil = focus.over_picture()
         focus_w = float(w_f.min()), float(w_f.max())
         pupil_px = max(view.fx, view.fy) * pupil_m * float(pupil.max())
@@ -127,12 +142,12 @@ class SplatPainter:
             edges = bin_edges((float(splats.w[0]), float(splats.w[-1])), focus_w, pupil_px)
             rows = np.searchsorted(splats.w, edges[::-1][1:-1].astype(np.float32))
             rows = np.unique(np.array([0, *rows, len(splats.w)], np.int64))
-            most = float(np.sqrt(MOST_BYTES / (8.0 * (len(rows) - 1) * width * height)))
+            most = float(np.sqrt(MOST_BYTES / (8.0 * (1 + len(owners)) * (len(rows) - 1) * width * height)))
             if texels <= most:
                 break
             texels = 0.99 * most
         places = [_place(splats, first, last) for first, last in pairwise(rows.tolist())]
-        return SplatPlan(splats, rows, np.array(places), texels)
+        return SplatPlan(splats, rows, np.array(places), texels, owners)
 
     def draw(self, plan: SplatPlan, layers: Layers) -> SplatPlanes:
         """Draw the planes over layers, which may be a part of those that were planned for."""
@@ -141,23 +156,29 @@ class SplatPainter:
         first = [int(np.floor(place * texels)) for place in layers.origin]
         width, height = (int(np.ceil(side * texels)) + 1 for side in layers.view.size)
         corner = first[0] / texels, first[1] / texels
-        texture = self._allocate((width, height, count))
-        with self._drawer.drawing():
-            for number in range(count):
-                far, near = plan.places[count - 1 - number, 1:]
-                rows = int(plan.edges[count - 1 - number]), int(plan.edges[count - number])
-                self._drawer.draw(
-                    plan.splats,
-                    rows,
-                    texture,
-                    number,
-                    {"packed_w": layers.targets.packed_w[0]},
-                    corner_px=corner,
-                    layers_px=tuple(map(float, layers.origin)),
-                    texel_scale=texels,
-                    bin=(float(far), float(near)),
-                )
-        return SplatPlanes(texture, plan.places[::-1, [0, 2]], (texels / width, texels / height), corner)
+        texture = self._allocate((width, height, (1 + len(plan.owners)) * count))
+        if plan.owners and self._sharer is None:
+            self._sharer = SplatDrawer(self._ctx, self._programs, {"OWNERS": 1})
+        for kind, owner in enumerate((-1, *plan.owners)):
+            drawer = self._drawer if kind == 0 or self._sharer is None else self._sharer
+            with drawer.drawing():
+                for number in range(count):
+                    far, near = plan.places[count - 1 - number, 1:]
+                    rows = int(plan.edges[count - 1 - number]), int(plan.edges[count - number])
+                    drawer.draw(
+                        plan.splats,
+                        rows,
+                        texture,
+                        kind * count + number,
+                        {"packed_w": layers.targets.packed_w[0]},
+                        corner_px=corner,
+                        layers_px=tuple(map(float, layers.origin)),
+                        texel_scale=texels,
+                        bin=(float(far), float(near)),
+                        first_owner=owner,
+                    )
+        scale = texels / width, texels / height
+        return SplatPlanes(texture, plan.places[::-1, [0, 2]], scale, corner, HELD_OUT in plan.owners)
 
     def release(self) -> None:
         """Release the memory."""
@@ -166,6 +187,8 @@ class SplatPainter:
             self._texture = None
         self._projected = None
         self._drawer.release()
+        if self._sharer is not None:
+            self._sharer.release()
 
     def _project(self, batches: Sequence[SplatBatch], wide: PinholeView, low_pass_px2: float) -> ProjectedSplats:
         kept = self._projected
@@ -185,6 +208,12 @@ class SplatPainter:
             self._texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
             self._texture.repeat_x = self._texture.repeat_y = False
         return self._texture
+
+
+def _owners(batches: Sequence[SplatBatch], *, with_mattes: bool) -> tuple[int, ...]:
+    """`SplatPlan.owners`: holdouts where there are some, and with mattes of several clouds all of them."""
+    held = (HELD_OUT,) if any(batch.is_holdout for batch in batches) else ()
+    return held + tuple(range(0, len(batches), 3) if with_mattes and len(batches) > 1 else ())
 
 
 def _low_pass_px2(scale: float, texels: float) -> float:

@@ -12,7 +12,8 @@ from render.gl.cancellation import Cancelled
 from render.lab.reference.aberrate import aberrate
 from render.lab.reference.metrics import psnr_db
 from render.model.arrays import FloatArray
-from render.model.lens import AberrationScales, DataSheet
+from render.model.data_sheet import DataSheet
+from render.model.lens import AberrationScales
 from render.model.moment import Moment
 from render.model.scene import Dome, Scene
 from render.optics.photometry.illuminance import light_over_picture

@@ -14,7 +14,8 @@ from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
-from render.model.lens import DataSheet, IrisShape, Lens, SeidelErrors
+from render.model.data_sheet import DataSheet
+from render.model.lens import IrisShape, Lens, SeidelErrors
 from render.model.scene import Scene
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from render.engines import Engine, register, unregister
 from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
@@ -178,8 +179,16 @@ def test_a_click_gives_the_depth_where_splats_hide_half(renderer: FrameRenderer)
 
 def test_engines_that_cannot_show_splats_say_so(renderer: FrameRenderer) -> None:
     scene = scene_of(captured_set(10))
-    with pytest.raises(SettingsError, match="shows no Gaussian splats"):
-        renderer.render(scene, CAMERA, replace(SHARP, engine="scatter"))
+
+    class Bare(Engine):
+        name, summary = "bare", "shows surfaces alone"
+
+    register(Bare)
+    try:
+        with pytest.raises(SettingsError, match="shows no Gaussian splats"):
+            renderer.render(scene, CAMERA, replace(SHARP, engine="bare"))
+    finally:
+        unregister(Bare)
     with pytest.raises(SettingsError, match="deep picture"):
         renderer.render(scene, CAMERA, replace(SHARP, engine="lens", deep=True))
 

@@ -46,6 +46,7 @@ class FlagEngine(Engine):
     rank = 10
     uses_image_space = True
     preview = "blur"
+    draws_splats = True
 
     def __init__(self, device: Device) -> None:
         from render.postblur.flag_blur import FlagBlur

@@ -40,6 +40,7 @@ class GatherEngine(Engine):
     rank = 30
     uses_image_space = True
     preview = "blur"
+    draws_splats = True
 
     def __init__(self, device: Device) -> None:
         from render.postblur.gather import GatherBlur

@@ -44,6 +44,7 @@ class ImportanceEngine(Engine):
     rank = 50
     uses_image_space = True
     preview = "blur"
+    draws_splats = True
 
     def __init__(self, device: Device) -> None:
         from render.postblur.importance import ImportanceBlur

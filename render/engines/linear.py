@@ -45,6 +45,7 @@ class LinearEngine(Engine):
     rank = 40
     uses_image_space = True
     preview = "blur"
+    draws_splats = True
 
     def __init__(self, device: Device) -> None:
         from render.postblur.linear import LinearBlur

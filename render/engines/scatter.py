@@ -44,6 +44,7 @@ class ScatterEngine(Engine):
     uses_image_space = True
     draws_axis_aberrations = True
     preview = "blur"
+    draws_splats = True
 
     def __init__(self, device: Device) -> None:
         from render.postblur.scatter import ScatterBlur

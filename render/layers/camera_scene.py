@@ -1,6 +1,6 @@
-"""Scenes as a camera sees them: without other cameras' back plates, and with a headlight where there is no light.
+"""Scenes as a camera sees them: without other cameras' back plates, and with a headlight where one is asked for.
 
-The headlight is a light at the camera, as in usdrecord.
+The headlight is a light at the camera, as in usdrecord, with a faint dome, which shows metals.
 """
 
 from __future__ import annotations
@@ -22,16 +22,18 @@ class CameraScenes:
         self._lit: tuple[Scene, DoubleArray, Scene] | None = None
 
     def scene(self, scene: Scene, camera: Camera) -> Scene:
-        """Return the scene as a camera sees it; with a faint dome beside a headlight, which shows metals."""
+        """Return the scene as a camera sees it. A headlight's dome gives way to that of the stage where both light."""
         if self._seen is None or self._seen[0] is not scene or self._seen[1] != camera.path:
             self._seen = (scene, camera.path, scene.seen_by(camera.path))
         return self._add_headlight(self._seen[2], camera.world_from_camera)
 
     def _add_headlight(self, scene: Scene, pose: DoubleArray) -> Scene:
-        if scene.lights or scene.dome is not None or not scene.camera_light:
+        is_lit = bool(scene.lights) or scene.dome is not None
+        if scene.lit_by == "stage" or (scene.lit_by == "auto" and is_lit):
             return scene
         if self._lit is None or self._lit[0] is not scene or not np.array_equal(self._lit[1], pose):
             light = Light("distant", (0.8 * np.pi,) * 3, pose, casts_shadow=False, path="camera light")
             dome = Dome((0.2, 0.2, 0.2), np.eye(4), visible=False, path="camera light")
-            self._lit = (scene, pose, replace(scene, lights=(light,), dome=dome))
+            lights, dome = ((light, *scene.lights), scene.dome or dome) if scene.lit_by == "both" else ((light,), dome)
+            self._lit = (scene, pose, replace(scene, lights=lights, dome=dome))
         return self._lit[2]

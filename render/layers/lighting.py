@@ -9,9 +9,11 @@ import numpy as np
 
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
+from render.layers.dome_gloss import GLOSS_LEVELS, DomeGloss
 from render.layers.dome_irradiance import IRRADIANCE_UNIT, irradiance_image
 from render.layers.drawing_space import DrawingSpace
 from render.layers.index import Draw
+from render.layers.light_filters import filter_options, pack_filters, place_filters
 from render.layers.light_links import LinkSets
 from render.layers.light_parts import light_parts
 from render.layers.light_profiles import ProfileMaps
@@ -38,6 +40,7 @@ class Lighting:
         self._profiles = ProfileMaps(ctx)
         self._dome_map = _dome_texture(None)
         self._irradiance_map = _texture_around(irradiance_image(None))
+        self._gloss = DomeGloss(ctx, programs)
         self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
         self._maps = ShadowMaps(renderer.draw_shadow, ctx, programs)
 
@@ -68,32 +71,36 @@ class Lighting:
         for path, slot in paths.items() if any(draw.batch.links.unshadowed for draw in draws) else ():
             own = [draw for draw in draws if path not in draw.batch.links.unshadowed]
             casting[slot.first : slot.first + slot.count] = [own] * slot.count
-        soft = {slot.first + i for slot in self._plan.slots.values() if slot.outline[2] for i in range(slot.count)}
-        return self._maps.cast(self._plan.clip_from_world, casting, soft)
+        return self._maps.cast(self._plan.clip_from_world, casting)
 
     def options(self, *, is_sketch: bool) -> dict[str, int | float | str]:
         """Defines of the shaders that light surfaces, by what the scene's lights need; shadows of sketches are hard."""
         soft = () if is_sketch else self._plan.slots.values()
-        return lighting_options(self._lights, soft) | self._links.options
+        dome: dict[str, int | float | str] = {"GLOSS_LEVELS": GLOSS_LEVELS} if self._has_dome_image else {}
+        return lighting_options(self._lights, soft) | filter_options(self._lights) | self._links.options | dome
 
     def bind(self, view: PinholeView) -> None:
         """Bind the lighting of surfaces, in the space that they are drawn in."""
         dome_map = self._dome_map
         world_from_camera = np.asarray(np.linalg.inv(DrawingSpace.of_view(view).from_world), np.float64)
-        mips = int(np.log2(max(dome_map.width, dome_map.height)))
         slots, profiles = self._plan.slots, self._profiles.profiles
-        block = pack_lights(self._parts, self._dome, mips, world_from_camera, slots, profiles)
+        first_filters = place_filters(self._lights)
+        block = pack_lights(self._parts, self._dome, dome_map.height, world_from_camera, slots, profiles, first_filters)
+        filters = pack_filters(self._parts, world_from_camera)
         rows = [self._lights[i].path for i in row_order(self._parts, self._plan.slots)]
         links = self._links.pack(rows, self._dome.path if self._dome is not None else "")
-        self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera, links)
+        self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera, links, filters)
 
-    def bind_maps(self) -> None:
+    def bind_maps(self, *, is_sketch: bool) -> None:
         """Bind the dome's images, the shadow maps and the profiles to their texture units, which other passes may use too."""
+        slots = () if is_sketch else self._plan.slots.values()
+        soft = {slot.first + i for slot in slots if slot.outline[2] for i in range(slot.count)}
+        self._maps.bind(soft)
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
         self._dome_map._bind()
         GL.glActiveTexture(GL.GL_TEXTURE0 + IRRADIANCE_UNIT)
         self._irradiance_map._bind()
-        self._maps.bind()
+        self._gloss.bind()
         self._profiles.bind()
 
     def draw_background(self, view: PinholeView, targets: LayerTargets) -> None:
@@ -118,15 +125,28 @@ class Lighting:
         """Release the memory on the device."""
         self._maps.release()
         self._profiles.release()
+        self._gloss.release()
         self._dome_map.delete()
         self._irradiance_map.delete()
 
+    @property
+    def _has_dome_image(self) -> bool:
+        return self._dome is not None and self._dome.image is not None
+
     def _load_dome(self, dome: Dome | None) -> None:
         image = dome.image if dome is not None else None
+        if image is (self._dome.image if self._dome is not None else None):
+            self._dome = dome
+            return
         texture, irradiance = _dome_texture(dome), _texture_around(irradiance_image(image))
         self._dome_map.delete()
         self._irradiance_map.delete()
         self._dome, self._dome_map, self._irradiance_map = dome, texture, irradiance
+        self._gloss.release()
+        if self._has_dome_image:
+            GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
+            texture._bind()
+            self._gloss.fill()
 
 
 def _dome_texture(dome: Dome | None) -> HalfTexture:

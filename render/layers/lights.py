@@ -75,11 +75,13 @@ def lighting_options(lights: Sequence[Light], slots: Collection[ShadowSlot]) -> 
         lights: lights that are drawn.
         slots: their shadow slots; none where all shadows are hard.
     """
+    is_soft = any(slot.outline[2] for slot in slots)
     needs = {
         "TUBES": any(light.kind == "cylinder" for light in lights),
         "PROFILES": any(light.profile is not None for light in lights),
         "FOCUSED": any(light.focus > 0 for light in lights),
-        "SOFT_SHADOWS": any(slot.outline[2] for slot in slots),
+        "SOFT_SHADOWS": is_soft,
+        "COLORED_SHADOWS": is_soft and any(light.image is not None and light.casts_shadow for light in lights),
     }
     return {name: 1 for name, is_needed in needs.items() if is_needed}
 
@@ -93,25 +95,27 @@ def row_order(parts: Sequence[Sequence[Light]], shadows: Mapping[int, ShadowSlot
 def pack_lights(
     parts: Sequence[Sequence[Light]],
     dome: Dome | None,
-    dome_mips: int,
+    dome_rows: int,
     world_from_camera: DoubleArray,
     shadows: dict[int, ShadowSlot],
     profiles: Sequence[FloatArray] = (),
+    filters: Mapping[int, int] | None = None,
 ) -> bytes:
     """The std140 bytes of ``LightBlock``, in the space of the camera.
 
     Args:
         parts: lights, each as the lights that it is drawn as (`render.layers.light_parts`); at most `MAX_LIGHTS` together.
         dome: dome light, or None.
-        dome_mips: mip level at which the dome's image is one texel.
+        dome_rows: rows of the dome's image.
         world_from_camera: ``(4, 4)``.
         shadows: shadow slots by index in ``parts``.
         profiles: the lights' profiles, in the order of their texture's layers.
+        filters: number of the first filter by index in ``parts``, of lights whose filters are drawn.
     """
     camera_from_world = np.asarray(np.linalg.inv(world_from_camera), np.float64)
     head = np.zeros((2, 4), np.float32)
     order = row_order(parts, shadows)
-    head[0] = [len(order), dome is not None, max(dome_mips - 2, 0), sum(i in shadows for i in order)]
+    head[0] = [len(order), dome is not None, dome_rows, sum(i in shadows for i in order)]
     dome_from_camera = np.eye(4)
     radiance = np.zeros(4)
     if dome is not None:
@@ -123,6 +127,8 @@ def pack_lights(
     for row, (part, i, number) in enumerate(drawn):
         rows[row] = _light_rows(part, camera_from_world, shadows.get(i))
         rows[row, 9, 3] = 0 if number else len(parts[i])
+        if filters and i in filters:
+            rows[row, 7, 3], rows[row, 8, 3] = filters[i], len(part.filters)
         rows[row, 6, 3] = next((n for n, profile in enumerate(profiles, 1) if profile is part.profile), 0)
     blocks = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
     return np.concatenate([np.asarray(part, np.float32).ravel() for part in blocks]).tobytes()

@@ -165,6 +165,10 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
                 self.defines["GRAPH_OBJECT_SPACE"] = 1
             if material.unlit:
                 self.defines["GRAPH_UNLIT"] = 1
+            if material.graph.has_sheen:
+                self.defines["GRAPH_SHEEN"] = 1
+            if material.graph.has_film:
+                self.defines["GRAPH_FILM"] = 1
             self.functions = material.graph.functions
             self.block = np.array(material.graph.numbers, np.float32).tobytes()
             return

@@ -372,7 +372,7 @@ class Peeler:
         if passed and not layer.unlit:
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
-            self._lighting.bind_maps()
+            self._lighting.bind_maps(is_sketch=layer.is_sketch)
             surfaces = (draw.batch.material for draw in layer.draws)
             has_clearcoat = any(surface.may_have_coat for surface in surfaces)
             options, by_quads = self._lighting.options(is_sketch=layer.is_sketch), layer.sampling.by_quads

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import moderngl
 import numpy as np
 
+from render.errors import RefusedProgramError
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
 from render.gl.shaders import ProgramCache
@@ -29,12 +31,13 @@ from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import MOST_RADIANCE, Slot
 from render.model.arrays import DoubleArray, IndexArray
 from render.model.limits import MAX_CLIP_PLANES
+from render.model.refused_programs import REFUSED
 from render.optics.view import PinholeView
 
 OPAQUE = 0.999
 """Opacity from which a surface hides the surfaces behind it."""
 _ANY_OPACITY = 1e-6
-_MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING, _LINK_BINDING = 1, 2, 3, 4
+_MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING, _LINK_BINDING, _FILTER_BINDING = 1, 2, 3, 4, 5
 DOME_UNIT = 9  # texture unit as the shaders bind it; materials use those below 8
 _PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT, _FIRST_UNIT, _REST_UNIT = 8, 11, 12, 13, 14, 15
 
@@ -115,9 +118,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._selection = ClusterSelection(index, measurer)
         self._sketched = ClusterSelection(sketches, measurer, sketches.choose)
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
-        self._blocks = self._material_block, self._light_block, self._shadow_block, self._link_block = GL.glGenBuffers(
-            4
-        )
+        self._blocks = GL.glGenBuffers(5)
+        self._material_block, self._light_block, self._shadow_block, self._link_block, self._filter_block = self._blocks
         self.link_sets = LinkSets(())
         self._bound_material: PreviewSurface | None = None
         self._instance_colors = InstanceColors(ctx)
@@ -127,14 +129,17 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._update_context(self._index.graph, 0)
         self._instance_colors.keep(self._index.draws)
 
-    def set_lighting(self, lights: bytes, clip_from_camera: DoubleArray, links: bytes) -> None:
-        """Set the contents of ``LightBlock``, the ``(n, 4, 4)`` matrices of the shadow maps, and ``LinkBlock``, if any."""
+    def set_lighting(self, lights: bytes, clip_from_camera: DoubleArray, links: bytes, filters: bytes) -> None:
+        """Set the contents of ``LightBlock``, the ``(n, 4, 4)`` matrices of the shadow maps, and, if any, ``LinkBlock`` and
+        ``FilterBlock``."""
         matrices = np.zeros((MAX_SHADOW_MAPS, 4, 4), np.float32)
         matrices[: len(clip_from_camera)] = clip_from_camera.transpose(0, 2, 1)
         _fill_uniform_buffer(self._light_block, lights, _LIGHT_BINDING)
         _fill_uniform_buffer(self._shadow_block, matrices.tobytes(), _SHADOW_BINDING)
         if links:
             _fill_uniform_buffer(self._link_block, links, _LINK_BINDING)
+        if filters:
+            _fill_uniform_buffer(self._filter_block, filters, _FILTER_BINDING)
 
     def visible_draws(self, view: PinholeView, *, is_sketch: bool = False) -> list[Draw]:
         """Draws that may reach into a view, of the sketches' index or of the render index."""
@@ -158,6 +163,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             self._draw_pass(layer, drawn, OPAQUE if faded else _ANY_OPACITY)
             if faded:
                 self._draw_pass(layer, faded, _ANY_OPACITY, fill=True)
+        except RefusedProgramError:
+            self._refuse_others(unlit=layer.unlit)
+            raise
         finally:
             self._end()
 
@@ -256,6 +264,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
                 self._bind_draw(draw, program, space, cull=not shows_backs)
                 for share in self._splitter.split_depth(ranges):
                     self._draw_range(program, share)
+        except RefusedProgramError:
+            self._refuse_others(unlit=False)
+            raise
         finally:
             self._end()
 
@@ -364,6 +375,16 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         if draw.may_be_transparent:
             defines |= {"MAY_BE_TRANSPARENT": 1, "LEAST_OPACITY": least_opacity}
         return self._program("layers/surface.frag", draw, defines)
+
+    def _refuse_others(self, *, unlit: bool) -> None:
+        """Compile the other networks of the scene, so that a picture is begun anew once, not for each that the driver refuses."""
+        tried = {""}
+        for draw in self._index.draws:
+            functions = draw.node.mesh.primitives[0].material.functions
+            if functions not in tried and REFUSED.reason(functions) is None:
+                tried.add(functions)
+                with suppress(RefusedProgramError):
+                    self._surface_program(draw, _ANY_OPACITY, unlit=unlit, moving=None, clip_planes=0)
 
     def _program(self, fragment: str, draw: Draw, defines: dict[str, object]) -> SourceProgram:
         primitive = draw.node.mesh.primitives[0]

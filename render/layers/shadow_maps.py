@@ -30,13 +30,11 @@ class _CachedMap:
         view: ``(4, 4)`` clip from world.
         draws: all draws that cast shadows in it.
         still: those of them that are in the cached map of still draws.
-        is_soft: whether it has a pyramid of nearest casters.
     """
 
     view: DoubleArray
     draws: tuple[Draw, ...]
     still: tuple[Draw, ...] = ()
-    is_soft: bool = False
 
 
 class ShadowMaps:
@@ -53,6 +51,7 @@ class ShadowMaps:
         self._cells: ShadowCells | None = None
         self._all, self._still = _Maps(), _Maps()
         self._cast: dict[int, _CachedMap] = {}
+        self._has_cells: set[int] = set()
 
     @property
     def texture(self) -> int:
@@ -60,20 +59,30 @@ class ShadowMaps:
         self._all.reserve(1)
         return self._all.texture
 
-    def bind(self) -> None:
-        """Bind the maps to their texture unit, and their cells, where lights have a size."""
+    def bind(self, soft: Collection[int]) -> None:
+        """Bind the maps to their texture unit, and the cells of some of them, which are built where they are out of date.
+
+        Args:
+            soft: maps whose cells are needed.
+        """
+        if soft and self._cells is None:
+            self._cells = ShadowCells(
+                self._ctx, self._programs, self._all.texture, SHADOW_MAP_SIDE_PX, self._all.layers
+            )
         GL.glActiveTexture(GL.GL_TEXTURE0 + SHADOW_UNIT)
         GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, self.texture)
         if self._cells is not None:
+            for layer in sorted(set(soft) - self._has_cells):
+                self._cells.build(layer)
+                self._has_cells.add(layer)
             self._cells.bind()
 
-    def cast(self, views: DoubleArray, casting: Sequence[Sequence[Draw]], soft: Collection[int]) -> bool:
+    def cast(self, views: DoubleArray, casting: Sequence[Sequence[Draw]]) -> bool:
         """Draw the maps that have changed.
 
         Args:
             views: ``(n, 4, 4)`` clip from world of each map.
             casting: all draws that cast shadows, for each map.
-            soft: maps of lights with a size.
 
         Returns:
             Whether any map was drawn.
@@ -81,22 +90,16 @@ class ShadowMaps:
         if self._all.reserve(len(views)):
             self._cast = {}
             self._release_cells()
-        if soft and self._cells is None:
-            self._cells = ShadowCells(
-                self._ctx, self._programs, self._all.texture, SHADOW_MAP_SIDE_PX, self._all.layers
-            )
         changed = False
         for layer, (view, draws) in enumerate(zip(views, casting, strict=True)):
             last = self._cast.get(layer)
             if last is not None and not np.array_equal(last.view, view):
                 last = None
-            if last is not None and _ids(last.draws) == _ids(draws) and last.is_soft >= (layer in soft):
+            if last is not None and _ids(last.draws) == _ids(draws):
                 continue
             self._cast.pop(layer, None)  # until it is drawn
-            drawn = self._draw_map(layer, view, tuple(draws), last, len(views))
-            if self._cells is not None and layer in soft:
-                self._cells.build(layer)
-            self._cast[layer] = replace(drawn, is_soft=layer in soft)
+            self._has_cells.discard(layer)
+            self._cast[layer] = self._draw_map(layer, view, tuple(draws), last, len(views))
             changed = True
         return changed
 
@@ -132,6 +135,7 @@ class ShadowMaps:
         if self._cells is not None:
             self._cells.release()
         self._cells = None
+        self._has_cells = set()
 
 
 class _Maps:

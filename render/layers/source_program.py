@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from render.errors import RefusedProgramError
 from render.gl.compat import GL, pyrender
 from render.gl.shaders import SHADER_DIR, load_source
+from render.model.refused_programs import REFUSED
 
 
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
@@ -15,12 +17,23 @@ class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc
         self, fragment: str, defines: dict[str, object], maps: tuple[tuple[str, int], ...], functions: str = ""
     ) -> None:
         """Compile a program; ``maps`` are the names of the material's samplers, and their texture units, and ``functions`` those
-        of its network."""
+        of its network.
+
+        Raises:
+            RefusedProgramError: the driver refuses the functions, which are in `REFUSED` from then on.
+        """
         self._functions = functions
         super().__init__(str(SHADER_DIR / "layers/surface.vert"), str(SHADER_DIR / fragment), defines=defines)
         self.maps = maps
         self._locations: dict[str, int] = {}
-        self._add_to_context()
+        try:
+            self._add_to_context()
+        except RuntimeError as problem:
+            if not functions:
+                raise
+            reason = " ".join(str(problem.args[0] if problem.args else problem).split())[:300]
+            REFUSED.add(functions, reason)
+            raise RefusedProgramError(f"the program of a network of nodes is refused: {reason}") from problem
 
     def _load(self, shader_filename: str) -> str:
         source = load_source(Path(shader_filename).relative_to(SHADER_DIR).as_posix(), self.defines)

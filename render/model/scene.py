@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.face_places import FacePlaces
+from render.model.light_filters import LightFilter
 from render.model.splats import SplatBatch
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
@@ -90,6 +91,8 @@ class SurfaceGraph:
         reads_place: whether geometries hold the place in the prim's own space where they hold colours otherwise.
         may_be_transparent: whether a fragment may be wholly or partly transparent.
         opacity: share of what is behind that it hides, as far as it is known without the device.
+        has_sheen: whether it may have a sheen.
+        has_film: whether it may have a thin film.
     """
 
     functions: str
@@ -97,6 +100,8 @@ class SurfaceGraph:
     reads_place: bool = False
     may_be_transparent: bool = False
     opacity: float = 1.0
+    has_sheen: bool = False
+    has_film: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,6 +315,7 @@ class Light:
             the middle of each; columns by the angle from -Z, from 0 to pi. None for 1.
         focus: exponent of the cosine from the light's axis, ahead or behind, that multiplies its light; 0 for none.
         focus_tint: ``(3,)`` colour that the light fades to off its axis.
+        filters: what its light goes through.
         casts_shadow: UsdLuxShadowAPI.
         shadow_color: ``(3,)`` share of its light that its shadows keep.
         shadow_reach_m: how far from what casts it a shadow falls; infinity for any distance.
@@ -335,6 +341,7 @@ class Light:
     profile: FloatArray | None = None
     focus: float = 0.0
     focus_tint: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    filters: tuple[LightFilter, ...] = ()
     casts_shadow: bool = True
     shadow_color: tuple[float, float, float] = (0.0, 0.0, 0.0)
     shadow_reach_m: float = float("inf")
@@ -367,6 +374,10 @@ class Dome:
     path: str = ""
 
 
+LitBy = Literal["auto", "stage", "camera", "both"]
+"""Lights of a picture: the stage's, or one at the camera where there are none; the stage's; one at the camera; or both."""
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """Everything that is drawn, at one time. The camera travels beside it, not in it.
@@ -378,7 +389,7 @@ class Scene:
         prim_paths: the paths that prim ids index.
         time: USD time code.
         stage_from_world: ``(4, 4)`` float64, to the stage's own units and up axis.
-        camera_light: a light at the camera is added where there is no other.
+        lit_by: lights that it is drawn with.
         material_paths: the paths that material ids index.
         version: two scenes of equal versions show the same; None where nothing is known.
         splats: Gaussian splats, which are no surfaces: neither lit nor picked, and casting no shadows.
@@ -390,7 +401,7 @@ class Scene:
     prim_paths: tuple[str, ...] = ()
     time: float = 0.0
     stage_from_world: DoubleArray = field(default_factory=lambda: np.eye(4))
-    camera_light: bool = True
+    lit_by: LitBy = "auto"
     material_paths: tuple[str, ...] = ()
     version: Hashable = None
     splats: tuple[SplatBatch, ...] = ()

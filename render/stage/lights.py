@@ -22,6 +22,7 @@ from render.stage.color_spaces import rgb_to_working, space_of, to_rec709
 from render.stage.dome_formats import FORMATS, latlong_image
 from render.stage.findings import FindingLog
 from render.stage.geometry.skinning import Skeletons
+from render.stage.light_filters import FilterReader, saturate
 from render.stage.limits import PlaceError
 from render.stage.materials.image_files import TextureError
 from render.stage.materials.textures import TextureCache
@@ -58,6 +59,7 @@ class LightReader:
         self._stage, self._textures, self._log = stage, textures, log
         self._world = world_from_stage(stage)
         self._skeletons, self._complexity = skeletons, complexity
+        self._filters = FilterReader(self._world, log)
         self._profiles: dict[tuple[str, float, bool], FloatArray] = {}
         self._converted: tuple[Image, str, Image] | None = None
         self._confined_to = confinement(stage)
@@ -116,9 +118,23 @@ class LightReader:
             what = "a volume that shines" if prim.HasAPI(UsdLux.VolumeLightAPI) else kind or "its kind"
             self._log.add("unsupported_light", path, f"light {path} is not honoured: {what} is not supported")
             return None
-        light = reader(prim, world_pose(prim, transforms, self._world), transforms)
+        light, peak = reader(prim, world_pose(prim, transforms, self._world), transforms), 1.0
+        if light is not None and prim.GetRelationship("light:filters").HasAuthoredTargets():
+            filtering = self._filters.read(prim, transforms)
+            light = replace(
+                light,
+                radiance=saturate(light.radiance, filtering.saturation),
+                diffuse=light.diffuse * filtering.diffuse,
+                specular=light.specular * filtering.specular,
+                filters=filtering.filters,
+            )
+            peak = filtering.peak
+            if light.image is not None and filtering.saturation != 1:
+                message = f"light {path} is textured: its filters' saturation acts on its color, not on its texture"
+                self._log.add("unsupported_filter", path, message)
+        measures = (light.radius_m, light.width_m, light.height_m, light.length_m, light.angle_rad) if light else ()
         if light is not None and not _in_range(
-            light.radiance, light.radius_m, light.width_m, light.height_m, light.length_m, light.angle_rad
+            light.radiance, (peak * light.diffuse, peak * light.specular), *measures
         ):
             self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
             return None
@@ -133,13 +149,17 @@ class LightReader:
         if schema_type(prim) == "DomeLight_1" and self._pole_is_z(prim, time):
             pose = pose @ _Z_UP_FROM_Y_UP
         radiance = _radiance(prim, time, self._log)
-        if not _in_range(radiance):
-            path = prim.GetPath()
-            self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
-            radiance = (0.0, 0.0, 0.0)
-        responses = (_number(prim, f"inputs:{name}", time) for name in ("diffuse", "specular"))
-        diffuse, specular = (number if abs(number) <= _MAX_RADIANCE else 0.0 for number in responses)
+        diffuse, specular = (_number(prim, f"inputs:{name}", time) for name in ("diffuse", "specular"))
         path = str(prim.GetPath())
+        if prim.GetRelationship("light:filters").HasAuthoredTargets():
+            filtering = self._filters.read(prim, transforms)
+            diffuse, specular = diffuse * filtering.diffuse, specular * filtering.specular
+            if filtering.filters or filtering.saturation != 1:
+                message = f"dome {path} is filtered as a whole: barn doors, ramps and saturation are not honoured"
+                self._log.add("unsupported_filter", path, message)
+        if not _in_range(radiance, (diffuse, specular)):
+            self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
+            radiance, diffuse, specular = (0.0, 0.0, 0.0), 0.0, 0.0
         return Dome(radiance, pose, self._dome_image(prim, time), diffuse=diffuse, specular=specular, path=path)
 
     def _pole_is_z(self, prim: Usd.Prim, time: Usd.TimeCode) -> bool:
@@ -341,9 +361,16 @@ def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float]:
     return min(angle, float(np.pi)), min(max(_number(prim, "inputs:shaping:cone:softness", time), 0.0), 1.0)
 
 
-def _in_range(radiance: RGB, *measures: float) -> bool:
-    """Whether a light's numbers can be reckoned with in single precision, and so are finite at all."""
-    return all(abs(channel) <= _MAX_RADIANCE for channel in radiance) and all(
+def _in_range(radiance: RGB, responses: tuple[float, float], *measures: float) -> bool:
+    """Whether a light's numbers can be reckoned with in single precision, and so are finite at all.
+
+    Args:
+        radiance: of the light.
+        responses: multipliers of its diffuse response and of its highlights.
+        measures: lengths (m) and angles.
+    """
+    shining = (channel * response for channel in radiance for response in (1.0, *responses))
+    return all(abs(number) <= _MAX_RADIANCE for number in (*shining, *responses)) and all(
         abs(measure) <= _MAX_MEASURE for measure in measures
     )
 

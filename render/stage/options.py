@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
+
+from render.model.scene import LitBy
 
 Resolver = Literal["root", "inherit"]
 
@@ -12,6 +14,7 @@ COMPLEXITIES = ("auto", "low", "medium", "high", "veryhigh")
 PURPOSES = ("default", "render", "proxy", "guide")
 DRAWN_PURPOSES = ("default", "render")
 """Purposes that are drawn where nobody says which."""
+LIGHTS: tuple[LitBy, ...] = get_args(LitBy)
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class StageOptions:
         complexity: one of `COMPLEXITIES`: ``auto`` refines subdivision surfaces until their edges are within a quarter of a
             pixel; ``low`` draws their control meshes, and the others refine them in 1, 2 or 3 steps.
         cull_backfaces: leave out back faces of what is not ``doubleSided``; as in usdrecord, both sides are drawn otherwise.
-        camera_light: a stage without lights is lit by one at the camera.
+        lit_by: one of `LIGHTS`: ``auto`` lights by the stage, or by a light at the camera where the stage has no lights.
         dome_visible: the camera sees the dome behind everything; it lights either way.
         draw_modes: models are drawn by their draw modes; else as they are.
         session_layer: goes into the session layer, below the edits.
@@ -45,7 +48,7 @@ class StageOptions:
     unloaded: bool = False
     complexity: str = "auto"
     cull_backfaces: bool = False
-    camera_light: bool = True
+    lit_by: LitBy = "auto"
     dome_visible: bool = True
     draw_modes: bool = True
     session_layer: Path | None = None

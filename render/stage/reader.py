@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom
 
+from render.model.refused_programs import REFUSED
 from render.model.scene import Batch, Dome, Scene
 from render.stage.assembly.groups import DrawContext, Group
 from render.stage.assembly.inventory import Inventory, take_inventory
@@ -29,6 +30,7 @@ from render.stage.materials.bindings import binding_purposes
 from render.stage.materials.looks import LookReader
 from render.stage.materials.textures import TextureCache
 from render.stage.materials.tile_check import TileCheck
+from render.stage.notes import is_note
 from render.stage.opening import composition_findings, confinement, read_quietly
 from render.stage.options import DEFAULT_OPTIONS, StageOptions
 from render.stage.population import note_unloaded
@@ -96,6 +98,7 @@ class StageReader:
         self._tiles = TileCheck()
         self._subdivision: Levels = {}
         self._changes = 0
+        self._refused = REFUSED.count
         self._identity = object()
         self._listener = Tf.Notice.Register(Usd.Notice.ObjectsChanged, self._on_change, stage)
 
@@ -125,6 +128,11 @@ class StageReader:
             StageError: a transform is not finite, or a file turns out to be damaged.
         """
         at = Usd.TimeCode(time)
+        if self._refused != REFUSED.count:
+            self._refused = REFUSED.count
+            if self._plan is not None and self._plan.looks.has_refused:  # other materials stand in for some
+                self._plan = None
+                self._changes += 1
         with read_quietly(self._stage):
             if self._plan is None:
                 self._scene = None
@@ -179,7 +187,7 @@ class StageReader:
             tuple(self._prim_ids),
             time.GetValue(),
             stage_from_world=np.asarray(np.linalg.inv(context.world), np.float64),
-            camera_light=self._options.camera_light,
+            lit_by=self._options.lit_by,
             material_paths=tuple(self._material_ids),
             version=(self._identity, self._changes, time, camera_path if plan.follows_camera else ""),
             splats=splats,
@@ -218,7 +226,7 @@ class StageReader:
         self._note_up_axis()
         lights = LightReader(self._stage, self._textures, skeletons, self._log, self._options.complexity)
         levels = LevelChooser(self._stage, inventory.level_roots, self._log)
-        subdivision = SubdivisionChooser(surfaces, self._options.complexity, self._log, cutter.displaced)
+        subdivision = SubdivisionChooser(inventory.surfaces, self._options.complexity, self._log, cutter.displaced)
         return _Plan(
             inventory,
             groups,
@@ -271,7 +279,7 @@ class StageReader:
     def _on_change(self, notice: Usd.Notice.ObjectsChanged, _sender: object) -> None:
         # The first edit below a prim creates an empty `over` for it, which USD reports without changed fields.
         info_only = [path for path in notice.GetChangedInfoOnlyPaths() if notice.GetChangedFields(path)]
-        paths = [*notice.GetResyncedPaths(), *info_only]
+        paths = [path for path in (*notice.GetResyncedPaths(), *info_only) if not is_note(path)]
         if not all(self._is_only_a_camera(path) for path in paths):
             self._plan = None
             self._changes += 1

@@ -6,6 +6,8 @@ from pxr import Usd
 
 # Errors of arithmetic on such values, or on numbers out of range.
 UNREADABLE = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError)
+SPLATS = "ParticleField3DGaussianSplat"
+"""Type of a prim that holds Gaussian splats."""
 
 
 def schema_type(prim: Usd.Prim) -> str:

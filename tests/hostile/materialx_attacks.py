@@ -188,6 +188,37 @@ def _graphs() -> Texts:
     yield "loop/graph", document('<input name="normal" nodegraph="G" output="o"/>', graph)
     chain = "".join(turn.format(f"N{step}", f"N{step + 1}") for step in range(20_000))
     yield "loop/chain", document('<input name="normal" nodename="N0"/>', chain)
+    lobes = BODY.replace("standard_surface", "surface").format
+    link = '<input name="bsdf" type="BSDF" nodename="b"/>'
+    both = '<input name="in1" type="BSDF" nodename="{0}"/><input name="in2" type="BSDF" nodename="{0}"/>'
+    for number, inside in enumerate(
+        (
+            f'<layer name="b" type="BSDF">{both.format("b")}</layer>',
+            f'<add name="b" type="BSDF">{both.format("n150")}</add><conductor_bsdf name="n0" type="BSDF"/>'
+            + "".join(
+                f'<mix name="n{n}" type="BSDF">{both.format(f"n{n - 1}").replace("in1", "fg").replace("in2", "bg")}'
+                '<input name="mix" type="float" nodename="t"/></mix>'
+                for n in range(1, 151)
+            )
+            + '<texcoord name="t" type="vector2"/>',
+            '<dielectric_bsdf name="b" type="BSDF"><input name="ior" type="float" value="-1"/>'
+            '<input name="roughness" type="vector2" value="nan"/><input name="tint" value="1e15,1e15,1e15"/>'
+            '<input name="scatter_mode" value="{}"/></dielectric_bsdf>',
+            '<multiply name="b" type="BSDF"><input name="in2" type="matrix44" value="1"/></multiply>',
+            '<oren_nayar_diffuse_bsdf name="b" type="float"><input name="color" type="string" value="x"/>'
+            '<input name="weight" type="float" nodename="b"/></oren_nayar_diffuse_bsdf>',
+        )
+    ):
+        yield f"loop/lobes-{number}", f"<materialx>{lobes(link, inside)}</materialx>"
+    add = '<add name="n{}" type="float">{}</add>'
+    sums = "".join(add.format(n, both.format(f"n{n - 1}").replace("BSDF", "float")) for n in range(1, 100))
+    for number, height in enumerate(
+        ('nodename="n99"', 'nodename="D"', 'value="nan"', 'value="1e15"', 'nodename="I"', 'nodegraph="D" output="D"')
+    ):
+        file = '<image name="I" type="float"><input name="file" type="filename" value="/etc/passwd"/></image>'
+        node = f'<displacement name="D"><input name="displacement" type="float" {height}/></displacement>'
+        moved = BODY.replace("</surfacematerial>", '<input name="displacementshader" nodename="D"/></surfacematerial>')
+        yield f"loop/displacement-{number}", f"<materialx>{moved.format('', sums + file + node)}</materialx>"
     surface = '<input name="surfaceshader" nodename="M"/>'
     yield "loop/material", f"<materialx><surfacematerial name='M'>{surface}</surfacematerial></materialx>"
 

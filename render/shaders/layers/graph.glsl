@@ -29,6 +29,12 @@ vec4 graph_texture(sampler2D map, vec2 uv)
     return texture(map, uv, graph_lod_bias);
 }
 
+// Further colour of the vertices, linear Rec. 709.
+vec3 graph_value_color(int i)
+{
+    return mat3(graph.rec709_from_working[0].xyz, graph.rec709_from_working[1].xyz, graph.rec709_from_working[2].xyz) * value_color(i);
+}
+
 // Normal in the prim's own space, of the facet: nothing smoother is known there.
 vec3 graph_object_normal()
 {

@@ -8,6 +8,8 @@ float reflectance_of(float ior)
     return r * r;
 }
 
+#include "layers/graph_lobes.glsl"
+
 // Amount of a clear coat of refractive index 1.5 that reflects as much.
 float coat_of(float amount, float ior)
 {
@@ -36,14 +38,17 @@ void surface_standard_surface(
     float base, vec3 base_color, float metalness, float specular, vec3 specular_color, float specular_roughness,
     float specular_ior, float transmission, vec3 transmission_color, float subsurface, vec3 subsurface_color,
     float coat, vec3 coat_color, float coat_roughness, float coat_ior, float coat_affect_color, float emission,
-    vec3 emission_color, vec3 opacity, vec3 normal, out float result)
+    vec3 emission_color, vec3 opacity, vec3 normal, float sheen, vec3 sheen_color, float sheen_roughness, float film_nm,
+    float film_ior, out float result)
 {
     vec3 tint = mix(vec3(1.0), coat_color, coat);
     vec3 diffuse = mix(base * base_color, subsurface_color, subsurface);
     diffuse = pow(max(diffuse, 0.0), vec3(1.0 + clamp(coat, 0.0, 1.0) * coat_affect_color));
     vec3 f0 = mix(reflectance_of(specular_ior) * specular * specular_color, base * base_color, metalness);
+    f0 = under_film(f0, normal, 1.0, film_nm, film_ior);
     diffuse = let_through(transmission, transmission_color, metalness, diffuse);
     set_surface(diffuse * tint, metalness, f0 * tint, specular_roughness, normal);
+    add_sheen(sheen_color * tint, sheen * (1.0 - metalness), sheen_roughness, false);
     graph_surface.emissive = emission * emission_color * tint;
     graph_surface.clearcoat = coat_of(coat, coat_ior);
     graph_surface.clearcoat_roughness = coat_roughness;
@@ -55,13 +60,16 @@ void surface_open_pbr_surface(
     float base_weight, vec3 base_color, float metalness, float specular_weight, vec3 specular_color,
     float specular_roughness, float specular_ior, float transmission, vec3 transmission_color, float subsurface,
     vec3 subsurface_color, float coat, vec3 coat_color, float coat_roughness, float coat_ior, float emission_luminance,
-    vec3 emission_color, float opacity, vec3 normal, out float result)
+    vec3 emission_color, float opacity, vec3 normal, float fuzz, vec3 fuzz_color, float fuzz_roughness, float film,
+    float film_um, float film_ior, out float result)
 {
     vec3 tint = mix(vec3(1.0), coat_color, coat);
     vec3 base = base_weight * base_color, diffuse = mix(base, subsurface_color, subsurface);
     vec3 f0 = mix(reflectance_of(specular_ior) * specular_color, base, metalness) * specular_weight;
+    f0 = under_film(f0, normal, film, 1000.0 * film_um, film_ior);
     diffuse = let_through(transmission, transmission_color, metalness, diffuse);
     set_surface(diffuse * tint, metalness, f0 * tint, specular_roughness, normal);
+    add_sheen(fuzz_color, fuzz, fuzz_roughness, true);
     graph_surface.emissive = emission_luminance * emission_color * tint;
     graph_surface.clearcoat = coat_of(coat, coat_ior);
     graph_surface.clearcoat_roughness = coat_roughness;
@@ -72,10 +80,14 @@ void surface_open_pbr_surface(
 void surface_gltf_pbr(
     vec3 base_color, float metallic, float roughness, vec3 normal, float occlusion, float transmission, float specular,
     vec3 specular_color, float ior, float alpha, int alpha_mode, float alpha_cutoff, float clearcoat,
-    float clearcoat_roughness, vec3 emissive, float emissive_strength, out float result)
+    float clearcoat_roughness, vec3 emissive, float emissive_strength, vec3 sheen_color, float sheen_roughness,
+    float iridescence, float iridescence_ior, float iridescence_nm, out float result)
 {
     vec3 f0 = mix(min(reflectance_of(ior) * specular_color, 1.0) * specular, base_color, metallic);
+    f0 = under_film(f0, normal, iridescence, iridescence_nm, iridescence_ior);
     set_surface(let_through(transmission, base_color, metallic, base_color), metallic, f0, roughness, normal);
+    float sheen = max(sheen_color.r, max(sheen_color.g, sheen_color.b));
+    add_sheen(sheen_color / max(sheen, 1e-6), sheen, sheen_roughness * sheen_roughness, false);
     graph_surface.occlusion = occlusion;
     graph_surface.emissive = emissive * emissive_strength;
     graph_surface.clearcoat = clearcoat;
@@ -106,12 +118,13 @@ void surface_UsdPreviewSurface(
 // Burley 2012, "Physically based shading at Disney": specular 1 reflects 8 % at normal incidence.
 void surface_disney_principled(
     vec3 base_color, float metallic, float roughness, float specular, float specular_tint, float clearcoat,
-    float clearcoat_gloss, float transmission, out float result)
+    float clearcoat_gloss, float transmission, float sheen, float sheen_tint, out float result)
 {
     float luminance = dot(base_color, vec3(0.2126, 0.7152, 0.0722));
     vec3 tint = luminance > 0.0 ? base_color / luminance : vec3(1.0);
     vec3 f0 = mix(0.08 * specular * mix(vec3(1.0), tint, specular_tint), base_color, metallic);
     set_surface(let_through(transmission, base_color, metallic, base_color), metallic, f0, roughness, graph_normal);
+    add_sheen(mix(vec3(1.0), base_color, sheen_tint), sheen * (1.0 - metallic), 0.3, false);
     graph_surface.clearcoat = 0.25 * clearcoat;
     graph_surface.clearcoat_roughness = sqrt(mix(0.1, 0.001, clearcoat_gloss));
     result = 0.0;
@@ -123,6 +136,26 @@ void surface_surface_unlit(
     set_surface(vec3(0.0), 0.0, vec3(0.0), 1.0, graph_normal);
     graph_surface.emissive = emission * emission_color;
     let_through(transmission, transmission_color, 0.0, vec3(0.0));
+    graph_surface.opacity = opacity;
+    result = 0.0;
+}
+
+// Lobes that render/stage/materials/mtlx/lobes.py has made one of each kind.
+void surface_surface(
+    vec3 diffuse, vec3 f0, vec3 metal, float roughness, vec3 normal, float coat, float coat_roughness, vec3 through,
+    float through_weight, vec3 emission, float opacity, vec3 sheen, float sheen_weight, float sheen_roughness, float is_fuzz,
+    float film_nm, float film_ior, out float result)
+{
+    float kept_back = through_weight > 0.0 ? 1.0 - clamp(dot(through, vec3(1.0 / 3.0)) / through_weight, 0.0, 1.0) : 0.0;
+    set_surface(diffuse + kept_back * through, 0.0, under_film(f0 + metal, normal, 1.0, film_nm, film_ior), roughness, normal);
+#ifdef UNLIT
+    graph_surface.base_color += metal;
+#endif
+    graph_transmission = dot(through, vec3(1.0 / 3.0));
+    add_sheen(sheen / max(sheen_weight, 1e-6), sheen_weight, sheen_roughness, is_fuzz > 0.5);
+    graph_surface.emissive = emission;
+    graph_surface.clearcoat = coat;
+    graph_surface.clearcoat_roughness = coat_roughness;
     graph_surface.opacity = opacity;
     result = 0.0;
 }

@@ -13,8 +13,8 @@ struct Light {
     vec4 shadow;            // first shadow map or -1, number of maps, bias towards the light (m), texel size at 1 m (m)
     vec4 tube_focus;        // half a tube along its axis (m), of others the X axis; exponent of the focus
     vec4 focus_tint;        // colour that the focus leaves off the axis; number of the profile, 0 for none
-    vec4 shadow_color;      // share of its light that shadows keep
-    vec4 shadow_origin;     // place that its shadow maps are seen from
+    vec4 shadow_color;      // share of its light that shadows keep; its first filter
+    vec4 shadow_origin;     // place that its shadow maps are seen from; number of its filters
     vec4 extent;            // half its size along X and Y, or its radius (m; distant: tangent of its half angle); its outline: 0 a point,
                             // 1 a ball, 2 a disk, 3 a rect, 4 a tube; with shadows: number of rows of its light, in the first of them
     vec4 soft;              // change of its shadow maps' depth to that of 1/distance (distant: of distance); farthest that shadows reach
@@ -22,7 +22,7 @@ struct Light {
 };
 
 layout(std140, binding = 2) uniform LightBlock {
-    vec4 count;             // number of lights; 1 with a dome; its mip for a rough surface; number of lights with shadows (the first ones)
+    vec4 count;             // number of lights; 1 with a dome; rows of its image; number of lights with shadows (the first ones)
     vec4 dome_diffuse;      // multiplier of its irradiance
     mat4 dome_from_camera;
     mat4 world_from_camera;
@@ -32,6 +32,9 @@ layout(std140, binding = 2) uniform LightBlock {
 
 layout(binding = 9) uniform sampler2D dome_map;
 layout(binding = 14) uniform sampler2D dome_irradiance;   // over pi, the first and last rows at the poles
+#ifdef GLOSS_LEVELS
+layout(binding = 15) uniform sampler2D dome_gloss;        // as rough mirrors see it: the last level of roughness 1, each before of 1/sqrt(2) of it
+#endif
 
 #ifdef LINKED
 // Lights that leave a surface out: a bit for each light, and the last one for the dome.
@@ -122,7 +125,11 @@ vec3 shaping(Light light, vec3 direction)
 #include "layers/tube.glsl"
 #endif
 
-Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v)
+#ifdef FILTERED
+#include "layers/light_filter.glsl"
+#endif
+
+Reflected whole_contribution(Light light, Reflector s, vec3 p, vec3 v)
 {
 #ifdef TUBES
     if (light.position_kind.w > 2.5) return tube_contribution(light, s, p, v);
@@ -147,6 +154,15 @@ Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v)
     return Reflected(irradiance * share.diffuse, irradiance * share.specular);
 }
 
+Reflected light_contribution(Light light, Reflector s, vec3 p, vec3 v)
+{
+    Reflected whole = whole_contribution(light, s, p, v);
+#ifdef FILTERED
+    if (light.shadow_origin.w > 0.5) whole = filtered(light, whole, p);
+#endif
+    return whole;
+}
+
 vec3 dome_irradiance_over_pi(vec3 n)
 {
     vec2 uv = latlong_uv(n);
@@ -164,13 +180,28 @@ vec3 environment_reflectance(vec3 f0, float roughness, float nv)
     return max(f0 * ab.x + ab.y, vec3(0.0));
 }
 
+// Radiance of the dome's image about a direction, as a rough mirror sees it. Where it is smoother than the first level of roughness,
+// a mip level of the image whose texels are as wide as the lobe.
+vec3 dome_seen(vec3 direction, float roughness)
+{
+#ifdef GLOSS_LEVELS
+    vec2 uv = latlong_uv(direction);
+    float level = 2.0 * log2(max(roughness, 1e-3)) + float(GLOSS_LEVELS - 1);
+    float lod = max(log2(0.82 * roughness * roughness * lighting.count.z), 0.0);
+    vec3 smooth_one = textureLod(dome_map, uv, lod).rgb, rough_one = textureLod(dome_gloss, uv, max(level, 0.0)).rgb;
+    return mix(smooth_one, rough_one, clamp(level + 1.0, 0.0, 1.0));
+#else
+    return vec3(1.0);
+#endif
+}
+
 Reflected dome_contribution(Reflector s, vec3 v)
 {
     mat3 dome = mat3(lighting.dome_from_camera);
     float nv = max(abs(dot(s.normal, v)), 1e-3);
     vec3 reflectance = environment_reflectance(s.f0, s.roughness, nv);
     vec3 mirror = normalize(dome * reflect(-v, s.normal));
-    vec3 seen = lighting.dome_radiance.rgb * textureLod(dome_map, latlong_uv(mirror), s.roughness * lighting.count.z).rgb;
+    vec3 seen = lighting.dome_radiance.rgb * dome_seen(mirror, s.roughness);
     vec3 diffuse = (1.0 - reflectance) * dome_irradiance_over_pi(normalize(dome * s.normal));
     return Reflected(s.occlusion * diffuse, s.occlusion * reflectance * seen);
 }
@@ -192,7 +223,7 @@ Reflected reflected_light(Reflector s, vec3 p, vec3 v)
         // what the light does not reach needs no shadow
         is_lit = is_lit && any(greaterThan(own.diffuse + own.specular, vec3(0.0)));
         for (int once = 0; is_lit && once < 1; ++once) {
-            vec3 visible = mix(lighting.lights[i].shadow_color.rgb, vec3(1.0), shadow_visibility(lighting.lights[i], p, s.normal));
+            vec3 visible = mix(lighting.lights[i].shadow_color.rgb, vec3(1.0), shadow_visibility(i, p, s.normal));
             sum = Reflected(sum.diffuse + visible * own.diffuse, sum.specular + visible * own.specular);
         }
         i += rows;

@@ -33,8 +33,9 @@ float hard_visibility(float map, vec3 at)
 #include "layers/soft_shadow.glsl"
 #endif
 
-float shadow_visibility(Light light, vec3 p, vec3 n)
+vec3 shadow_visibility(int row, vec3 p, vec3 n)
 {
+    Light light = lighting.lights[row];
     int map = int(light.shadow.x);
     bool distant = light.position_kind.w < 0.5;
     vec3 to_light = distant ? -light.axis_radius.xyz : light.shadow_origin.xyz - p;
@@ -45,12 +46,11 @@ float shadow_visibility(Light light, vec3 p, vec3 n)
     p += n * texel_m * (1.0 + 2.0 * (1.0 - clamp(dot(n, l), 0.0, 1.0))) + l * light.shadow.z;
     if (light.shadow.y > 1.5) map += cube_face(mat3(lighting.world_from_camera) * (p - light.shadow_origin.xyz));
     vec4 clip = shadows.clip_from_camera[map] * vec4(p, 1.0);
-    if (clip.w <= 0.0) return 1.0;
+    if (clip.w <= 0.0) return vec3(1.0);
     vec3 at = clip.xyz / clip.w;
-    if (any(greaterThan(abs(at.xy), vec2(1.0))) || at.z <= 0.0) return 1.0;
+    if (any(greaterThan(abs(at.xy), vec2(1.0))) || at.z <= 0.0) return vec3(1.0);
 #ifdef SOFT_SHADOWS
-    return light.extent.z > 0.5 ? soft_visibility(light, map, at, l, distance_m, clip.w) : hard_visibility(float(map), at);
-#else
-    return hard_visibility(float(map), at);
+    if (light.extent.z > 0.5) return vec3(soft_visibility(light, row, map, at, l, distance_m, clip.w));
 #endif
+    return vec3(hard_visibility(float(map), at));
 }

@@ -10,6 +10,28 @@
 layout(binding = 12) uniform sampler2DArray shadow_depths;    // the maps, read without comparison
 layout(binding = 13) uniform sampler2DArray shadow_cells;     // least, greatest and mean depth of 2x2, 4x4 ... texels
 
+#ifdef COLORED_SHADOWS
+#define Share vec3  // of each colour of a light with an image
+
+// Mean colour of a rect's image in a cell of its outline, from -1 to 1 along X and Y, that is no larger than its parts. These are
+// rows of the block from the light's own: from +Y down, and from +X in each line.
+vec3 cell_color(int row, vec2 middle, vec2 size)
+{
+    int parts = int(lighting.lights[row].extent.w), across = int(sqrt(float(parts)) + 0.5);
+    if (parts < 2 || lighting.lights[row].extent.z < 2.5 || lighting.lights[row].extent.z > 3.5) return vec3(1.0);
+    vec2 place = (0.5 - 0.5 * middle) * float(across), border = floor(place + 0.5);
+    vec2 beyond = clamp((place - border) / max(0.5 * size * float(across), 1e-6) + 0.5, 0.0, 1.0);
+    ivec2 last = ivec2(across - 1), second = clamp(ivec2(border), ivec2(0), last), first = clamp(ivec2(border) - 1, ivec2(0), last);
+    vec3 upper = mix(lighting.lights[row + first.y * across + first.x].radiance_area.rgb,
+                     lighting.lights[row + first.y * across + second.x].radiance_area.rgb, beyond.x);
+    vec3 lower = mix(lighting.lights[row + second.y * across + first.x].radiance_area.rgb,
+                     lighting.lights[row + second.y * across + second.x].radiance_area.rgb, beyond.x);
+    return mix(upper, lower, beyond.y);
+}
+#else
+#define Share float
+#endif
+
 const int SEARCHED = 16;
 const vec2 MOST_CELLS = vec2(2.5, 4.0);  // along half a kernel: of one that may have a caster at its edge, and of others
 
@@ -55,7 +77,7 @@ float share_hidden(vec3 depths, float threshold)
 
 // Share of a kernel around a place of the map that is deeper than a threshold; 0 where it is not needed. Its half axes are u and v
 // times a scale.
-float kernel_share(int map, vec2 uv, vec2 u, vec2 v, float scale, bool is_round, float threshold, float most_cells)
+Share kernel_share(int row, int map, vec2 uv, vec2 u, vec2 v, float scale, bool is_round, float threshold, float most_cells)
 {
     float side = float(textureSize(shadow_depths, 0).x), levels = float(textureQueryLevels(shadow_cells));
     vec2 half_size = scale * (abs(u) + abs(v));
@@ -73,12 +95,15 @@ float kernel_share(int map, vec2 uv, vec2 u, vec2 v, float scale, bool is_round,
     vec2 middle = uv * cells - 0.5;
     ivec2 first = ivec2(ceil(middle - half_size - 0.5)), count = ivec2(floor(middle + half_size + 0.5)) - first + 1;
     count = most_cells > 0.0 ? clamp(count, ivec2(0), ivec2(2.0 * most_cells) + 4) : ivec2(0);
-    float hidden = 0.0, sum = 0.0;
+    Share hidden = Share(0.0), sum = Share(0.0);
     ivec2 place = ivec2(0);
     for (int i = 0; i < count.x * count.y; ++i) {
         vec2 at = to_kernel * (vec2(first + place) - middle);
-        float weight = is_round ? clamp((1.0 - length(at)) * min(width_u, width_v) + 0.5, 0.0, 1.0)
-                                : clamp((1.0 - abs(at.x)) * width_u + 0.5, 0.0, 1.0) * clamp((1.0 - abs(at.y)) * width_v + 0.5, 0.0, 1.0);
+        Share weight = Share(is_round ? clamp((1.0 - length(at)) * min(width_u, width_v) + 0.5, 0.0, 1.0)
+                                : clamp((1.0 - abs(at.x)) * width_u + 0.5, 0.0, 1.0) * clamp((1.0 - abs(at.y)) * width_v + 0.5, 0.0, 1.0));
+#ifdef COLORED_SHADOWS
+        weight *= cell_color(row, at, 1.0 / vec2(width_u, width_v));
+#endif
         ivec3 texel = ivec3(clamp(first + place, ivec2(0), ivec2(cells_across - 1)), map);
         vec3 depths = level > 0 ? texelFetch(shadow_cells, texel, max(level - 1, 0)).rgb : texelFetch(shadow_depths, texel, 0).rrr;
         hidden += weight * share_hidden(depths, threshold);
@@ -86,7 +111,7 @@ float kernel_share(int map, vec2 uv, vec2 u, vec2 v, float scale, bool is_round,
         place.x += 1;
         if (place.x == count.x) place = ivec2(0, place.y + 1);
     }
-    return hidden / max(sum, 1e-6);
+    return hidden / max(sum, Share(1e-20));
 }
 
 // Share of a shadow that is left at its distance from the caster (UsdLux, ShadowAPI).
@@ -98,7 +123,7 @@ float shadow_strength(Light light, float apart, float distance_m, float ahead_m)
     return inside <= 0.0 ? 0.0 : pow(min(inside, 1.0), light.soft.w);
 }
 
-float soft_visibility(Light light, int map, vec3 at, vec3 l, float distance_m, float ahead_m)
+Share soft_visibility(Light light, int row, int map, vec3 at, vec3 l, float distance_m, float ahead_m)
 {
     mat4 clip = shadows.clip_from_camera[map];
     vec3 right = vec3(clip[0].x, clip[1].x, clip[2].x), up = vec3(clip[0].y, clip[1].y, clip[2].y);
@@ -136,7 +161,7 @@ float soft_visibility(Light light, int map, vec3 at, vec3 l, float distance_m, f
     // where none was met, there may still be one at the outline's edge
     float apart = count > 0.0 ? sum / count : max(between, 0.0);
     float threshold = at.z + (count > 0.0 ? 0.5 : 0.8) * least;
-    float hidden = kernel_share(map, uv, u, v, apart, is_round, threshold, is_between ? MOST_CELLS[count > 0.0 ? 1 : 0] : 0.0);
-    hidden = range.x > 0.0 ? 1.0 : hidden;
+    Share hidden = kernel_share(row, map, uv, u, v, apart, is_round, threshold, is_between ? MOST_CELLS[count > 0.0 ? 1 : 0] : 0.0);
+    if (range.x > 0.0) hidden = Share(1.0);
     return 1.0 - hidden * (is_limited ? shadow_strength(light, apart, distance_m, ahead_m) : 1.0);
 }

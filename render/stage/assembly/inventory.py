@@ -9,13 +9,14 @@ from pxr import Sdf, Tf, Usd, UsdGeom, UsdLod, UsdLux, UsdProc, UsdShade
 from render.errors import StageError
 from render.model.scene import UNLINKED, CameraRole, LightLinks
 from render.stage.assembly.draw_modes import draw_mode, is_replaced, note_no_model
+from render.stage.assembly.linked_faces import LinkedFaces
 from render.stage.findings import FindingLog
 from render.stage.geometry.stand_ins import MODES
 from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
 from render.stage.options import DRAWN_PURPOSES, PURPOSES, StageOptions
 from render.stage.render_pass import RenderPass
-from render.stage.values import schema_type
+from render.stage.values import SPLATS, schema_type
 
 _DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Prototypes of point instancers are often `over`s, to keep them from being drawn in their own place.
@@ -24,8 +25,6 @@ _INSTANCER_ATTRIBUTES = ("positions", "orientations", "orientationsf", "scales",
 # A single sample of these moves instances all the time.
 _INSTANCER_RATES = ("velocities", "accelerations", "angularVelocities")
 _MAX_NESTED_INSTANCERS = 8
-SPLATS = "ParticleField3DGaussianSplat"
-"""Type of a prim that holds Gaussian splats."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +75,7 @@ class Occurrence:
         camera_role: what the camera makes of it.
         levels: levels of detail that it is in.
         links: lights that leave it out.
+        linked_faces: faces that it is, of a mesh that lights leave out in part; None for all.
         draw_mode: draw mode of a model that is drawn by a stand-in (`render.stage.geometry.stand_ins`), else empty.
     """
 
@@ -88,6 +88,7 @@ class Occurrence:
     camera_role: CameraRole = "seen"
     levels: Levels = ()
     links: LightLinks = UNLINKED
+    linked_faces: LinkedFaces | None = None
     draw_mode: str = ""
 
     @property

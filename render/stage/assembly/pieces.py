@@ -100,15 +100,17 @@ class ShapeReader:
 
     def shape(self, piece: Piece) -> Shape | None:
         """Triangles of a piece, in the prim's space and units; None where there are none or they cannot be used."""
-        whole = self.whole(piece)
-        if whole is None or piece.part_count == 1:
+        whole, linked = self.whole(piece), piece.occurrence.linked_faces
+        if whole is None or (piece.part_count == 1 and linked is None):
             return whole
+        prim, count = piece.occurrence.prim, int(whole.face_ids.max(initial=0)) + 1
         if piece.stand_in is not None:
             owner = piece.stand_in.part_of_faces()
         else:
-            parts = bound_parts(piece.occurrence.prim, self._binding_purposes, self.time, self._log)
-            owner = face_owner(parts, int(whole.face_ids.max(initial=0)) + 1)
+            owner = face_owner(bound_parts(prim, self._binding_purposes, self.time, self._log), count)
         keep = owner[whole.face_ids] == piece.part
+        if linked is not None:
+            keep &= linked.held(prim, count, self.time, self._log)[whole.face_ids]
         return pick_faces(whole, keep) if keep.any() else None
 
     def whole(self, piece: Piece) -> Shape | None:

@@ -11,6 +11,7 @@ from pxr import Sdf, Usd, UsdGeom
 from render.stage.assembly.groups import Group, InstancedGroup, RigidGroup
 from render.stage.assembly.instance_primvars import NONE_INHERITED, inherited_by, without
 from render.stage.assembly.inventory import Occurrence
+from render.stage.assembly.linked_faces import linked_faces_vary
 from render.stage.assembly.pieces import Piece, ShapeReader, Sides
 from render.stage.findings import FindingLog
 from render.stage.geometry.displacement import Displacement, metric_of
@@ -47,7 +48,7 @@ def plan_groups(surfaces: Iterable[Occurrence], cutter: PieceCutter, log: Findin
             log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
             continue
         for piece in pieces:
-            role = surface.camera_role, surface.links
+            role = surface.camera_role, surface.links, surface.linked_faces
             if surface.chain:
                 shared[(piece.shape_key, piece.part, piece.material, piece.sides, role, surface.path)].append(piece)
             else:
@@ -91,7 +92,8 @@ class PieceCutter:
             return self._cut_stand_in(surface, surface.draw_mode)
         prim, time = surface.prim, self.shapes.time
         parts = bound_parts(prim, self.binding_purposes, time, self.log)
-        deforms = surface_varies(prim, self.skeletons) or subsets_vary(prim)
+        cuts_vary = subsets_vary(prim) or linked_faces_vary(prim, surface.linked_faces)
+        deforms = surface_varies(prim, self.skeletons) or cuts_vary
         if deforms:
             note_velocities(prim, self.log)
         double = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)) or is_ribbon(prim)

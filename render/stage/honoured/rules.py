@@ -78,6 +78,17 @@ NEUTRAL_PLUGINS = {
 }
 """Plugins of OpenUSD none of whose schemas has an effect on pictures, with the reason."""
 
+FILTER_TYPES = (
+    "PxrIntMultLightFilter",
+    "PxrBarnLightFilter",
+    "PxrRampLightFilter",
+    "PxrRodLightFilter",
+    "PxrBlockerLightFilter",
+    "PxrGoboLightFilter",
+    "PxrCookieLightFilter",
+)
+"""Types of light filters that USD does not know; the reader of lights honours or names them, where a light does."""
+
 NAMED_SCHEMAS = {
     "Gprim": "unsupported_geometry",
     "GenerativeProcedural": "unsupported_geometry",
@@ -89,7 +100,6 @@ NAMED_SCHEMAS = {
 """Schemas without rules of their own, or bases of such, with the code of the finding that the reader makes of their prims."""
 
 IGNORED_SCHEMAS = {
-    "LightFilter": "light is not filtered",
     "PluginLightFilter": "light is not filtered",
     "VisibilityAPI": "visibility and purpose alone decide",
 }
@@ -182,13 +192,14 @@ RULES = {
     ),
     "TiltShiftAPI": Rules(EVERYTHING),
     "LightAPI": Rules(
-        f"{_LIGHT} {_MULTIPLIERS}",
+        f"{_LIGHT} {_MULTIPLIERS} light:filters",
         ignored={
             "light:materialSyncMode": "a mesh that shines is drawn with its material, and its light has its own colour",
-            "light:filters": "light is not filtered",
             "light:shaderId": "the prim's type decides",
         },
     ),
+    "LightFilter": Rules("lightFilter:shaderId"),
+    "CollectionAPI:filterLink": Rules(EVERYTHING),
     "CollectionAPI:lightLink": Rules(EVERYTHING),
     "CollectionAPI:shadowLink": Rules(EVERYTHING),
     "CollectionAPI": Rules(neutral={f"collection collection:includes {_WHICH}": "a set for other properties to name"}),

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from pxr import Plug, Usd
 
-from render.stage.honoured.rules import IGNORED_SCHEMAS, NAMED_SCHEMAS, NEUTRAL_PLUGINS, RULES, Ruling
+from render.stage.honoured.rules import FILTER_TYPES, IGNORED_SCHEMAS, NAMED_SCHEMAS, NEUTRAL_PLUGINS, RULES, Ruling
 from render.stage.values import schema_type
 
 _INSTANCE = f":{Usd.SchemaRegistry.MakeMultipleApplyNameTemplate('', '')}"
@@ -43,7 +43,7 @@ def judge(prim: Usd.Prim) -> Verdict:
     info, definition, kind = prim.GetPrimTypeInfo(), prim.GetPrimDefinition(), schema_type(prim)
     applied, authored = definition.GetAppliedAPISchemas(), info.GetAppliedAPISchemas()
     verdict = Verdict([f"schema {schema}" for schema in authored if schema not in applied])
-    if info.GetTypeName() and not kind:
+    if info.GetTypeName() and not kind and info.GetTypeName() not in FILTER_TYPES:
         verdict.unknown.append(f"type {info.GetTypeName()}")
     bases = _bases(kind)
     if kind and not _is_ruled(kind):

@@ -57,26 +57,39 @@ def bound_parts(prim: Usd.Prim, purposes: Sequence[str], time: Usd.TimeCode, log
     """
     parts: list[BoundPart] = []
     subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.IsA(UsdGeom.Mesh) else []
+    count = face_count(prim, time) if subsets else 0
     for subset in subsets:
         if subset.GetElementTypeAttr().Get() != UsdGeom.Tokens.face:
             path = subset.GetPath()
             log.add("subset_ignored", path, f"geom subset {path} is not made of faces and is not honoured")
             continue
-        indices = np.array(subset.GetIndicesAttr().Get(time) or [], np.int32)
-        _note_range(subset, prim, indices, time, log)
-        parts.append(BoundPart(bound_material(subset.GetPrim(), purposes), indices))
+        parts.append(BoundPart(bound_material(subset.GetPrim(), purposes), subset_faces(subset, count, time, log)))
     parts.append(BoundPart(bound_material(prim, purposes)))
     return parts
 
 
-def _note_range(subset: UsdGeom.Subset, prim: Usd.Prim, indices: IntArray, time: Usd.TimeCode, log: FindingLog) -> None:
-    count = len(UsdGeom.Mesh(prim).GetFaceVertexCountsAttr().Get(time) or [])
+def subset_faces(subset: UsdGeom.Subset, count: int, time: Usd.TimeCode, log: FindingLog) -> IntArray:
+    """Indices ``(n,)`` int32 of a subset of faces as they are authored, which may be beyond the faces that there are.
+
+    Args:
+        subset: the subset.
+        count: faces of its mesh (`face_count`).
+        time: when.
+        log: notes indices of no face.
+    """
+    indices = np.array(subset.GetIndicesAttr().Get(time) or [], np.int32)
     if len(indices) and not 0 <= indices.min() <= indices.max() < count:
         path = subset.GetPath()
         message = (
             f"indices of geom subset {path} run from {indices.min()} to {indices.max()}, but there are {count} faces"
         )
         log.add("bad_subset", path, f"{message}: those of faces alone are honoured")
+    return indices
+
+
+def face_count(mesh: Usd.Prim, time: Usd.TimeCode) -> int:
+    """Number of faces of a mesh as they are authored at a time."""
+    return len(UsdGeom.Mesh(mesh).GetFaceVertexCountsAttr().Get(time) or [])
 
 
 def subsets_vary(prim: Usd.Prim) -> bool:

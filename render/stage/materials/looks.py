@@ -46,6 +46,12 @@ class LookReader:
         self._looks: dict[str, BoundMaterial] = {_NO_PATH: DEFAULT_LOOK}
         self._representatives: dict[Hashable, str] = {_signature(DEFAULT_LOOK): _NO_PATH}
         self._representative_of: dict[str, str] = {}
+        self._undisplaced: set[str] = set()
+
+    @property
+    def has_refused(self) -> bool:
+        """Whether the driver has refused the functions of a look since it was read."""
+        return self._materialx is not None and self._materialx.has_refused
 
     def look(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
         """The look of the material, or of a stand-in's attribute, at a path; or the default look for an empty path.
@@ -73,6 +79,14 @@ class LookReader:
     def displacement(self, path: str, time: Usd.TimeCode) -> Displacement | None:
         """The displacement of surfaces that wear the material at a path; its other textures are not read."""
         material = UsdShade.Material(self._stage.GetPrimAtPath(path))
+        if not material and path and not is_stand_in(path) and path not in self._undisplaced:
+            displacement = self._of_materialx().displacement_of_document(path)
+            self._undisplaced |= {path} if displacement is None else set()
+            return displacement
+        is_own = bool(material) and self._surface(material)[1].startswith(_MATERIALX)
+        own = material.ComputeDisplacementSource(_CONTEXT)[0] if is_own else None
+        if own and self._nodes.kind(own).startswith(_MATERIALX):
+            return self._of_materialx().displacement_of_shader(path, own, time)
         shader = material.ComputeDisplacementSource()[0] if material else None
         if not shader or self._nodes.kind(shader) != "UsdPreviewSurface":
             return None
@@ -93,11 +107,12 @@ class LookReader:
             return preview_surface_look(material, shader, time, self._nodes, self._log)
         if kind.startswith(_MATERIALX):
             look = self._of_materialx().of_shader(material, shader, time)
+            shader = material.ComputeSurfaceSource()[0]
+            is_drawn = look is not None and look.material.graph is not None
+            if not is_drawn and shader and self._nodes.kind(shader) == "UsdPreviewSurface":
+                look = preview_surface_look(material, shader, time, self._nodes, self._log)
             if look is not None:
                 return self._displaced(look, path, time)
-            shader = material.ComputeSurfaceSource()[0]
-            if shader and self._nodes.kind(shader) == "UsdPreviewSurface":
-                return preview_surface_look(material, shader, time, self._nodes, self._log)
         return self._unread(path, f"has a surface of {kind}" if kind else "has no surface that can be read")
 
     def _displaced(self, look: BoundMaterial, path: str, time: Usd.TimeCode) -> BoundMaterial:

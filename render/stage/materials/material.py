@@ -16,7 +16,7 @@ from render.stage.materials.shading import NetworkReader, Source, finite_numbers
 from render.stage.materials.texture_nodes import TextureNodes
 from render.stage.values import format_value
 
-_TOO_MANY = (
+TOO_MANY_PRIMVARS = (
     f"a material reads at most {VALUES_WIDTH} numbers of primvars beside a colour, an opacity and texture coordinates"
 )
 WHITE = (1.0, 1.0, 1.0)
@@ -251,7 +251,7 @@ class _SurfaceReader:
         primvar = ValuePrimvar(str(self._network.constant(source.shader, "varname", "")), fallback, is_color)
         at = self._add_value(primvar)
         if at is None:
-            self._ignored(usd_name, f"{usd_name} is not read from {primvar.name}: {_TOO_MANY}")
+            self._ignored(usd_name, f"{usd_name} is not read from {primvar.name}: {TOO_MANY_PRIMVARS}")
         else:
             self._values[name] = at
 
@@ -288,7 +288,7 @@ class _SurfaceReader:
             at = self._add_value(ValuePrimvar(*coordinates))
             if at is None:
                 self._ignored(
-                    "uv", f"the texture of {name} has coordinates {first[0]}, not {coordinates[0]}: {_TOO_MANY}"
+                    "uv", f"the texture of {name} has coordinates {first[0]}, not {coordinates[0]}: {TOO_MANY_PRIMVARS}"
                 )
             else:
                 self._lookups[name] = replace(self._lookups[name], uv_at=at)

@@ -99,14 +99,21 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
         (_SURFACE | {"CLIP_PLANES": 8}, ("MOVES", "INSTANCE_COLORS")),
     ],
     "layers/shade.comp": [
-        (_SURFACE | {"LINK_SETS": 256}, ("CLEARCOAT", "TUBES", "FOCUSED", "PROFILES", "SHADOW_COLORS", "LINKED"))
+        (
+            _SURFACE | {"LINK_SETS": 256, "MAX_FILTERS": 16, "RAMP_STEPS": 24},
+            ("CLEARCOAT", "TUBES", "FOCUSED", "PROFILES", "FILTERED", "LINKED"),
+        ),
+        (_SURFACE | {"SOFT_SHADOWS": 1}, ("COLORED_SHADOWS", "TUBES")),
+        (_SURFACE | {"GLOSS_LEVELS": 6}, ("CLEARCOAT",)),
     ],
     "layers/shade_list.comp": [({}, ("LINKED",))],
-    "splats/splat.frag": [({}, ("BETWEEN",))],
-    "trace/accumulate.comp": [({}, ("SPLATS",))],
+    "splats/opacity_bins.frag": [({"NUMBERED": 1}, ())],
+    "splats/splat.frag": [({}, ("BETWEEN",)), ({"OWNERS": 1}, ("BETWEEN",))],
+    "trace/accumulate.comp": [({}, ("SPLATS",)), ({"SPLATS": 1, "HELD_SPLATS": 1}, ())],
     "trace/trace.comp": [
         ({}, ("BOUND_BY_RAYS", *_TRACED)),
         ({"SPLATS": 1}, ("EIGHT_LAYERS", "MAY_BE_TRANSLUCENT", "MOVERS", "CARRIED_CAMERA")),
+        ({"SPLATS": 1, "MATTES": 1, "SLOTS": 16}, ("MAY_BE_TRANSLUCENT", "MOVERS", "DEEP", "HELD_SPLATS")),
         ({"BOUND_BY_RAYS": 1, "GRID_LENS": 1, "GRID_INSET": 0.9}, _TRACED),
         *((table, _TRACED) for table in _POLYNOMIAL),
         *((table | {"BOUND_BY_RAYS": 1}, ("SHAPED_IRIS", "CARRIED_CAMERA", "MOVERS")) for table in _POLYNOMIAL),

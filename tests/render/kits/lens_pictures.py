@@ -10,10 +10,8 @@ from render.frame import FrameSettings
 from render.lab.reference.scenes import rectangle
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
-from render.model.lens import (
-    DataSheet,
-    Lens,
-)
+from render.model.data_sheet import DataSheet
+from render.model.lens import Lens
 from render.model.scene import Batch, Dome, Material, Scene
 from tests.render.kits.lenses import KnownLens
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdShade
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from render import colour
 from render.frame import FrameRenderer
@@ -14,7 +14,7 @@ from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.scene import Material
 from render.stage import StageReader
-from tests.render.kits.stages import add_mesh, set_primvar
+from tests.render.kits.stages import add_material, add_mesh, bind, set_primvar
 
 CORNERS = ((-2, -2, -4), (2, -2, -4), (2, 2, -4), (-2, 2, -4))
 CAMERA = Camera(np.eye(4), 36, 36, 36)
@@ -61,8 +61,29 @@ def material_of(reader: StageReader, time: float = 0.0) -> Material:
     return reader.read(time).batches[0].material
 
 
-def picture(renderer: FrameRenderer, stage: Usd.Stage, side_px: int = 16, time: float = 0.0) -> FloatArray:
+def picture(
+    renderer: FrameRenderer, stage: Usd.Stage, side_px: int = 16, time: float = 0.0, shading: str = "lit"
+) -> FloatArray:
     """``(side_px, side_px, 4)`` light of the wall, linear Rec. 709, and coverage."""
-    settings = FrameSettings(side_px, side_px, rays=1, supersample=1, engine="pinhole")
+    settings = FrameSettings(side_px, side_px, rays=1, supersample=1, engine="pinhole", shading=shading)
     frame = renderer.render(StageReader(stage).read(time), CAMERA, settings)
     return colour.from_working(frame.color, "lin_rec709")
+
+
+def add_light(stage: Usd.Stage) -> None:
+    """Sun and sky."""
+    sun = UsdLux.DistantLight.Define(stage, "/sun")
+    sun.CreateIntensityAttr(3.0)
+    UsdGeom.Xformable(sun).AddRotateXYZOp().Set((-10.0, 5.0, 0.0))
+    UsdLux.DomeLight.Define(stage, "/sky").CreateIntensityAttr(0.5)
+
+
+def add_lamp(stage: Usd.Stage) -> None:
+    """Wall of radiance 2 behind all else."""
+    look = {"diffuseColor": Gf.Vec3f(0, 0, 0), "emissiveColor": Gf.Vec3f(2, 2, 2), "ior": 1.0, "roughness": 1.0}
+    add_material(stage, "/lamp", **look)
+    lamp = UsdGeom.Mesh.Define(stage, "/lamp_wall")
+    lamp.CreatePointsAttr([(-9, -9, -6), (9, -9, -6), (9, 9, -6), (-9, 9, -6)])
+    lamp.CreateFaceVertexCountsAttr([4])
+    lamp.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    bind(lamp.GetPrim(), "/lamp")

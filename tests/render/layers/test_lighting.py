@@ -10,7 +10,7 @@ import pytest
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle, sphere
 from render.layers.materials import INPUTS, LEAST_GLASS_OPACITY, HalfTexture, PreviewSurface
-from render.model.scene import Batch, Dome, Image, Light, Material, Scene, TextureLookup
+from render.model.scene import Batch, Dome, Image, Light, LitBy, Material, Scene, TextureLookup
 from render.optics.view import PinholeView
 from tests.render.kits.lit_walls import CAMERA, MATT, WALL, centre_radiance, facing_the_wall, lit
 
@@ -178,6 +178,22 @@ def test_row_0_of_an_image_is_at_the_top(renderer: FrameRenderer) -> None:
 def test_a_scene_with_no_light_is_lit_from_the_camera(renderer: FrameRenderer) -> None:
     dark = Scene((WALL,), (), None, ("/wall",))
     assert centre_radiance(renderer, dark)[0] == pytest.approx(0.5, rel=0.02)
+
+
+@pytest.mark.parametrize(("lit_by", "with_sun", "with_sky"), [("camera", 0.5, 0.5), ("both", 1.0, 0.9)])
+def test_a_lit_scene_may_be_lit_from_the_camera(
+    renderer: FrameRenderer, lit_by: LitBy, with_sun: float, with_sky: float
+) -> None:
+    """Beside the stage's lights, the faint dome gives way to the stage's."""
+    sun = Light("distant", (np.pi,) * 3, facing_the_wall(2.0), casts_shadow=False)
+    lights = replace(lit(sun, dome=None), lit_by=lit_by), replace(lit(dome=Dome((1.0,) * 3, np.eye(4))), lit_by=lit_by)
+    found = [centre_radiance(renderer, scene)[0] for scene in lights]
+    assert found == pytest.approx([with_sun, with_sky], rel=0.02)
+
+
+def test_a_scene_with_no_light_stays_dark_if_asked(renderer: FrameRenderer) -> None:
+    dark = Scene((WALL,), (), None, ("/wall",), lit_by="stage")
+    assert centre_radiance(renderer, dark)[0] == 0
 
 
 @pytest.mark.parametrize(("radius_m", "roughness"), [(0.1, 0.2), (0.2, 0.4), (0.2, 0.1), (0.5, 0.2)])

@@ -9,7 +9,7 @@ import pytest
 from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade
 
 from render.frame import FrameRenderer
-from tests.render.kits.materialx_walls import document, glowing, picture, wall
+from tests.render.kits.materialx_walls import add_lamp, add_light, document, glowing, picture, wall
 from tests.render.kits.stages import add_material, bind, set_primvar, write_picture
 
 pytestmark = pytest.mark.gl
@@ -164,13 +164,6 @@ SURFACES = {
 }
 
 
-def _light(stage) -> None:
-    sun = UsdLux.DistantLight.Define(stage, "/sun")
-    sun.CreateIntensityAttr(3.0)
-    UsdGeom.Xformable(sun).AddRotateXYZOp().Set((-10.0, 5.0, 0.0))
-    UsdLux.DomeLight.Define(stage, "/sky").CreateIntensityAttr(0.5)
-
-
 @pytest.mark.parametrize("category", list(SURFACES))
 def test_a_surface_equals_the_preview_surface(renderer: FrameRenderer, tmp_path: Path, category: str) -> None:
     inputs = "".join(
@@ -178,7 +171,7 @@ def test_a_surface_equals_the_preview_surface(renderer: FrameRenderer, tmp_path:
         for name, value in SURFACES[category].items()
     )
     stage = wall(tmp_path, document(f'<{category} name="S" type="surfaceshader">{inputs}</{category}>'))
-    _light(stage)
+    add_light(stage)
     got = picture(renderer, stage)
     add_material(stage, "/preview", **PREVIEW)
     bind(stage.GetPrimAtPath("/wall"), "/preview")
@@ -198,7 +191,7 @@ def test_a_network_in_usd_equals_a_document(renderer: FrameRenderer, tmp_path: P
         '<input name="coat" type="float" value="0.7"/></standard_surface>'
     )
     stage = wall(tmp_path, document(surface, nodes))
-    _light(stage)
+    add_light(stage)
     want = picture(renderer, stage)
     material = UsdShade.Material.Define(stage, "/mat")
     shader = UsdShade.Shader.Define(stage, "/mat/s")
@@ -244,17 +237,6 @@ def test_a_normal_map_turns_the_surface(renderer: FrameRenderer, tmp_path: Path)
         assert got == pytest.approx(0.5 / np.pi * 2 * leaning, rel=0.02)
 
 
-def _add_lamp(stage) -> None:
-    """Wall of radiance 2 behind all else."""
-    look = {"diffuseColor": Gf.Vec3f(0, 0, 0), "emissiveColor": Gf.Vec3f(2, 2, 2), "ior": 1.0, "roughness": 1.0}
-    add_material(stage, "/lamp", **look)
-    lamp = UsdGeom.Mesh.Define(stage, "/lamp_wall")
-    lamp.CreatePointsAttr([(-9, -9, -6), (9, -9, -6), (9, 9, -6), (-9, 9, -6)])
-    lamp.CreateFaceVertexCountsAttr([4])
-    lamp.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
-    bind(lamp.GetPrim(), "/lamp")
-
-
 def test_glass_reflects_and_shows_what_is_behind(renderer: FrameRenderer, tmp_path: Path) -> None:
     """Seen head-on, glass of index 1.5 keeps back 4 % of what is behind it, and reflects 4 % of the sky."""
     surface = (
@@ -262,7 +244,7 @@ def test_glass_reflects_and_shows_what_is_behind(renderer: FrameRenderer, tmp_pa
         '<input name="specular_roughness" type="float" value="0.2"/></standard_surface>'
     )
     stage = wall(tmp_path, document(surface))
-    _add_lamp(stage)
+    add_lamp(stage)
     sky = UsdLux.DomeLight.Define(stage, "/sky")
     sky.CreateIntensityAttr(0.0)
     assert picture(renderer, stage, 5)[2, 2, 0] == pytest.approx(2 * 0.96, rel=0.01)
@@ -311,7 +293,7 @@ def test_unlit_surfaces_glow_and_let_through(renderer: FrameRenderer, tmp_path: 
         '<input name="emission_color" type="color3" value="0.3,0.3,0.3"/></surface_unlit>'
     )
     stage = wall(tmp_path, document(surface))
-    _add_lamp(stage)
+    add_lamp(stage)
     assert picture(renderer, stage, 5)[2, 2, 0] == pytest.approx(2.3, rel=0.01)
 
 

@@ -11,9 +11,10 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle, sphere
+from render.layers.shadow_cells import ShadowCells
 from render.layers.shadows import light_outline
 from render.model.arrays import DoubleArray
-from render.model.scene import POINT_RADIUS_M, Batch, Light
+from render.model.scene import POINT_RADIUS_M, Batch, Image, Light
 from render.optics.view import PinholeView
 from render.trace.rays import make_ray_pattern
 from tests.render.kits.lit_walls import CAMERA, MATT, WALL, facing_the_wall, lit
@@ -34,12 +35,14 @@ def half_plane(distance_m: float = EDGE_M, turn: float = 0.0) -> Batch:
     return Batch(board, MATT, np.eye(4)[None], camera_role="unseen", double_sided=True)
 
 
-def visible_share(renderer: FrameRenderer, light: Light, *casters: Batch) -> DoubleArray:
+def visible_share(renderer: FrameRenderer, light: Light, *casters: Batch, channels: int | slice = 0) -> DoubleArray:
     """Light along the middle of the wall, over that without the casters."""
     settings = FrameSettings(WIDTH_PX, 9, rays=1, supersample=1, engine="pinhole")
     camera = replace(CAMERA, vertical_aperture_mm=36 * 9 / WIDTH_PX)
     rows = [
-        renderer.render(lit(light, batches=(NEAR_WALL, *some)), camera, settings).color[4, :, 0].astype(np.float64)
+        renderer.render(lit(light, batches=(NEAR_WALL, *some)), camera, settings)
+        .color[4, :, channels]
+        .astype(np.float64)
         for some in (casters, ())
     ]
     return np.asarray(rows[0] / rows[1])
@@ -83,6 +86,17 @@ def test_an_edge_leaves_the_share_of_the_light(renderer: FrameRenderer, name: st
     assert width_of(shown) == pytest.approx(width_of(expected), rel=0.1)
 
 
+def test_penumbrae_have_the_colours_of_an_image(renderer: FrameRenderer) -> None:
+    """Red at -X and green at +X: an edge that covers all at -X hides the red first. Blue is at +Y: it is hidden evenly."""
+    pixels = np.zeros((4, 4, 4), np.float16)
+    pixels[:, 2:, 0] = pixels[:, :2, 1] = pixels[:2, :, 2] = 1.0
+    light = Light("rect", (6.0,) * 3, facing_the_wall(LIGHT_M), width_m=1.0, height_m=0.4, image=Image(pixels))
+    shown = visible_share(renderer, light, half_plane(), channels=slice(3))
+    edge = -PLACES * (LIGHT_M - EDGE_M) / EDGE_M / 0.5
+    expected = [np.clip(-edge, 0, 1), np.clip(1 - edge, 0, 1), of_a_square(edge)]
+    np.testing.assert_allclose(shown, np.stack(expected, 1), atol=0.035)
+
+
 @pytest.mark.parametrize("turn", [0.3, 0.785])
 def test_an_edge_across_a_rect_light(renderer: FrameRenderer, turn: float) -> None:
     """The light's own shape counts: the share of a square beyond a line that is turned against it, by its points."""
@@ -92,6 +106,32 @@ def test_an_edge_across_a_rect_light(renderer: FrameRenderer, turn: float) -> No
     edge = -PLACES * np.cos(turn) * (LIGHT_M - EDGE_M) / EDGE_M
     expected = 1 - np.searchsorted(across, edge) / across.size
     np.testing.assert_allclose(visible_share(renderer, light, half_plane(turn=turn)), expected, atol=0.04)
+
+
+def test_a_sketch_builds_nothing_for_penumbrae(renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shadows of sketches are hard. The picture at rest, of the same shadow maps, has its penumbra as without the sketch."""
+    built: list[int] = []
+    build = ShadowCells.build
+
+    def note_build(cells: ShadowCells, layer: int) -> None:
+        built.append(layer)
+        build(cells, layer)
+
+    monkeypatch.setattr(ShadowCells, "build", note_build)
+    settings = FrameSettings(WIDTH_PX, 9, rays=1, supersample=1, engine="pinhole")
+    camera = replace(CAMERA, vertical_aperture_mm=36 * 9 / WIDTH_PX)
+    scenes = [lit(LIGHTS["rect"][0], batches=(NEAR_WALL, half_plane())) for _ in range(2)]
+    wanted = renderer.render(scenes[0], camera, settings).color
+    count = len(built)
+    assert count > 0
+    device = renderer.device
+    with renderer.on_device():
+        drawn = renderer.load(scenes[1], camera, settings, is_preview=True)
+        view = PinholeView.from_camera(drawn, WIDTH_PX, 9)
+        device.previewer.peel(device.peeler, drawn, view, unlit=False, sketch="always")
+        assert len(built) == count
+    np.testing.assert_array_equal(renderer.render(scenes[1], camera, settings).color, wanted)
+    assert len(built) == 2 * count
 
 
 def test_a_shadow_is_hard_where_its_caster_is_near(renderer: FrameRenderer) -> None:

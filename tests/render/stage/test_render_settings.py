@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdRender
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdRender, Vt
 
 from render.errors import SettingsError
 from render.shot import Shot
@@ -190,6 +190,21 @@ def test_instances_have_the_camera_role_of_their_own_paths() -> None:
         "/c/leaf": "unseen",
         "/many": "holdout",
     }
+
+
+def test_splats_have_the_camera_role_of_their_paths() -> None:
+    stage = new_stage()
+    for path in ("/seen", "/held", "/unseen"):
+        prim = stage.DefinePrim(path, "ParticleField3DGaussianSplat")
+        prim.GetAttribute("positions").Set(Vt.Vec3fArray([Gf.Vec3f(0)]))
+    add_pass(stage, matte__includes=["/held"], cameraVisibility__excludes=["/unseen"])
+    reader = StageReader(stage, render_pass=find_pass(stage, "/P"))
+    scene = reader.read(0)
+    assert {scene.prim_paths[batch.prim_id]: batch.is_holdout for batch in scene.splats} == {
+        "/seen": False,
+        "/held": True,
+    }
+    assert not reader.findings
 
 
 @pytest.mark.parametrize("members", [{"cameraVisibility__excludes": ["/sky"]}, {"matte__includes": ["/sky"]}])

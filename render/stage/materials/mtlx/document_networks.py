@@ -32,6 +32,8 @@ from render.stage.materials.mtlx.network import (
 _ENDLESS = "/"  # category of no node
 _MOST_HOPS = 30
 """Inputs and outputs of graphs from an input to the node that feeds it."""
+_CLOSURES = {"surfaceshader", "BSDF", "EDF"}
+"""Types of what light does: nodes that a document defines are taken apart where they give one."""
 _NOT_NODES = ("input", "output", "nodedef", "nodegraph", "implementation", "token", "geominfo", "look", "collection")
 
 
@@ -100,7 +102,8 @@ class DocumentNetworks:
                     document.version,
                     document.folder,
                     self._weights,
-                    reader.displaces(name),
+                    reader.displacement_of(name),
+                    tuple(reader.notes),
                 )
         return None
 
@@ -119,6 +122,7 @@ class _Reader:
         self._own = own
         self._count = 0
         self._depth = self._hops = 0
+        self.notes: list[str] = []
 
     def surface_of(self, name: str) -> Node | None:
         material = self._root.find("surfacematerial", name)
@@ -128,10 +132,17 @@ class _Reader:
         found = self._input(link, self._root)
         return found.source.node if found.source is not None else None
 
-    def displaces(self, name: str) -> bool:
-        """Whether the material of a name has a displacement."""
+    def displacement_of(self, name: str) -> Node | None:
+        """Node of the displacement of the material of a name: one of no category where it cannot be read."""
         material = self._root.find("surfacematerial", name)
-        return material is not None and _child(material, "input", "displacementshader") is not None
+        link = _child(material, "input", "displacementshader") if material is not None else None
+        if link is None:
+            return None
+        try:
+            found = self._input(link, self._root)
+        except (NetworkError, RecursionError):
+            return Node("", "displacementshader")
+        return found.source.node if found.source is not None else Node("", "displacementshader")
 
     def _node(self, scope: _Scope, name: str) -> Node | None:
         if name in scope.nodes:
@@ -162,7 +173,7 @@ class _Reader:
         return node
 
     def _taken_apart(self, node: Node) -> Node:
-        """The surface inside one that the document defines; any other node as it is."""
+        """The surface or lobe inside one that the document defines; any other node as it is."""
         if is_known(node.category) or node.category not in self._own:
             return node
         definition, graph, document = self._own[node.category]
@@ -193,10 +204,16 @@ class _Reader:
             return found if found.color_space else replace(found, color_space=space)
         graph, name = element.get("nodegraph"), element.get("nodename")
         if graph is not None:
-            return self._of_graph(graph, element.get("output")) or Input(kind)
-        if name is not None:
+            given = self._of_graph(graph, element.get("output"))
+            if given is not None:
+                return given
+        elif name is not None:
             node = self._node(scope, name)
-            return Input(kind, source=Link(node, element.get("output") or "")) if node is not None else Input(kind)
+            if node is not None:
+                return Input(kind, source=Link(node, element.get("output") or ""))
+        if graph is not None or name is not None:
+            owned = f"{element.get('name')} of {owner.get('name')}" if owner is not None else element.get("name") or ""
+            self.notes.append(f"{owned[:60]} is fed by {(graph or name or '')[:60]}, which the document does not have")
         value = element.get("value")
         if kind == "filename" or element.get("name") == "file":
             prefix = scope.prefix + ((owner.get("fileprefix") if owner is not None else None) or "")
@@ -226,15 +243,26 @@ def _child(parent: ET.Element, tag: str, name: str) -> ET.Element | None:
     return next((child for child in parent.findall(tag) if child.get("name") == name), None)
 
 
+def _graphs_of(document: Document) -> dict[str | None, ET.Element]:
+    """Graphs that implement definitions, by the names of these."""
+    graphs = document.root.findall("nodegraph")
+    named = {graph.get("name"): graph for graph in graphs}
+    found = {graph.get("nodedef"): graph for graph in graphs}
+    for each in document.root.findall("implementation"):
+        if each.get("nodegraph") in named:
+            found.setdefault(each.get("nodedef"), named[each.get("nodegraph")])
+    return found
+
+
 def _own_surfaces(document: Document) -> dict[str, tuple[ET.Element, ET.Element, Document]]:
-    """Definition, graph and document of the surfaces that a document defines, by category."""
+    """Definition, graph and document of the surfaces and lobes that a document defines, by category."""
     found = {}
     for each in (document, *_all_included(document)):
-        graphs = {graph.get("nodedef"): graph for graph in each.root.findall("nodegraph")}
+        graphs = _graphs_of(each)
         for definition in each.root.findall("nodedef"):
             outputs = [output.get("type") for output in definition.findall("output")]
             graph = graphs.get(definition.get("name"))
-            if outputs == ["surfaceshader"] and graph is not None:
+            if len(outputs) == 1 and outputs[0] in _CLOSURES and graph is not None:
                 found[definition.get("node") or ""] = (definition, graph, each)
     return found
 
@@ -251,11 +279,11 @@ def _definitions(document: Document, usable: Container[str]) -> list[str]:
         namespace = each.root.get("namespace")
         if namespace is not None and IDENTIFIER.fullmatch(namespace):
             root.set("namespace", namespace)
-        graphs = {graph.get("nodedef"): graph for graph in each.root.findall("nodegraph")}
+        graphs = _graphs_of(each)
         for definition in each.root.findall("nodedef"):
             graph = graphs.get(definition.get("name"))
             types = [output.get("type") for output in definition.findall("output")]
-            if graph is not None and "surfaceshader" not in types and definition.get("node") in usable:
+            if graph is not None and not set(types) & _CLOSURES and definition.get("node") in usable:
                 root.extend(_with_own_names(definition, graph, usable))
         if len(root):
             found.append(ET.tostring(root, encoding="unicode"))
@@ -265,6 +293,7 @@ def _definitions(document: Document, usable: Container[str]) -> list[str]:
 def _with_own_names(definition: ET.Element, graph: ET.Element, usable: Container[str]) -> tuple[ET.Element, ET.Element]:
     """Copies of a definition and its graph, in which what they declare has the prefix `OWN`."""
     definition, graph = copy.deepcopy(definition), copy.deepcopy(graph)
+    graph.set("nodedef", definition.get("name") or "")
     for element in (*definition.findall("input"), *definition.findall("output"), *graph.findall("output"), graph):
         element.set("name", OWN + (element.get("name") or ""))
     own = {node.get("name") for node in graph if node.tag in usable}
@@ -286,7 +315,7 @@ def _weights_of(document: Document) -> dict[str, float]:
     """Weights of the nodes that a document and those that it includes define by other nodes, by category."""
     inside: dict[str, list[str]] = {}
     for each in (document, *_all_included(document)):
-        graphs = {graph.get("nodedef"): graph for graph in each.root.findall("nodegraph")}
+        graphs = _graphs_of(each)
         for definition in each.root.findall("nodedef"):
             graph = graphs.get(definition.get("name"))
             if graph is not None and not is_known(definition.get("node") or ""):

@@ -12,7 +12,7 @@ import re
 import MaterialX as mx
 
 from render.model.scene import LEAST_GLASS_OPACITY
-from render.stage.materials.mtlx.library import PREFIX, library
+from render.stage.materials.mtlx.library import PREFIX, drawn_definition, library
 from render.stage.materials.mtlx.network import (
     IDENTIFIER,
     MOST_WEIGHT,
@@ -45,6 +45,7 @@ class ProgramWriter:
         self._files: dict[str, tuple[Input, Node, tuple[float, ...]]] = {}
         self._primvars: dict[str, tuple[str, tuple[float, ...]]] = {}
         self._names: dict[int, str] = {}
+        self._labels: dict[str, str] = {}
         self.notes: list[str] = []
 
     def write(self) -> Program:
@@ -77,6 +78,7 @@ class ProgramWriter:
         for node in self._network.nodes():
             self._add(node, wanted[id(node)])
         self._document.upgradeVersion()
+        self._leave_out_unknown()
         generator, context = library().generator(own)
         shader = generator.generate("surface", self._document.getNode("surface"), context)
         folder = self._network.folder
@@ -120,11 +122,28 @@ class ProgramWriter:
             self._document.removeNode(name)
             return self._leave_out(node)
         self._names[id(node)] = name
+        self._labels[name] = node.name or category
         return None
+
+    def _leave_out_unknown(self) -> None:
+        """Remove nodes of older versions that today's library does not have, and the links to them."""
+        nodes = self._document.getNodes()
+        unknown = {made.getName(): made.getCategory() for made in nodes if made.getNodeDef() is None}
+        for name, category in unknown.items():
+            self._note_unknown(self._labels.get(name, name), category)
+            self._document.removeNode(name)
+        for made in nodes if unknown else ():
+            if made.getName() not in unknown:
+                for each in made.getInputs():
+                    if each.getNodeName() in unknown:
+                        made.removeInput(each.getName())
 
     def _leave_out(self, node: Node) -> None:
         label = node.category or node.definition
-        self.notes.append(f"node {node.name or label} is a {label[:60]}, which the library of MaterialX does not have")
+        self._note_unknown(node.name or label, label)
+
+    def _note_unknown(self, name: str, category: str) -> None:
+        self.notes.append(f"node {name[:60]} is a {category[:60]}, which the library of MaterialX does not have")
 
     def _add_input(self, made: mx.Node, node: Node, key: str, given: Input, choices: list[mx.NodeDef]) -> None:
         kind = given.type
@@ -199,7 +218,7 @@ class ProgramWriter:
 
 def _types(network: Network) -> dict[int, str]:
     """Type of each node: its own, or that of an input that it feeds."""
-    surface = library().document.getNodeDef(SURFACES[network.surface.category].definition)
+    surface = drawn_definition(network.surface.category)
     types = {id(node): node.type for node in network.nodes()}
     for node in reversed(list(network.nodes())):
         for name, each in node.inputs.items():

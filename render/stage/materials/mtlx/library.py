@@ -53,10 +53,17 @@ def library() -> Library:
     mx.loadLibraries([f"libraries/{folder}" for folder in _FOLDERS], search_path, document)
     own = mx.createDocument()
     for category, surface in SURFACES.items():
-        theirs = document.getNodeDef(surface.definition)
+        theirs = document.getNodeDef(surface.definition) if surface.definition else None
         definition = own.addNodeDef(f"ND_{PREFIX}{category}", "float", PREFIX + category)
         for name in surface.inputs:
-            definition.addInput(name).copyContentFrom(theirs.getActiveInput(name))
+            if theirs is not None:
+                definition.addInput(name).copyContentFrom(theirs.getActiveInput(name))
+                continue
+            kind, value = surface.own[name]
+            if value:
+                definition.addInput(name, kind).setValueString(value)
+            else:
+                definition.addInput(name, kind).setDefaultGeomPropString("Nworld")
         implementation = own.addImplementation(f"IM_{PREFIX}{category}")
         implementation.setNodeDef(definition)
         implementation.setTarget("genglsl")
@@ -64,6 +71,11 @@ def library() -> Library:
         implementation.setAttribute("sourcecode", "// in layers/graph_surfaces.glsl")
     document.importLibrary(own)
     return Library(document, search_path)
+
+
+def drawn_definition(category: str) -> mx.NodeDef:
+    """Definition of our own surface of a category of `SURFACES`."""
+    return library().document.getNodeDef(f"ND_{PREFIX}{category}")
 
 
 @functools.cache

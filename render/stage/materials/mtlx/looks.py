@@ -10,25 +10,33 @@ from pxr import Sdf, Usd, UsdShade
 
 from render import colour
 from render.errors import InputError
-from render.model.scene import Image, Material, SurfaceGraph, TextureLookup, Wrap
+from render.model.refused_programs import REFUSED
+from render.model.scene import Image, Material, SurfaceGraph, TextureLookup
 from render.stage.findings import FindingLog
-from render.stage.geometry.shape import PrimvarNames
+from render.stage.geometry.displacement import Displacement
+from render.stage.geometry.shape import PrimvarNames, ValuePrimvar
 from render.stage.materials.image_files import TextureError
-from render.stage.materials.material import BoundMaterial
+from render.stage.materials.material import TOO_MANY_PRIMVARS, BoundMaterial
+from render.stage.materials.mtlx.displacement import WRAPS, read_displacement
 from render.stage.materials.mtlx.document_networks import DocumentNetworks
 from render.stage.materials.mtlx.documents import DocumentError, file_in, read_document, studio_documents
 from render.stage.materials.mtlx.generation import ProgramWriter
+from render.stage.materials.mtlx.library import drawn_definition
+from render.stage.materials.mtlx.lobes import reduce_surface
 from render.stage.materials.mtlx.network import Input, Network, NetworkError, Node
 from render.stage.materials.mtlx.opacity import is_used, may_be_transparent, opacity_of
-from render.stage.materials.mtlx.programs import GeometryUse, ImageUse, Program
+from render.stage.materials.mtlx.programs import ImageUse, Program
+from render.stage.materials.mtlx.slots import DISPLAY_COLOR, NOWHERE, GeometryUse
 from render.stage.materials.mtlx.surfaces import SURFACES, SurfaceShader
-from render.stage.materials.mtlx.udim import TileGrid, grid_of, spread_coordinates, tile_files
-from render.stage.materials.mtlx.usd_networks import surface_network
-from render.stage.materials.mtlx.values import color_of, numbers_of
+from render.stage.materials.mtlx.udim import TOKEN, TileGrid, grid_of, spread_coordinates, tile_files
+from render.stage.materials.mtlx.usd_networks import displacement_node, surface_network
+from render.stage.materials.mtlx.values import color_of, numbers_of, parse_numbers
 from render.stage.materials.textures import TextureCache
 from render.stage.world import world_from_stage
 
-_WRAPS: dict[str, Wrap] = {"constant": "black", "clamp": "clamp", "periodic": "repeat", "mirror": "mirror"}
+_MOST_LEFT_OUT = 20
+_PLAIN_GREY = 0.8
+"""Base colour of plain surfaces whose own is not known."""
 
 
 class MaterialXLooks:
@@ -44,6 +52,12 @@ class MaterialXLooks:
         self._stage, self._textures, self._log = stage, textures, log
         self._documents: dict[str, DocumentNetworks | None] = {}
         self._grids: dict[tuple[int, tuple[float, ...]], TileGrid] = {}
+        self._drawn_by: set[str] = set()
+
+    @property
+    def has_refused(self) -> bool:
+        """Whether the driver has refused the functions of a look since it was read."""
+        return any(REFUSED.reason(functions) is not None for functions in self._drawn_by)
 
     def of_document(self, path: str, time: Usd.TimeCode) -> BoundMaterial | None:
         """Look of a material prim that a .mtlx reference should have provided; None where there is none."""
@@ -56,18 +70,35 @@ class MaterialXLooks:
         except NetworkError as problem:
             self._unread(path, str(problem))
             return None
-        if network is not None and network.displaces:
-            self._note_displacement(path)
-        return self._look(path, network, time, False) if network is not None else None
+        if network is None:
+            return None
+        displacement = self._displacement(path, network.displacement, varies=False)
+        look = self._look(path, network, time, False)
+        return replace(look, displacement=displacement) if look is not None else None
+
+    def displacement_of_document(self, path: str) -> Displacement | None:
+        """Displacement of a material prim that a .mtlx reference should have provided; None where there is none."""
+        file = self._file_for(Sdf.Path(path))
+        networks = self._networks(file) if file else None
+        try:
+            network = networks.material(Sdf.Path(path).name) if networks is not None else None
+        except NetworkError:
+            return None
+        return self._displacement(path, network.displacement, varies=False) if network is not None else None
+
+    def displacement_of_shader(self, path: str, shader: UsdShade.Shader, time: Usd.TimeCode) -> Displacement | None:
+        """Displacement of a material by a shader that is a node of MaterialX; None where it is not drawn."""
+        try:
+            node, varies = displacement_node(shader, time)
+        except NetworkError:
+            node, varies = Node("", "displacementshader"), False
+        return self._displacement(path, node, varies=varies)
 
     def of_shader(
         self, material: UsdShade.Material, shader: UsdShade.Shader, time: Usd.TimeCode
     ) -> BoundMaterial | None:
         """Look of a material whose surface is a node of MaterialX; None where it is none."""
         path = str(material.GetPath())
-        source = material.ComputeDisplacementSource("mtlx")[0]
-        if source and str(source.GetIdAttr().Get() or "").startswith("ND_"):
-            self._note_displacement(path)
         try:
             found = surface_network(shader, time)
         except NetworkError as problem:
@@ -75,9 +106,30 @@ class MaterialXLooks:
             return None
         return self._look(path, found.network, time, found.varies) if found is not None else None
 
-    def _note_displacement(self, path: str) -> None:
-        message = f"in material {path}, displacement by MaterialX is not drawn: surfaces stay in place"
-        self._log.add("materialx_displacement", path, message)
+    def _displacement(self, path: str, node: Node | None, *, varies: bool) -> Displacement | None:
+        if node is None:
+            return None
+        try:
+            return read_displacement(node, lambda own, given: self._height_image(path, own, given), varies=varies)
+        except NetworkError as problem:
+            message = f"in material {path}, displacement is not drawn, since {problem}: surfaces stay in place"
+            self._log.add("materialx_displacement", path, message)
+            return None
+
+    def _height_image(self, path: str, node: Node, given: Input) -> Image | None:
+        """Image of a displacement; None, and a finding, where it cannot be read."""
+        name, space = given.value or "", _space_of(given, node)
+        try:
+            if TOKEN in name:
+                files = tile_files(given)
+                if not files:
+                    raise TextureError("has no tiles")
+                return self._textures.tiled(name, files, space, "data")[0]
+            return self._textures.image(file_in(given.folder, name), space, "data")
+        except (TextureError, InputError) as problem:
+            message = f"texture {name[:200]} {problem}; a constant displaces {path} instead"
+            self._log.add("texture_unreadable", f"{path} {name[:200]}", message)
+            return None
 
     def _unread(self, path: str, why: str) -> None:
         self._log.add("materialx_unread", path, f"material {path} is not read: {why}")
@@ -107,21 +159,43 @@ class MaterialXLooks:
         return self._documents[file]
 
     def _look(self, path: str, network: Network, time: Usd.TimeCode, varies: bool) -> BoundMaterial | None:
-        category = network.surface.category
-        shader = SURFACES.get(category)
-        if shader is None:
-            self._unread(path, f"its surface is a {category[:60]}; {', '.join(SURFACES)} are drawn")
-            return None
-        frame = 0.0 if time.IsDefault() else time.GetValue()
-        grids = spread_coordinates(network, lambda node, given: self._grid(path, node, given))
-        writer = ProgramWriter(network, frame, frame / (self._stage.GetTimeCodesPerSecond() or 24.0))
         try:
-            program = writer.write()
+            return self._drawn(path, network, time, varies)
         except NetworkError as problem:
             self._unread(path, str(problem))
             return None
-        for note in writer.notes:
+
+    def _drawn(self, path: str, network: Network, time: Usd.TimeCode, varies: bool) -> BoundMaterial:
+        """Look of a network.
+
+        Raises:
+            NetworkError: it cannot be drawn.
+        """
+        category = network.surface.category
+        shader = SURFACES.get(category)
+        if shader is None:
+            raise NetworkError(f"its surface is a {category[:60]}; {', '.join(SURFACES)} are drawn")
+        left_out: tuple[str, ...] = ()
+        if category == "surface":
+            reduced = reduce_surface(network)
+            network, left_out = reduced.network, reduced.left_out[:_MOST_LEFT_OUT]
+        frame = 0.0 if time.IsDefault() else time.GetValue()
+        grids = spread_coordinates(network, lambda node, given: self._grid(path, node, given))
+        writer = ProgramWriter(network, frame, frame / (self._stage.GetTimeCodesPerSecond() or 24.0))
+        program = writer.write()
+        refusal = REFUSED.reason(program.functions)
+        if refusal is not None:
+            message = (
+                f"in material {path}, the graphics driver refuses the program of its network, so that its UsdPreviewSurface, or "
+                f"a plain surface of its base colour, is drawn instead: {refusal}"
+            )
+            self._log.add("materialx_refused", path, message)
+            return _plain_look(path, network, shader, varies)
+        self._drawn_by.add(program.functions)
+        for note in (*network.notes, *writer.notes):
             self._log.add("materialx_node", f"{path} {note}", f"in material {path}, {note}: its default is used")
+        for what in left_out:
+            self._log.add("materialx_lobes", f"{path} {what}", f"in material {path}, {what} is not drawn")
         self._note_lobes(path, network, shader)
         return _LookWriter(path, network, shader, program, grids, self._stage, self._textures, self._log).look(
             varies or program.animated
@@ -157,6 +231,24 @@ class MaterialXLooks:
             self._log.add("materialx_lobes", path, message)
 
 
+def _plain_look(path: str, network: Network, shader: SurfaceShader, varies: bool) -> BoundMaterial:
+    """Plain surface of the constant base colour of a network, of that of its shader where another node gives it."""
+    numbers = color_of(_plain_color(network.surface, shader))
+    red, green, blue = colour.to_working(np.array(numbers, np.float32)).tolist()
+    name = "emissive" if shader.is_unlit else "base_color"
+    material = Material(path, unlit=shader.is_unlit, **{name: (red, green, blue)})  # type: ignore[arg-type]
+    return BoundMaterial(material, PrimvarNames(uv=None), varies)
+
+
+def _plain_color(surface: Node, shader: SurfaceShader) -> tuple[float, ...]:
+    """Base colour of a surface: of lobes, that of the diffuse one, of the metal, or a grey where neither is a constant."""
+    if surface.category != "surface":
+        theirs = drawn_definition(surface.category).getActiveInput(shader.color)
+        return numbers_of(surface.inputs.get(shader.color)) or parse_numbers(theirs.getValueString())
+    known = (numbers_of(surface.inputs.get(name)) for name in (shader.color, "metal"))
+    return next(filter(any, known), (_PLAIN_GREY,))
+
+
 def _space_of(given: Input, node: Node | None) -> str:
     """Colour space of an image that a node reads; numbers have none."""
     is_color = node is None or node.type in ("color3", "color4", "")
@@ -182,17 +274,21 @@ class _LookWriter:
             reads_place=is_place,
             may_be_transparent=may_be_transparent(self.network.surface),
             opacity=opacity_of(self.network.surface),
+            has_sheen=self._uses(self.shader.sheen),
+            has_film=self._uses(self.shader.film),
         )
         lookups = {each.sampler: self._lookup(each) for each in self.program.images}
-        has_coat = self.shader.coat is not None and is_used(self.network.surface.inputs.get(self.shader.coat))
         material = Material(
             name=self.path,
-            clearcoat=1.0 if has_coat else 0.0,
+            clearcoat=1.0 if self._uses(self.shader.coat) else 0.0,
             unlit=self.shader.is_unlit,
             lookups=lookups,
             graph=graph,
         )
         return BoundMaterial(material, names, varies)
+
+    def _uses(self, name: str | None) -> bool:
+        return name is not None and is_used(self.network.surface.inputs.get(name))
 
     def _frames(self) -> tuple[float, ...]:
         """Rows of the block of `layers/graph.glsl` before the network's own numbers."""
@@ -205,7 +301,7 @@ class _LookWriter:
 
     def _lookup(self, use: ImageUse) -> TextureLookup:
         wraps = [
-            _WRAPS.get(
+            WRAPS.get(
                 (use.node.inputs[name].value or "") if use.node is not None and name in use.node.inputs else "",
                 "repeat",
             )
@@ -236,16 +332,12 @@ class _LookWriter:
             return Image(np.array([[[*color_of(use.fallback), 1.0]]], np.float16), name)
 
     def _primvars(self, uses: Sequence[GeometryUse]) -> tuple[PrimvarNames, bool]:
-        names = PrimvarNames(uv=None)
-        uv = self._one("texture coordinates", [use for use in uses if use.kind == "uv"])
-        color = self._one("colours", [use for use in uses if use.kind == "color"])
-        number = self._one("numbers", [use for use in uses if use.kind == "number"])
-        is_place = any(use.kind == "place" for use in uses)
-        if is_place and (color or number):
-            left_out = (color or number).primvar  # type: ignore[union-attr]
-            message = f"in material {self.path}, {left_out} is not read: a place in the prim's own space is"
-            self.log.add("materialx_primvar", self.path, message)
-            color = number = None
+        own = {"color" if use.kind == "vector" else use.kind: use for use in uses if use.at == -1}
+        further = {use.at: use for use in uses if use.at >= 0}
+        for name in dict.fromkeys(use.primvar for use in uses if use.at == NOWHERE):
+            message = f"in material {self.path}, {name[:100]} is not read, but its default: {TOO_MANY_PRIMVARS}"
+            self.log.add("materialx_primvar", f"{self.path} {name}", message)
+        uv, color, number = own.get("uv"), own.get("color"), own.get("number")
         values: dict[str, object] = {"uv": uv.primvar if uv else None}
         if uv is not None and len(uv.fallback) == 2:
             values |= {"uv_fallback": uv.fallback}
@@ -253,20 +345,13 @@ class _LookWriter:
             values |= {"color": color.primvar}
             if len(color.fallback) >= 3:
                 values |= {"color_fallback": color.fallback[:3]}
-            elif color.primvar != "displayColor":
+            elif color.primvar != DISPLAY_COLOR:
                 values |= {"color_fallback": (0.0, 0.0, 0.0)}
         if number is not None:
             values |= {"opacity": number.primvar, "opacity_fallback": number.fallback[0] if number.fallback else 0.0}
-        if is_place:
+        if "place" in own:
             values |= {"place": True}
-        names = PrimvarNames(**values)  # type: ignore[arg-type]
-        return names, is_place
-
-    def _one(self, what: str, uses: list[GeometryUse]) -> GeometryUse | None:
-        names = list(dict.fromkeys(use.primvar for use in uses))
-        if len(names) > 1:
-            message = (
-                f"in material {self.path}, several {what} are read ({', '.join(names)}); only {names[0]} is honoured"
-            )
-            self.log.add("materialx_primvar", f"{self.path} {what}", message)
-        return uses[0] if uses else None
+        values["values"] = tuple(
+            ValuePrimvar(use.primvar, use.numbers, use.kind == "color") for _, use in sorted(further.items())
+        )
+        return PrimvarNames(**values), "place" in own  # type: ignore[arg-type]

@@ -92,7 +92,8 @@ class Network:
         version: of MaterialX that it was written for.
         folder: of the files that ``definitions`` name.
         weights: of the nodes that ``definitions`` define, by category. Their inputs and outputs have the prefix `OWN`.
-        displaces: whether the material has a displacement, too.
+        displacement: node of the material's displacement, or None.
+        notes: what of it could not be read, for messages.
     """
 
     surface: Node
@@ -100,7 +101,8 @@ class Network:
     version: str = "1.39"
     folder: str = ""
     weights: Mapping[str, float] = field(default_factory=dict)
-    displaces: bool = False
+    displacement: Node | None = None
+    notes: tuple[str, ...] = ()
 
     def nodes(self) -> Iterator[Node]:
         """Nodes that feed the surface, each once, before those that it feeds; the surface is the last.

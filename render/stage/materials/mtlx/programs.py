@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from MaterialX import PyMaterialXGenShader as mx_shader
 
 from render.stage.materials.mtlx.network import Input, NetworkError, Node
+from render.stage.materials.mtlx.slots import COORDINATES, DISPLAY_COLOR, GeometryUse, expression_of, place_uses
 from render.stage.materials.mtlx.values import WIDTHS, parse_numbers
 
 MOST_IMAGES = 16
@@ -46,21 +47,6 @@ class ImageUse:
     input: Input
     node: Node | None
     fallback: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class GeometryUse:
-    """Value of the geometry that a network reads.
-
-    Attributes:
-        kind: ``uv``, ``color``, ``number`` or ``place``.
-        primvar: name of the primvar; empty for a place.
-        fallback: where the geometry has none; empty for what the kind has by itself.
-    """
-
-    kind: str
-    primvar: str = ""
-    fallback: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -142,18 +128,22 @@ class ProgramReader:
                 set_first.append(f"{name} = {numbers.as_glsl(kind_name, held)};")
             else:
                 declared.append(f"const {kind} {name}{array or ''}{value or f' = {kind}(0)'};")
-        members, geometry = [], []
-        for block in stage.getInputBlocks().values():
-            for port in block:
-                use, expression = self._geometry(port.getName(), port.getType().getName())
-                geometry.append(use)
-                members.append(f"{_glsl_type(port.getType().getName())} {port.getName()};")
-                set_first.append(f"vd.{port.getName()} = {expression};")
+        members, vertex_ports = [], [port for block in stage.getInputBlocks().values() for port in block]
+        read = [self._geometry(port.getName(), port.getType().getName()) for port in vertex_ports]
+        geometry = iter(place_uses(use for use, _ in read if use is not None))
+        kept: dict[GeometryUse, None] = {}
+        for port, (use, expression) in zip(vertex_ports, read, strict=True):
+            glsl = _glsl_type(port.getType().getName())
+            if use is not None:
+                use = next(geometry)
+                kept[use] = None
+            members.append(f"{glsl} {port.getName()};")
+            value = expression_of(use, glsl) if use is not None and not expression else expression
+            set_first.append(f"vd.{port.getName()} = {value};")
         if members:
             declared.append("struct GraphVertex { " + " ".join(members) + " } vd;")
         functions = _functions(text, "\n".join(declared), "\n    ".join(set_first))
-        kept = tuple(dict.fromkeys(use for use in geometry if use is not None))
-        return Program(functions, numbers.all(), tuple(images), kept, animated)
+        return Program(functions, numbers.all(), tuple(images), tuple(kept), animated)
 
     def _image(self, name: str, port: mx_shader.ShaderPort) -> ImageUse:
         value = port.getValue()
@@ -164,23 +154,17 @@ class ProgramReader:
         return ImageUse(name, Input("filename", file, folder=self.folder), None, ())
 
     def _geometry(self, name: str, kind: str) -> tuple[GeometryUse | None, str]:
-        """Use of the geometry by a member of the vertex data, and the expression of its value."""
-        glsl = _glsl_type(kind)
+        """Use of the geometry by a member of the vertex data, and the expression of its value where it has no primvar."""
         if name.startswith("texcoord_"):
             number = name.removeprefix("texcoord_")
-            use = GeometryUse("uv", "st" if number == "0" else f"st{number}")
-            return use, "graph_uv" if glsl == "vec2" else f"{glsl}(graph_uv, 0.0)"
+            return GeometryUse("uv", COORDINATES if number == "0" else f"{COORDINATES}{number}"), ""
         if name.startswith("color_"):
-            return GeometryUse("color", "displayColor"), _part(glsl, "graph_color")
+            return GeometryUse("color", DISPLAY_COLOR), ""
         if name.startswith("i_geomprop_"):
-            primvar, fallback = self.primvars.get(
-                name.removeprefix("i_geomprop_"), (name.removeprefix("i_geomprop_"), ())
-            )
-            if glsl == "vec2":
-                return GeometryUse("uv", primvar, fallback), "graph_uv"
-            if glsl in ("vec3", "vec4"):
-                return GeometryUse("color", primvar, fallback), _part(glsl, "graph_color")
-            return GeometryUse("number", primvar, fallback), f"{glsl}(graph_color.a)"
+            known = name.removeprefix("i_geomprop_")
+            primvar, fallback = self.primvars.get(known, (known, ()))
+            uses = {"vector2": "uv", "color3": "color", "color4": "color", "vector3": "vector", "vector4": "vector"}
+            return GeometryUse(uses.get(kind, "number"), primvar, fallback), ""
         place = {
             "positionWorld": "graph_position",
             "normalWorld": "graph_normal",
@@ -226,10 +210,6 @@ def _glsl_type(kind: str) -> str:
     return {"vector2": "vec2", "vector3": "vec3", "color3": "vec3", "vector4": "vec4", "color4": "vec4"}.get(
         kind, {"integer": "int", "boolean": "bool"}.get(kind, "float")
     )
-
-
-def _part(glsl: str, color: str) -> str:
-    return {"vec4": color, "vec3": f"{color}.xyz", "vec2": f"{color}.xy"}.get(glsl, f"{glsl}({color}.x)")
 
 
 def _functions(text: str, declared: str, set_first: str) -> str:

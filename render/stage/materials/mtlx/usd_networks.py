@@ -35,6 +35,16 @@ def surface_network(shader: UsdShade.Shader, time: Usd.TimeCode) -> FoundNetwork
     return FoundNetwork(Network(surface), reader.varies)
 
 
+def displacement_node(shader: UsdShade.Shader, time: Usd.TimeCode) -> tuple[Node, bool]:
+    """Node of a displacement shader at a time, and whether any of its values may change.
+
+    Raises:
+        NetworkError: its nodes have no end, or there are too many.
+    """
+    reader = _Reader(time)
+    return reader.node(shader), reader.varies
+
+
 class _Reader:
     def __init__(self, time: Usd.TimeCode) -> None:
         self._time = time

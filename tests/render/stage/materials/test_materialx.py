@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdShade
 
+from render import colour
+from render.model.refused_programs import REFUSED
 from render.stage import StageReader
 from render.stage.findings import FindingLog
 from render.stage.materials.mtlx.documents import STUDIO_VARIABLE, studio_documents
@@ -99,23 +101,37 @@ def test_nodes_of_older_versions_are_read(tmp_path: Path) -> None:
     assert "materialx_node" not in codes(reader)
 
 
-def test_an_unknown_node_is_named_and_the_rest_is_drawn(tmp_path: Path) -> None:
-    nodes = '<warp_drive name="w" type="float"/>'
-    surface = SURFACE.format(
-        '<input name="metalness" type="float" nodename="w"/><input name="base" type="float" value="0.625"/>'
+@pytest.mark.parametrize("version", ["1.38", "1.39"])
+@pytest.mark.parametrize("name", ["w", "twice"])
+def test_an_unknown_node_is_named_and_the_rest_is_drawn(tmp_path: Path, version: str, name: str) -> None:
+    """Whether it feeds the surface, or a node that does."""
+    nodes = (
+        '<warp_drive name="w" type="float"/><multiply name="twice" type="float"><input name="in1" type="float" nodename="w"/>'
+        '<input name="in2" type="float" value="2"/></multiply>'
     )
-    reader = _read(tmp_path, document(surface, nodes))
+    surface = SURFACE.format(
+        f'<input name="metalness" type="float" nodename="{name}"/><input name="base" type="float" value="0.625"/>'
+    )
+    reader = _read(tmp_path, document(surface, nodes, version))
     assert 0.625 in material_of(reader).graph.numbers
-    assert "warp_drive" in _messages(reader)
+    assert "node w is a warp_drive" in _messages(reader)
+
+
+@pytest.mark.parametrize("link", ['nodename="gone"', 'nodegraph="gone" output="o"'])
+def test_a_link_to_nothing_is_named_and_its_value_is_used(tmp_path: Path, link: str) -> None:
+    surface = SURFACE.format(f'<input name="metalness" type="float" {link} value="0.625"/>')
+    reader = _read(tmp_path, document(surface))
+    assert 0.625 in material_of(reader).graph.numbers
+    assert "metalness of S is fed by gone" in _messages(reader)
 
 
 def test_lobes_that_are_not_drawn_are_named(tmp_path: Path) -> None:
     surface = SURFACE.format(
-        '<input name="sheen" type="float" value="0.5"/><input name="thin_film_thickness" type="float" value="0"/>'
+        '<input name="specular_anisotropy" type="float" value="0.5"/><input name="coat_anisotropy" type="float" value="0"/>'
     )
     finding = next(each for each in _read(tmp_path, document(surface)).findings if each.code == "materialx_lobes")
-    assert "sheen" in finding.message
-    assert "thin_film" not in finding.message
+    assert "specular_anisotropy" in finding.message
+    assert "coat_anisotropy" not in finding.message
 
 
 def test_a_circle_of_nodes_is_a_finding(tmp_path: Path) -> None:
@@ -126,10 +142,82 @@ def test_a_circle_of_nodes_is_a_finding(tmp_path: Path) -> None:
     assert material_of(reader).graph is None
 
 
-def test_a_surface_of_lobes_alone_is_named(tmp_path: Path) -> None:
-    nodes = '<oren_nayar_diffuse_bsdf name="d" type="BSDF"/>'
-    surface = '<surface name="S" type="surfaceshader"><input name="bsdf" type="BSDF" nodename="d"/></surface>'
-    assert "its surface is a surface" in _messages(_read(tmp_path, document(surface, nodes)))
+LOBES = '<surface name="S" type="surfaceshader"><input name="bsdf" type="BSDF" nodename="d"/></surface>'
+
+
+def test_lobes_that_cannot_be_drawn_are_named(tmp_path: Path) -> None:
+    """One of two, and both."""
+    nodes = (
+        '<chiang_hair_bsdf name="h" type="BSDF"/><{0} name="b" type="BSDF"/><layer name="d" type="BSDF">'
+        '<input name="top" type="BSDF" nodename="h"/><input name="base" type="BSDF" nodename="b"/></layer>'
+    )
+    reader = _read(tmp_path, document(LOBES, nodes.format("oren_nayar_diffuse_bsdf")))
+    assert 0.18 in material_of(reader).graph.numbers
+    assert "h, a chiang_hair_bsdf" in _messages(reader)
+    other = tmp_path / "other"
+    other.mkdir()
+    reader = _read(other, document(LOBES, nodes.format("chiang_hair_bsdf")))
+    assert material_of(reader).graph is None
+    assert "no lobes that can be drawn" in _messages(reader)
+
+
+METAL_F0 = tuple(
+    ((ior - 1) ** 2 + extinction**2) / ((ior + 1) ** 2 + extinction**2)
+    for ior, extinction in ((0.5, 3.424), (0.25, 2.346), (0.125, 1.77))
+)
+"""Reflectance of indices with MaterialX's default extinction, that of gold."""
+
+
+@pytest.mark.parametrize(
+    ("lobe", "inputs", "color"),
+    [
+        ("oren_nayar_diffuse_bsdf", 'name="color" type="color3" value="0.125,0.25,0.375"', (0.125, 0.25, 0.375)),
+        ("oren_nayar_diffuse_bsdf", 'name="color" type="color3" nodename="n"', (0.8, 0.8, 0.8)),
+        ("conductor_bsdf", 'name="ior" type="color3" value="0.5,0.25,0.125"', METAL_F0),
+        ("dielectric_bsdf", 'name="ior" type="float" value="1.5"', (0.8, 0.8, 0.8)),
+    ],
+)
+def test_lobes_that_a_driver_refuses_have_a_plain_color(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lobe: str, inputs: str, color: tuple[float, ...]
+) -> None:
+    monkeypatch.setattr(REFUSED, "reason", lambda functions: "too large")
+    nodes = f'<noise2d name="n" type="color3"/><{lobe} name="d" type="BSDF"><input {inputs}/></{lobe}>'
+    material = material_of(_read(tmp_path, document(LOBES, nodes)))
+    assert material.graph is None
+    assert colour.from_working(np.array(material.base_color), "lin_rec709") == pytest.approx(color, abs=1e-5)
+
+
+def test_a_refused_program_changes_only_what_it_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(REFUSED, "_reasons", {})
+    reader = _read(tmp_path, document(SURFACE.format("")))
+    scene, changes = reader.read(0), reader.changes
+    REFUSED.add("float another();", "it is another shot's")
+    assert reader.read(0) is scene
+    assert reader.changes == changes
+    REFUSED.add(material_of(reader).graph.functions, "it is too large")
+    assert material_of(reader).graph is None
+    assert reader.changes > changes
+
+
+def test_lobes_that_a_document_defines_are_taken_apart(tmp_path: Path) -> None:
+    nodes = (
+        '<nodedef name="ND_paint" node="paint"><input name="tone" type="color3" value="1,0,0"/><output name="out" type="BSDF"/>'
+        '</nodedef><nodegraph name="NG_paint" nodedef="ND_paint"><oren_nayar_diffuse_bsdf name="o" type="BSDF">'
+        '<input name="color" type="color3" interfacename="tone"/></oren_nayar_diffuse_bsdf>'
+        '<output name="out" type="BSDF" nodename="o"/></nodegraph>'
+        '<paint name="d" type="BSDF"><input name="tone" type="color3" value="0.125,0.25,0.375"/></paint>'
+    )
+    assert {0.125, 0.25, 0.375} <= set(material_of(_read(tmp_path, document(LOBES, nodes))).graph.numbers)
+
+
+def test_lobes_that_are_shared_many_times_are_read(tmp_path: Path) -> None:
+    """Each of a hundred sums adds the one before to itself."""
+    link = '<input name="in{0}" type="BSDF" nodename="n{1}"/>'
+    nodes = '<oren_nayar_diffuse_bsdf name="n0" type="BSDF"/>' + "".join(
+        f'<add name="n{n}" type="BSDF">{link.format(1, n - 1)}{link.format(2, n - 1)}</add>' for n in range(1, 100)
+    )
+    reader = _read(tmp_path, document(LOBES.replace('nodename="d"', 'nodename="n99"'), nodes))
+    assert material_of(reader).graph is not None
 
 
 def test_includes_outside_the_shot_are_not_read(tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ from render.optics.distortion import distort_positions, undistort_position
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS, ExposureSettings
 from render.optics.photometry.metering import SPOT_ANGLE_RAD, MeterMode, meter, smoothed_keys
 from render.optics.view import PinholeView
+from render.shot.accepted import draw_accepted
 from render.shot.exposure.metering import Metered, Place, check_metering
 from render.shot.exposure.readout import ExposureReadout
 from render.shot.shot import Shot
@@ -156,8 +157,10 @@ class LightMeter:
         settings = replace(self._settings, width=width, height=height)
         cache, key = self._shot.exposure.meter_cache, (time, metering.mode, settings, _pinhole_key(camera))
         if key not in cache:
-            picture = self._renderer.render(self._shot.scene_at(time, self._path), camera, settings).color
-            cache[key] = _mean(picture, mode)
+            frame = draw_accepted(
+                lambda: self._renderer.render(self._shot.scene_at(time, self._path), camera, settings)
+            )
+            cache[key] = _mean(frame.color, mode)
         return cache[key]
 
     def _spot(self, time: float, metering: Metering) -> _Spot | None:

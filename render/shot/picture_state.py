@@ -14,6 +14,7 @@ from pxr import Sdf, Usd
 from render.errors import CameraError, PullfocusError
 from render.model.content import digest_of
 from render.shot.shot import Shot
+from render.stage.notes import NOTES
 
 _SIZE_PX = (1920, 1080)
 """Picture that cameras are fitted to: what changes the gate changes its state, whatever the shape of the picture."""
@@ -86,7 +87,7 @@ def _edits_elsewhere(layer: Sdf.Layer, path: str) -> str:
 
 
 def _text_of(layer: Sdf.Layer) -> str:
-    """Text of a layer without what it says of itself, and without what only tells focus points from each other."""
+    """Text of a layer without what it says of itself, without notes, and without what only tells focus points from each other."""
     copy = Sdf.Layer.CreateAnonymous(".usda")
     copy.TransferContent(layer)
     copy.documentation = copy.comment = ""
@@ -96,6 +97,8 @@ def _text_of(layer: Sdf.Layer) -> str:
     for label in labels:
         prim = copy.GetPrimAtPath(label.GetPrimPath())
         prim.RemoveProperty(prim.properties[label.name])
+    if NOTES.name in copy.rootPrims:
+        del copy.rootPrims[NOTES.name]
     copy.RemoveInertSceneDescription()
     text: str = copy.ExportToString()
     return text

@@ -23,10 +23,13 @@ from render.shot.exposure.readout import with_exposure
 from render.shot.exposure.shot_exposure import ShotExposure
 from render.shot.film.shot_film import ShotFilm
 from render.shot.findings.shot_findings import ShotFindings
+from render.shot.focus.plan import ShotPlan
 from render.shot.focus.report import ReportedFrame, report_frames
 from render.shot.focus.shot_focus import ShotFocus
 from render.shot.focus.solver import FocusSolver
 from render.shot.focus.tracker import FocusTracker
+from render.shot.shot_choices import ShotChoices
+from render.shot.shot_notes import ShotNotes
 from render.shot.times import check_reading_time
 from render.stage import (
     AnchorReader,
@@ -75,8 +78,11 @@ class Shot:
         edits: the edit layer and its history.
         camera: attributes and keys of cameras, their lenses and bodies.
         focus: focus points, focus settings, readouts and focus curves.
+        plan: cameras and their focus points from above.
         exposure: exposure settings, readouts and metering.
         film: film settings, stocks and finishes.
+        choices: variants and payloads.
+        notes: texts and drawings at frames.
     """
 
     def __init__(self, path: Path, stage: Usd.Stage, edits: Edits, reader: StageReader, cameras: CameraLookup) -> None:
@@ -93,8 +99,11 @@ class Shot:
         self.edits = edits
         self.camera = ShotCamera(stage, edits, cameras)
         self.focus = ShotFocus(stage, edits, cameras, anchors, self._solver)
+        self.plan = ShotPlan(stage, edits, cameras, anchors, self._solver, self.focus)
         self.exposure = ShotExposure(stage, edits, cameras, self._solver, reader)
         self.film = ShotFilm(stage, edits, cameras)
+        self.choices = ShotChoices(stage, edits)
+        self.notes = ShotNotes(stage, edits, cameras)
         self._framing = WHOLE
 
     @classmethod

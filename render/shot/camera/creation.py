@@ -36,10 +36,19 @@ def free_path(stage: Usd.Stage, name: str | None) -> Sdf.Path:
             number += 1
             path = root.AppendChild(f"{DEFAULT_NAME}_{number}")
         return path
+    return named_path(stage, root, name)
+
+
+def named_path(stage: Usd.Stage, parent: Sdf.Path, name: str) -> Sdf.Path:
+    """Return the path of a new camera below a prim.
+
+    Raises:
+        SettingsError: the name is no identifier, or there is such a prim already.
+    """
     if not Sdf.Path.IsValidIdentifier(name):
         detail = f"a camera's name must be an identifier (letters, digits and _, no digit first), got {name!r}"
         raise SettingsError(detail, path="name")
-    path = root.AppendChild(name)
+    path = parent.AppendChild(name)
     if stage.GetPrimAtPath(path):
         raise SettingsError(f"there is a prim at {path} already", code="name_taken", path=str(path))
     return path

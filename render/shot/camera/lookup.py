@@ -11,6 +11,7 @@ from render.errors import CameraError, NotFoundError
 from render.model.camera import Camera
 from render.stage import CameraChoice, default_camera, list_cameras, read_camera
 from render.stage.camera.framing import framing_camera
+from render.stage.notes import is_note
 from usd_schemas import FocusPointView, LensCamera, SchemaError
 
 
@@ -137,5 +138,5 @@ class CameraLookup:
         return self.point(camera_path, name)
 
     def _on_change(self, notice: Usd.Notice.ObjectsChanged, _sender: object) -> None:
-        if notice.GetResyncedPaths():
+        if not all(map(is_note, notice.GetResyncedPaths())):
             self._paths = None

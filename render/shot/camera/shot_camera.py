@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from pxr import Usd, UsdGeom
 
-from render.errors import SettingsError
+from render.errors import CameraError, NotFoundError, SettingsError
 from render.shot.camera.attributes import CameraAttribute, Simplified, author_settings, set_focus_mode, setting_label
 from render.shot.camera.creation import create_camera, free_path
+from render.shot.camera.duplicates import copy_camera, copy_path
 from render.shot.camera.lookup import CameraLookup
+from render.shot.camera.place_keys import edited_keys, is_placing, move_place_keys, place_keys, remove_place_key
+from render.shot.camera.placing import CameraPlace, place_camera
 from render.shot.camera.sharing import give_settings, lacks_settings
 from render.shot.edits.edit_layer import Edits
 from render.shot.lens.lens_choice import LensChoice
@@ -51,6 +56,128 @@ class ShotCamera:
         path = free_path(self._stage, name)
         with self._edits.transaction(f"create camera {path.name}"):
             return str(create_camera(self._stage, path, view).prim.GetPath())
+
+    def duplicate(self, camera_path: str | None, name: str | None = None) -> str:
+        """Copy a camera beside itself, with its lens, body, focus points, film and keys; not with what lies below it.
+
+        Args:
+            camera_path: of a camera.
+            name: of the copy; None for the camera's own, with the next free number behind it.
+
+        Returns:
+            Prim path of the copy.
+
+        Raises:
+            CameraError: there is no such camera, or it lies in an instance.
+            SettingsError: the name is taken or no identifier.
+        """
+        prim = self._cameras.editable(camera_path).prim
+        path = copy_path(self._stage, prim.GetPath(), name)
+        with self._edits.transaction(f"duplicate camera {prim.GetName()}"):
+            return str(copy_camera(prim, path).GetPath())
+
+    def move(self, camera_path: str | None, place: CameraPlace, time: float, *, is_keyed: bool = False) -> None:
+        """Place a camera in the world at a time (`render.shot.camera.placing`).
+
+        Args:
+            camera_path: of a camera.
+            place: where to.
+            time: USD time code at which it is there.
+            is_keyed: whether it gets a key there; else all of its way is moved along.
+
+        Raises:
+            CameraError: there is no such camera, it lies in an instance, or cannot be placed.
+            SettingsError: the place cannot be, or the time is not finite.
+            StageError: a transform is not finite.
+        """
+        camera = self._cameras.editable(camera_path)
+        name = camera.prim.GetName()
+        with self._edits.transaction(f"key the place of {name} at {time:g}" if is_keyed else f"move {name}"):
+            place_camera(UsdGeom.Camera(camera.prim), place, time, is_keyed=is_keyed)
+
+    def place_keys(self, camera_path: str | None) -> list[float]:
+        """USD time codes of the keys of a camera's place, rising (`render.shot.camera.place_keys`).
+
+        Args:
+            camera_path: of a camera.
+        """
+        return place_keys(UsdGeom.Camera(self._cameras.camera(camera_path).prim))
+
+    def edited_place_keys(self, camera_path: str | None) -> set[float]:
+        """USD time codes of the keys of a camera's place that are of the edits.
+
+        Args:
+            camera_path: of a camera.
+        """
+        return edited_keys(UsdGeom.Camera(self._cameras.camera(camera_path).prim), self._edits.layer)
+
+    def is_placed(self, camera_path: str | None) -> bool:
+        """Whether the edits have any part in where a camera is.
+
+        Args:
+            camera_path: of a camera.
+        """
+        return bool(self._edits.properties(self._cameras.camera(camera_path).prim.GetPath(), is_placing))
+
+    def has_own_place(self, camera_path: str | None) -> bool:
+        """Whether the shot itself has the camera, so that it has a place without the edits.
+
+        Args:
+            camera_path: of a camera.
+        """
+        return any(spec.layer != self._edits.layer for spec in self._cameras.camera(camera_path).prim.GetPrimStack())
+
+    def remove_place_key(self, camera_path: str | None, time: float) -> None:
+        """Remove a key of a camera's place; after the last one its value stays for all time.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+
+        Raises:
+            CameraError: there is no such camera, it lies in an instance, or has too many samples.
+            NotFoundError: it has no key at that time.
+        """
+        prim = self._cameras.editable(camera_path).prim
+        with self._edits.transaction(f"remove the key of the place of {prim.GetName()} at {time:g}"):
+            remove_place_key(UsdGeom.Camera(prim), time)
+
+    def move_place_keys(self, camera_path: str | None, moves: Mapping[float, float]) -> None:
+        """Move keys of a camera's place in time, all at once.
+
+        Args:
+            camera_path: of a camera.
+            moves: new time by time, USD time codes.
+
+        Raises:
+            CameraError: there is no such camera, it lies in an instance, or has too many samples.
+            NotFoundError: it has no key at one of the times.
+            SettingsError: two keys would come to one time.
+        """
+        prim = self._cameras.editable(camera_path).prim
+        with self._edits.transaction(f"move keys of the place of {prim.GetName()}"):
+            move_place_keys(UsdGeom.Camera(prim), moves)
+
+    def give_back_place(self, camera_path: str | None) -> None:
+        """Take a camera back to where the shot itself has it over all of its time.
+
+        Args:
+            camera_path: of a camera.
+
+        Raises:
+            CameraError: there is no such camera, it lies in an instance, or the edits alone have it.
+            NotFoundError: the edits do not place it.
+        """
+        prim = self._cameras.editable(camera_path).prim
+        path = str(prim.GetPath())
+        if not self.has_own_place(camera_path):
+            raise CameraError(
+                f"camera {path} is of the edits: the shot has no place for it", code="no_place", path=path
+            )
+        if not self.is_placed(camera_path):
+            raise NotFoundError(f"camera {path} is where the shot has it: no edit places it", path=path)
+        with self._edits.transaction(f"take {prim.GetName()} back to its own place"):
+            self._edits.clear_properties(prim.GetPath(), is_placing)
 
     def set(
         self,

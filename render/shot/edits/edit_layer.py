@@ -216,6 +216,22 @@ class Edits:
         properties = sorted((spec.properties if spec else ()), key=lambda prop: str(prop.name))
         return tuple(prop.GetAsText() for prop in properties if is_included(prop.name))
 
+    def clear_properties(self, prim_path: Sdf.Path, is_cleared: Callable[[str], bool]) -> None:
+        """Take edits of properties of a prim back, within a transaction: the shot's own values are there again.
+
+        Args:
+            prim_path: of the prim.
+            is_cleared: whether the property of that name is.
+        """
+        spec = self.layer.GetPrimAtPath(prim_path)
+        for prop in list(spec.properties) if spec else ():
+            if is_cleared(str(prop.name)):
+                spec.RemoveProperty(prop)
+        while spec and spec.isInert:
+            above, name = spec.nameParent, spec.name
+            del (above.nameChildren if above else self.layer.rootPrims)[name]
+            spec = above
+
     def _show(self, history: EditHistory) -> None:
         self.replace(history.present.text)
         self.history = history

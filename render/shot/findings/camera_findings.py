@@ -7,8 +7,10 @@ from collections.abc import Iterator, Sequence, Sized
 from pxr import Usd, UsdGeom
 
 from render.errors import PullfocusError
+from render.layers.light_filters import place_filters
 from render.layers.lights import MAX_LIGHTS, select_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
+from render.model.light_filters import MAX_FILTERS
 from render.model.limits import MAX_CLIP_PLANES
 from render.model.scene import Light
 from render.near_names import hint
@@ -36,12 +38,16 @@ def camera_findings(stage: Usd.Stage, camera_paths: Sequence[str]) -> list[Findi
 
 
 def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
-    """Find each light beyond the renderer's limits on lights and shadow maps."""
+    """Find each light beyond the renderer's limits on lights, filters and shadow maps."""
     drawn = select_lights(lights)
     dropped = [light.path for light in lights if max(light.radiance) > 0 and light not in drawn]
     many = f"is not honoured: the strongest {MAX_LIGHTS} lights of the shot are"
     full = f"casts no shadow: stronger lights have all {MAX_SHADOW_MAPS} shadow maps (a bare sphere, cylinder or mesh needs six)"
     findings = [Finding("too_many_lights", path, f"light {path} {many}") for path in dropped]
+    placed = place_filters(drawn)
+    unfiltered = [light.path for i, light in enumerate(drawn) if light.filters and i not in placed]
+    bare = f"shines without its filters: up to {MAX_FILTERS} filters of lights are honoured"
+    findings += [Finding("too_many_filters", path, f"light {path} {bare}") for path in unfiltered]
     return findings + [Finding("shadow_maps", path, f"light {path} {full}") for path in lights_without_shadow(drawn)]
 
 

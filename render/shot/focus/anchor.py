@@ -47,15 +47,14 @@ def make_point(name: str, surface: SurfacePoint) -> FocusPoint:
 
 
 def check_has_face(stage: Usd.Stage, point: FocusPoint) -> None:
-    """Refuse a focus point on a back plate, which picking gives as a face of its camera: the plate follows the focus itself;
-    and one on a face of splats, which have none.
+    """Refuse a focus point on a back plate, which picking gives as a face of its camera: the plate follows the focus itself.
 
     Args:
         stage: the stage.
         point: the point.
 
     Raises:
-        SettingsError: it is on one; code ``on_back_plate`` or ``on_splats``.
+        SettingsError: it is on one; code ``on_back_plate``.
     """
     path = point.target[-1] if point.target else ""
     prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
@@ -63,12 +62,5 @@ def check_has_face(stage: Usd.Stage, point: FocusPoint) -> None:
         raise SettingsError(
             f"focus point {point.name} is on a back plate of {path}, which follows the focus: set the focus distance instead",
             code="on_back_plate",
-            path=path,
-        )
-    if point.face != -1 and prim and prim.GetTypeName() == "ParticleField3DGaussianSplat":
-        raise SettingsError(
-            f"focus point {point.name} is on splats of {path}, which have no faces: set the focus distance instead, or give the "
-            "point the face -1 and an offset from the origin of the splats",
-            code="on_splats",
             path=path,
         )

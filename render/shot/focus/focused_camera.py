@@ -129,6 +129,27 @@ class FocusedCamera:
         with np.errstate(divide="ignore", over="ignore"):
             return np.where(w_f > 0, 1 / w_f, math.inf)
 
+    def sharp_w_at(self, slopes: DoubleArray) -> DoubleArray:
+        """``(k, 3)`` inverse depths at k places of the picture, 1/m: of the near limit of sharpness, the focus and the far limit.
+
+        0 is infinity; below 0 there is none in front of the camera. The limits of a pinhole are infinite.
+
+        Args:
+            slopes: ``(k, 2)`` of the places in object space, x right and y up.
+        """
+        return self._limits(*self._sharpness(slopes))
+
+    @property
+    def axis_w(self) -> DoubleArray:
+        """``(3,)`` `sharp_w_at` on the view axis, about the plane of focus, as `depth_of_field` has it."""
+        w0 = focal_surface(self.camera).plane.w0
+        return self._limits(np.array(w0), self.law.coc_slope_mm_m(np.array([w0]))[0])
+
+    def _limits(self, w_f: DoubleArray, growth: DoubleArray) -> DoubleArray:
+        with np.errstate(divide="ignore"):
+            reach = self.coc_limit_mm / np.asarray(growth, np.float64)
+        return np.stack([w_f + reach, np.broadcast_to(w_f, reach.shape), w_f - reach], axis=-1)
+
     def coc_mm(self, depth_m: float, slope: tuple[float, float] = (0.0, 0.0)) -> float:
         """Diameter on the film of the circle of confusion of a point; NaN where it is not in front of the camera.
 

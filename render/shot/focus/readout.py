@@ -10,6 +10,7 @@ import numpy as np
 from render.focus.solve import PointState
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
+from render.optics.focus_law import ring_scale
 from render.shot.focus.curve import lens_angles
 from render.shot.focus.focused_camera import FocusedCamera
 from render.shot.focus.inputs import ProjectedPoints, project_points
@@ -71,6 +72,8 @@ class Readout:
         lens_name: engraved on the lens; empty where it has no name.
         lens_model: model of the lens: pinhole, thin, seidel, spherical, heightField or prescription.
         orthographic: whether its rays are parallel, so that its focal length has no meaning.
+        close_focus_m: depth of the nearest focus on the lens's ring.
+        pupil_to_film_mm: from the entrance pupil to the film, focused at infinity and at the close focus.
     """
 
     camera: str
@@ -90,6 +93,8 @@ class Readout:
     lens_name: str = ""
     lens_model: str = "thin"
     orthographic: bool = False
+    close_focus_m: float = 0.0
+    pupil_to_film_mm: tuple[float, float] = (0.0, 0.0)
 
 
 def place_points(focused: FocusedCamera, picture: Camera) -> list[PlacedPoint]:
@@ -137,6 +142,7 @@ def make_readout(focused: FocusedCamera) -> Readout:
     """
     field, camera = focused.stated_depth_of_field, focused.camera
     tilt_rad, swing_rad = lens_angles(focused)
+    ring = ring_scale(camera)
     return Readout(
         camera=camera.path,
         focus_mode=focused.focus.mode,
@@ -155,6 +161,8 @@ def make_readout(focused: FocusedCamera) -> Readout:
         lens_name=camera.lens.name,
         lens_model=camera.lens.model,
         orthographic=camera.orthographic is not None,
+        close_focus_m=ring.close_focus_m,
+        pupil_to_film_mm=ring.to_film_mm,
     )
 
 

@@ -134,7 +134,7 @@ class ShotFocus:
             The point as it was authored.
 
         Raises:
-            SettingsError: the name is not legal or taken, or a value is not allowed, or it is on a back plate or on splats.
+            SettingsError: the name is not legal or taken, or a value is not allowed, or it is on a back plate.
         """
         camera = self._cameras.editable(camera_path)
         point = anchor if isinstance(anchor, FocusPoint) else make_point(name, anchor)

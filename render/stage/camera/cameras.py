@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Literal, get_args
 
 import numpy as np
@@ -62,8 +63,8 @@ def default_camera(
 ) -> CameraChoice:
     """The camera that is meant where none is named.
 
-    The one that the stage's render settings name, else one called ``main_cam``, else the only one; else a camera that frames
-    the stage as usdrecord's does.
+    The one that the stage's render settings name, else one called ``main_cam``, else the only one, cameras that edits have made
+    aside; else a camera that frames the stage as usdrecord's does.
 
     Args:
         stage: the stage.
@@ -88,10 +89,23 @@ def default_camera(
         return CameraChoice(named[0], f"it is called {main}")
     if len(cameras) == 1:
         return CameraChoice(cameras[0], "it is the only one")
+    own = list(islice((path for path in cameras if _is_own(stage, path)), 2))
+    if len(own) == 1:
+        return CameraChoice(own[0], "it is the only one that is no edit")
+    if cameras and not own:
+        return CameraChoice(cameras[0], "it is the first of those that edits have made")
     why = f"none of the {len(cameras)} cameras is called {main}" if cameras else "the stage has no camera"
     at = stage.GetStartTimeCode() if time is None else time
     framing = framing_camera(stage, at, purposes=purposes, mask=mask)
     return CameraChoice(None, f"{why}, so the whole stage is framed", conform_camera(framing, aspect))
+
+
+def _is_own(stage: Usd.Stage, path: str) -> bool:
+    """Whether a camera is defined by the shot's files, and not by a session layer alone, as edits are."""
+    with_session, without = (stage.GetLayerStack(includeSessionLayers=included) for included in (True, False))
+    sessions = [layer for layer in with_session if layer not in without]
+    specs = stage.GetPrimAtPath(path).GetPrimStack()
+    return any(spec.specifier != Sdf.SpecifierOver and spec.layer not in sessions for spec in specs)
 
 
 def read_camera(

@@ -6,14 +6,14 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+from pxr import Sdf, Usd
 
 from render.errors import StageError
 from render.model.camera import Camera
+from render.stage.geometry.splat_boxes import box_below
 from render.stage.instancer_loops import find_instancer_loop
 from render.stage.opening import lost_files, read_quietly
 from render.stage.options import DRAWN_PURPOSES
-from render.stage.values import schema_type
 from render.stage.world import is_y_up, world_from_stage
 from usd_schemas.units import metres_per_unit
 
@@ -49,10 +49,7 @@ def framing_camera(
         if loop is not None:
             message = f"instancer {loop} is among its own prototypes: the stage has no end that a camera could frame"
             raise StageError(message, code="empty_stage", path=str(loop))
-        boxes = UsdGeom.BBoxCache(Usd.TimeCode(time), list(purposes), useExtentsHint=True)
-        box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
-        if box.IsEmpty():
-            box = _box_of_splats(stage, Usd.TimeCode(time))
+        box = box_below(stage.GetPseudoRoot(), Usd.TimeCode(time), purposes)
     if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():
         name = stage.GetRootLayer().GetDisplayName()
         why = "".join(f"; {lost.message}" for lost in lost_files(stage)[:1])
@@ -80,22 +77,3 @@ def framing_camera(
         near_m=_NEAR * scale,
         far_m=_FAR * scale,
     )
-
-
-def _box_of_splats(stage: Usd.Stage, time: Usd.TimeCode) -> Gf.Range3d:
-    """Box around the splats of a stage, of which USD computes no extent, in its units; an empty one where there are none."""
-    transforms, box = UsdGeom.XformCache(time), Gf.Range3d()
-    for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
-        if schema_type(prim) != "ParticleField3DGaussianSplat":
-            continue
-        for name in ("positions", "positionsh"):
-            places = prim.GetAttribute(name).Get(time)
-            if isinstance(places, Vt.Vec3fArray | Vt.Vec3hArray) and len(places):
-                rows = np.array(places, np.float64)
-                rows = rows[np.isfinite(rows).all(axis=1)]
-                if not len(rows):
-                    continue
-                own = Gf.Range3d(Gf.Vec3d(*rows.min(axis=0)), Gf.Vec3d(*rows.max(axis=0)))
-                box.UnionWith(Gf.BBox3d(own, transforms.GetLocalToWorldTransform(prim)).ComputeAlignedRange())
-                break
-    return box

@@ -24,6 +24,7 @@ from render.model.lens import THIN_LENS
 from render.stage.assembly.poses import world_pose
 from render.stage.camera.plate_places import plate_corners
 from render.stage.camera_list import list_cameras
+from render.stage.geometry.splat_boxes import box_below
 from render.stage.limits import PlaceError
 from render.stage.options import PURPOSES
 from render.stage.world import rigid_frame, world_from_stage
@@ -105,8 +106,7 @@ def _step_back(camera: Camera, stated: Orthographic, by_m: float) -> Camera:
 def _depths(camera: Camera, stage: Usd.Stage, time: Usd.TimeCode) -> tuple[float, float]:
     """Least and greatest depth of the stage's box and of the back plates that a camera sees, in front of it, with a margin,
     metres; infinite where there is nothing."""
-    box = UsdGeom.BBoxCache(time, _BOXED, useExtentsHint=True).ComputeWorldBound(stage.GetPseudoRoot())
-    bounds = box.ComputeAlignedRange()
+    bounds = box_below(stage.GetPseudoRoot(), time, _BOXED)
     corners = np.array([[*bounds.GetCorner(i), 1.0] for i in range(8)])
     camera_from_stage = np.linalg.inv(camera.world_from_camera) @ world_from_stage(stage)
     depths = _plate_depths(camera, stage, time)

@@ -1,14 +1,19 @@
 """A small shot for the tests of focus: two cards that move before a camera, in any unit and with either axis up."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from pxr import Gf, Sdf, Usd, UsdGeom
 
+from render.shot import Shot
+
 CAMERA = "/World/cam"
 NEAR = "/World/near"
 FAR = "/World/far"
 FRAMES = range(1, 25)
+Rig = Callable[[UsdGeom.Camera, UsdGeom.Xformable], None]
+"""Changes the camera, and the world that it is below."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,16 @@ def write_shot(path: Path, units: Units = Units(), *, camera: bool = True) -> Pa
     stage.SetDefaultPrim(world.GetPrim())
     stage.Save()
     return path
+
+
+def open_rigged(path: Path, rig: Rig | None, units: Units = Units()) -> Shot:
+    """Write the shot, change its camera and what it is below, and open it."""
+    write_shot(path, units)
+    if rig is not None:
+        stage = Usd.Stage.Open(str(path))
+        rig(UsdGeom.Camera(stage.GetPrimAtPath(CAMERA)), UsdGeom.Xformable(stage.GetPrimAtPath("/World")))
+        stage.Save()
+    return Shot.open(path)
 
 
 def open_bare(path: Path) -> Usd.Stage:

@@ -86,6 +86,10 @@ class GraphicsError(PullfocusError):
         super().__init__(" ".join(detail.split()), code=code, path=path)  # drivers say things in several lines
 
 
+class RefusedProgramError(GraphicsError):
+    """The driver refused the program of a material's network of nodes. Scenes that are read after that do without it."""
+
+
 class OutputError(PullfocusError):
     """A result could not be written."""
 

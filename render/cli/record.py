@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from render.cli.console import camel_case_keys, finite, print_json
+from render.cli.options import burn_in as burn_in_options
 from render.cli.options import camera as camera_options
 from render.cli.options import (
     contact_sheet,
@@ -30,8 +31,10 @@ from render.cli.recording.job import RecordJob
 from render.errors import SettingsError
 from render.film import GradeChoice
 from render.film.stock import library_stock
+from render.model.arrays import FloatArray
+from render.model.burn_in import BurnIn
 from render.model.frame_spec import every_frame, frame_file_names, parse_frames
-from render.output import format_of
+from render.output import FrameMetadata, format_of
 from render.pictures.contact_axes import Axis
 from render.shot import Shot
 from render.shot.lens.lens_choice import LensChoice
@@ -54,6 +57,7 @@ class RecordOptions:
         lens: to mount; None keeps the camera's.
         grade: replaces parts of the shot's grade.
         camera: settings of the camera.
+        burn_in: facts in the corners of graded pictures; None for none.
         flare: strength of lens flare.
         axes: of a contact sheet.
         long_exposure: one picture over many frames.
@@ -69,11 +73,26 @@ class RecordOptions:
     lens: LensChoice | None
     grade: GradeChoice | None
     camera: camera_options.CameraOptions
+    burn_in: BurnIn | None
     flare: flare.FlareOptions
     axes: tuple[Axis, ...] | None
     long_exposure: long_exposure.LongExposureOptions | None
     is_progressive: bool
     is_movie: bool
+
+    def draw_over(self, graded: FloatArray, metadata: FrameMetadata) -> FloatArray:
+        """Draw guides and burn-ins over a graded picture; it is an `Overlay`.
+
+        Args:
+            graded: ``(height, width, 3)``.
+            metadata: of the picture.
+        """
+        graded = self.camera.draw_guides(graded, metadata.camera)
+        if self.burn_in is None:
+            return graded
+        from render.drawing.burn_in import draw_burn_in  # imports matplotlib, which takes a second
+
+        return draw_burn_in(graded, self.burn_in, metadata)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -112,6 +131,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     picture.add_arguments(parser)
     for module in (camera_options, grade, flare, long_exposure, contact_sheet, progressive):
         module.add_arguments(parser)
+    burn_in_options.add_argument(parser)
     parser.add_argument("--json", action="store_true", help="print a list of the written files on standard output")
 
 
@@ -223,7 +243,7 @@ def _run_products(arguments: argparse.Namespace, options: RecordOptions, shot: S
             with shot.framed(product.framing):
                 for each in cameras:  # errors come before anything is rendered
                     shot.camera_at(each, frames[0], product.width, product.height)
-            job = RecordJob(shot, cameras[0], settings, options.stock, options.grade, options.camera.draw_guides)
+            job = RecordJob(shot, cameras[0], settings, options.stock, options.grade, options.draw_over)
             runs.append(ProductRun(product, job, files, pair))
         all_files = [file for run in runs for each in run.files for file in each]
         make_folders(all_files)
@@ -277,6 +297,7 @@ def read_options(arguments: argparse.Namespace) -> RecordOptions:
         stock=arguments.film,
         grade=grade.read_grade_choice(arguments),
         camera=camera_options.read_camera_options(arguments),
+        burn_in=burn_in_options.read_burn_in(arguments),
         flare=flare.read_flare_options(arguments),
         axes=axes,
         long_exposure=long_exposure.read_long_exposure(arguments),
@@ -335,7 +356,7 @@ def make_job(shot: Shot, camera_path: str | None, options: RecordOptions, time: 
         settings=settings,
         stock=options.stock,
         grade=options.grade,
-        overlay=options.camera.draw_guides,
+        overlay=options.draw_over,
     )
 
 

@@ -114,7 +114,7 @@ def _layout(sheet: ContactSheet) -> _Layout:
 def _write_head(figure: Figure, sheet: ContactSheet, layout: _Layout) -> None:
     wide, _ = layout.size
     compared = " and ".join(f"{len(axis.choices)} {_PLURALS[axis.name]}" for axis in sheet.axes)
-    times = sorted({picture.time for picture in sheet.pictures})
+    times = sorted({picture.metadata.time for picture in sheet.pictures})
     films = {picture.film for picture in sheet.pictures}
     details = [sheet.stage, sheet.camera_path, *([f"frame {times[0]:g}"] if len(times) == 1 else [])]
     if len(films) == 1 and sheet.axes[0].name != "stock":

@@ -30,6 +30,7 @@ class FrameMetadata:
         camera: as the frame was rendered, focus solved in.
         time: USD time code of the frame; NaN for the default time, which has no number.
         frames_per_second: of the shot.
+        time_codes_per_second: of the shot; movies show a frame at each time code.
         grade: grade of the picture; its working space is that of the radiance.
         film: film that the picture was developed on; None for none.
         settings: settings of the render (``dataclasses.asdict`` of the frame's settings); each becomes
@@ -42,11 +43,13 @@ class FrameMetadata:
         view: eye that the frame is for, as OpenEXR's standard attribute ``view``; empty for none.
         color_space: linear colour space that colours are written in; empty for the working space.
         metres_per_unit: of the stage's units.
+        t_stop: of the lens, where it is marked in T-stops or its glass takes light; None where its f-number says all.
     """
 
     camera: Camera
     time: float = 0.0
     frames_per_second: float = 24.0
+    time_codes_per_second: float = 24.0
     grade: Grade = field(default_factory=Grade)
     film: FilmSettings | None = None
     settings: Mapping[str, Setting] = field(default_factory=dict)
@@ -58,6 +61,7 @@ class FrameMetadata:
     view: str = ""
     color_space: str = ""
     metres_per_unit: float = 1.0
+    t_stop: float | None = None
 
     @property
     def description(self) -> str:

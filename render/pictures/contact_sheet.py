@@ -11,6 +11,7 @@ from render.errors import SettingsError
 from render.film import GradeChoice
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
+from render.output import FrameMetadata
 from render.pictures.contact_axes import Axis, Choice, Value
 from render.pictures.picture import develop_picture, expose_frame
 from render.shot.exposure.readout import ExposureReadout
@@ -32,8 +33,7 @@ class ContactPicture:
 
     Attributes:
         graded: ``(height, width, 3)`` float32, encoded for the display.
-        camera: as it was rendered.
-        time: USD time code.
+        metadata: of the picture, with its camera and time.
         readout: its lens in numbers.
         exposure: its exposure in numbers.
         film: name of the stock; empty where there is none.
@@ -41,8 +41,7 @@ class ContactPicture:
     """
 
     graded: FloatArray
-    camera: Camera
-    time: float
+    metadata: FrameMetadata
     readout: Readout
     exposure: ExposureReadout
     film: str = ""
@@ -171,7 +170,7 @@ class _SheetMaker:
         film = finish.film.stock.name if finish.film is not None and finish.film.stock is not None else ""
         readout, exposure = shot.focus.read(self._camera_path, time), shot.exposure.read(self._camera_path, time)
         metered = None if camera is as_set else _metered_ev100(exposure, as_set, camera)
-        return ContactPicture(picture.graded, camera, time, readout, exposure, film, metered)
+        return ContactPicture(picture.graded, picture.metadata, readout, exposure, film, metered)
 
     def _edit_shot(self, values: dict[str, Value], time: float) -> None:
         shot, camera_path = self._shot, self._camera_path

@@ -6,6 +6,7 @@ develop the film and grade
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -25,11 +26,13 @@ from render.pictures.flare import add_flare
 from render.pictures.image_space import ImageSpace
 from render.pictures.moving import check_shutter, has_motion, render_moving_frame
 from render.pictures.primvars import add_primvars, check_primvars
+from render.shot.accepted import draw_accepted
 from render.shot.film.finish import Finish
 from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
 from render.stage import Finding
 from render.steps import step
+from usd_schemas import LensCamera
 from usd_schemas.units import metres_per_unit
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
@@ -142,6 +145,18 @@ def expose_frame(
         GraphicsError: OpenGL reports an error.
     """
     check_shutter(camera)
+    return draw_accepted(lambda: _expose_frame(renderer, shot, camera_path, camera, time, settings, on_progress))
+
+
+def _expose_frame(
+    renderer: FrameRenderer,
+    shot: Shot,
+    camera_path: str | None,
+    camera: Camera,
+    time: float,
+    settings: FrameSettings,
+    on_progress: Callable[[float], None] | None,
+) -> Frame:
     check_primvars(shot, camera.path, time, settings)
     _note_holdouts(shot, camera.path, time, settings)
     space = ImageSpace.for_camera(camera, settings)
@@ -163,7 +178,9 @@ def _note_holdouts(shot: Shot, camera_path: str, time: float, settings: FrameSet
     """Note holdouts where the engine cannot leave them out of alpha."""
     if engine_class(settings).has_rays:
         return
-    if any(batch.camera_role == "holdout" for batch in shot.scene_at(time, camera_path).batches):
+    scene = shot.scene_at(time, camera_path)
+    held = any(batch.camera_role == "holdout" for batch in scene.batches)
+    if held or any(batch.is_holdout for batch in scene.splats):
         message = f"holdouts of the render pass are black with alpha 1, since the engine {settings.engine} has no alpha"
         shot.note_asked([Finding("holdout_alpha", "/", f"{message}: take the engine lens")])
 
@@ -261,6 +278,7 @@ def describe_picture(
         camera=camera,
         time=time,
         frames_per_second=shot.stage.GetFramesPerSecond(),
+        time_codes_per_second=shot.stage.GetTimeCodesPerSecond(),
         grade=finish.grade,
         film=finish.film,
         settings=asdict(settings),
@@ -270,7 +288,18 @@ def describe_picture(
         metres_per_unit=metres_per_unit(shot.stage),
         exposure_time_s=_read_authored(prim, "exposure:time", time),
         iso=_read_authored(prim, "exposure:iso", time),
+        t_stop=_read_t_stop(prim, camera, time),
     )
+
+
+def _read_t_stop(prim: Usd.Prim | None, camera: Camera, time: float) -> float | None:
+    """Read the T-stop of a lens; None where its f-number says as much."""
+    glass = LensCamera(prim).lens.read(time) if prim else None
+    if glass is None or camera.f_stop == 0 or glass.transmittance == 0:
+        return None
+    if glass.stop_marking == "t":
+        return camera.f_stop
+    return camera.f_stop / math.sqrt(glass.transmittance) if glass.transmittance < 1 else None
 
 
 def _read_authored(prim: Usd.Prim | None, name: str, time: float) -> float | None:

@@ -9,7 +9,7 @@ from pxr import Sdf
 from render.cli.options import shared
 from render.errors import SettingsError
 from render.shot import Shot
-from render.stage.options import COMPLEXITIES, PURPOSES, StageOptions
+from render.stage.options import COMPLEXITIES, LIGHTS, PURPOSES, StageOptions
 
 CULLS = ("nothing", "backfaces")
 
@@ -39,6 +39,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=CULLS,
         help="backfaces: draw only the outsides of what is not doubleSided; both sides are drawn without it",
     )
+    group.add_argument(
+        "--lights",
+        default=LIGHTS[0],
+        choices=LIGHTS,
+        help="light by the stage's lights, by one at the camera, or by both as usdrecord does; auto: by the camera's where the "
+        "stage has none",
+    )
 
 
 def open_shot(arguments: argparse.Namespace) -> Shot:
@@ -63,7 +70,7 @@ def open_shot(arguments: argparse.Namespace) -> Shot:
         all_cameras=arguments.stereo,
         complexity=arguments.complexity,
         cull_backfaces=arguments.cull == "backfaces",
-        camera_light=not arguments.disableCameraLight,
+        lit_by=arguments.lights,
         dome_visible=arguments.dome_visible,
         draw_modes=not arguments.disableDrawMode,
         session_layer=arguments.sessionLayer,

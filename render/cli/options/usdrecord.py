@@ -61,7 +61,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--disableDrawMode", action="store_true", help="do not warn of draw modes: geometry is drawn in any case"
     )
     group.add_argument(
-        "--disableCameraLight", action="store_true", help="leave a stage without lights dark: no light at the camera"
+        "--disableCameraLight",
+        action="store_const",
+        const="stage",
+        default=argparse.SUPPRESS,
+        dest="lights",
+        help="leave a stage without lights dark: --lights stage",
     )
     group.add_argument(
         "--enableDomeLightVisibility",

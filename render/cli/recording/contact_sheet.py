@@ -48,7 +48,9 @@ def record_contact_sheet(job: RecordJob, axes: tuple[Axis, ...], time: float, fi
             choice=job.grade,
             on_picture=show_progress,
         )
-        pictures = (replace(picture, graded=job.overlay(picture.graded, picture.camera)) for picture in sheet.pictures)
+        pictures = (
+            replace(picture, graded=job.overlay(picture.graded, picture.metadata)) for picture in sheet.pictures
+        )
         sheet = replace(sheet, pictures=tuple(pictures))
         write_atomic(file, draw_contact_sheet(sheet, file.suffix.lower().removeprefix(".")))
         seconds = clock.perf_counter() - start

@@ -57,7 +57,7 @@ def record_frame(
     start = clock.perf_counter()
     progress.begin(file.name)
     picture = draw_picture(renderer, progress, job, time)
-    write_frame(file, picture.frame, job.overlay(picture.graded, picture.camera), picture.metadata, layout)
+    write_frame(file, picture.frame, job.overlay(picture.graded, picture.metadata), picture.metadata, layout)
     seconds = clock.perf_counter() - start
     progress.finish(str(file), seconds)
     return {"time": time, "file": str(file), "seconds": round(seconds, 3)}

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from render.film import GradeChoice
 from render.model.arrays import FloatArray
-from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
+from render.output import FrameMetadata
 from render.shot import Shot
 
-Overlay = Callable[[FloatArray, Camera], FloatArray]
-"""Draws over a graded picture ``(height, width, 3)`` of a camera, such as framing guides."""
+Overlay = Callable[[FloatArray, FrameMetadata], FloatArray]
+"""Draws over a graded picture ``(height, width, 3)`` with its metadata, such as framing guides and burn-ins."""
 
 
 @dataclass(frozen=True)

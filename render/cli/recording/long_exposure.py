@@ -62,7 +62,7 @@ def record_long_exposure(job: RecordJob, options: LongExposureOptions, file: Pat
 
 def _write(job: RecordJob, exposure: LongExposure, file: Path) -> None:
     picture = exposure.develop()
-    write_frame(file, picture.frame, job.overlay(picture.graded, picture.camera), picture.metadata)
+    write_frame(file, picture.frame, job.overlay(picture.graded, picture.metadata), picture.metadata)
 
 
 def _duration(state: LongExposureState) -> str:

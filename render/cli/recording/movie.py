@@ -36,7 +36,7 @@ def record_movie(job: RecordJob, times: Sequence[float], file: Path) -> list[dic
             name = f"{file.name}, frame {time:g}"
             progress.begin(name)
             picture = draw_picture(renderer, progress, job, time)
-            graded = job.overlay(picture.graded, picture.camera)
+            graded = job.overlay(picture.graded, picture.metadata)
             description = description or describe_movie(picture.metadata, times, rate)
             movie.add(to_8_bit(graded), description)
             seconds = clock.perf_counter() - start

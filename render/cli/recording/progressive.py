@@ -76,9 +76,9 @@ def _write(job: RecordJob, file: Path, shown: ProgressivePicture) -> None:
 
     if shown.picture is not None:
         picture = shown.picture
-        write_frame(file, picture.frame, job.overlay(picture.graded, picture.camera), picture.metadata)
+        write_frame(file, picture.frame, job.overlay(picture.graded, picture.metadata), picture.metadata)
         return
-    graded = job.overlay(enlarge(shown.graded, job.settings.width, job.settings.height), shown.metadata.camera)
+    graded = job.overlay(enlarge(shown.graded, job.settings.width, job.settings.height), shown.metadata)
     encode = encode_png if format_of(file) == "png" else encode_jpeg
     write_atomic(file, encode(graded, shown.metadata))
 

@@ -76,7 +76,7 @@ def record_stereo_frame(
         write_views(names[0], [(picture.frame, picture.metadata) for picture in pictures.values()], layout)
     else:
         for eye, picture in pictures.items():
-            graded = job.overlay(picture.graded, picture.camera)
+            graded = job.overlay(picture.graded, picture.metadata)
             write_frame(files[eye], picture.frame, graded, picture.metadata, layout)
     seconds = clock.perf_counter() - start
     progress.finish(" and ".join(map(str, names)), seconds)

@@ -42,6 +42,7 @@ from render.pictures.progressive.equality import have_equal_content
 from render.pictures.progressive.frames import LiveFrames
 from render.pictures.progressive.planner import ENOUGH_RAYS
 from render.pictures.progressive.request import PreviewRequest, ProgressivePicture, Stage
+from render.shot.accepted import draw_accepted
 from render.shot.film.finish import Finish, frame_number, gate_mm
 from render.shot.shot import Shot
 from render.trace.adaptive import whole_stops
@@ -134,11 +135,16 @@ class ProgressiveRenderer:
             stock=request.stock,
             choice=request.choice,
         )
-        scene = self._shot.scene_at(request.time, camera.path)
-        clock.note("read")
-        work = self._draw(_Job(request, scene, camera, finish, clock))
+
+        def begin() -> tuple[ProgressivePicture, Generator[ProgressivePicture, None, None]]:
+            scene = self._shot.scene_at(request.time, camera.path)
+            clock.note("read")
+            work = self._draw(_Job(request, scene, camera, finish, clock))
+            return next(work), work
+
+        first, work = draw_accepted(begin)
         try:
-            yield next(work)
+            yield first
             while not is_stale():
                 try:
                     with self._renderer.graphics.cancellation.cancel_when(is_stale):

@@ -15,7 +15,7 @@ from render.cli.parser import Parser
 from render.cli.record import add_arguments
 from render.gl.compat import software_device
 from render.gl.no_gpu import NO_GPU, check_software
-from render.stage.options import COMPLEXITIES
+from render.stage.options import COMPLEXITIES, LIGHTS
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, Ended, write_shot
 
 WIDTH = 24
@@ -115,6 +115,17 @@ def test_disable_camera_light(pullfocus: Command, tmp_path: Path) -> None:
     assert middle(record(pullfocus, shot, "--disableCameraLight")[1]) == pytest.approx([0, 0, 0, 1], abs=1e-3)
     lit = write_shot(tmp_path / "lit.usda", SQUARE, CAMERA, LAMP)
     assert (record(pullfocus, lit)[1] == record(pullfocus, lit, "--disableCameraLight")[1]).all()
+
+
+def test_lights(pullfocus: Command, tmp_path: Path) -> None:
+    lamp = LAMP.replace("float inputs:intensity", "float inputs:angle = 0\n        float inputs:intensity")
+    shot, lit = write_shot(tmp_path / "a.usda", SQUARE, CAMERA), write_shot(tmp_path / "b.usda", SQUARE, CAMERA, lamp)
+    red = {lights: middle(record(pullfocus, lit, "--lights", lights)[1])[0] for lights in LIGHTS}
+    dark = {lights: middle(record(pullfocus, shot, "--lights", lights)[1])[0] for lights in LIGHTS}
+    assert dark["stage"] == 0
+    assert dark["auto"] == dark["camera"] == dark["both"] == red["camera"] > 0.1
+    assert red["auto"] == red["stage"] > 0.1
+    assert red["both"] == pytest.approx(red["camera"] + red["stage"], rel=0.01)
 
 
 def test_dome_light_visibility(pullfocus: Command, tmp_path: Path) -> None:

@@ -115,7 +115,7 @@ def test_a_stop_over_is_twice_the_light_in_every_exposure_mode(
     opened = Shot.open(shot)
     opened.exposure.set(None, metering_mode=metering)
     sheet = contact_sheet.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=-1,0,2"]))
-    scales = [picture.camera.exposure_scale for picture in sheet.pictures]
+    scales = [picture.metadata.camera.exposure_scale for picture in sheet.pictures]
     assert scales[0] == pytest.approx(scales[1] / 2)
     assert scales[2] == pytest.approx(scales[1] * 4)
 
@@ -156,7 +156,9 @@ def test_a_metered_picture_says_what_the_meter_made_of_it(shot: Path, renderer: 
     (plain, over) = sheet.pictures
     assert plain.metered_ev100 is not None
     assert over.metered_ev100 is not None
-    assert plain.camera.exposure_scale == pytest.approx(2.0**-plain.metered_ev100 * plain.exposure.exposure_scale)
+    assert plain.metadata.camera.exposure_scale == pytest.approx(
+        2.0**-plain.metered_ev100 * plain.exposure.exposure_scale
+    )
     assert over.metered_ev100 == pytest.approx(plain.metered_ev100 - 2)
     assert f"EV {plain.metered_ev100:.1f} metered".replace("-", "−") in _data(plain)[0]
 

@@ -1,26 +1,30 @@
-"""Products of a render: movies and contact sheets, which are made of its stored frames when they are asked for first.
+"""Files of the products of renders: movies and contact sheets, which are made of stored frames, and reports, which need none.
 
-A worker process makes them, beside the frames. The name of a product's file has a hash of its frames, so that it is made anew
-only once these have changed; the file of before is then removed.
+The name of a file has a hash of what it is made of, so that it is made anew only once this has changed; the file of before is
+then removed.
 """
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
-from collections.abc import Callable
+import threading
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from weakref import WeakValueDictionary
 
 from starlette.concurrency import run_in_threadpool
 
+from render.files import write_atomic
 from service.http.clients import present_client
 from service.http.errors import ServiceError
 from service.http.quotas import Quotas
 from service.jobs.files import FrameFiles
 from service.jobs.queue import RenderQueue
 from service.jobs.states import state_of
+from service.models.render_products import ProductName
 from service.picture.calls import state as picture_state
 from service.storage.database.tables import RenderRow
 from service.workers.calls import Call
@@ -36,6 +40,8 @@ Frames = list[tuple[int, Path]]
 """Frames in rising order, and their graded pictures."""
 MakeCall = Callable[[Frames, Path], Call[picture_state.PictureWorkerState, None]]
 """Makes the call that writes a product of frames to a file."""
+Write = Callable[[], Awaitable[str]]
+"""Writes the text of a product that needs no frames."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +72,15 @@ class RenderProducts:
     queue: RenderQueue
     files: FrameFiles
     quotas: Quotas
+    _keeping: threading.Lock = field(default_factory=threading.Lock)
     _making: WeakValueDictionary[Path, asyncio.Lock] = field(default_factory=WeakValueDictionary)
 
-    async def find(self, render: RenderRow, name: str, suffix: str, make_call: MakeCall) -> Product:
-        """Return a product, which is made where it is missing.
+    async def find(self, render: RenderRow, name: ProductName, make_call: MakeCall) -> Product:
+        """Return a product of frames, which is made where it is missing.
 
         Args:
-            render: it has ended.
+            render: its frames have ended.
             name: of the product.
-            suffix: of its file.
             make_call: makes the call that writes it.
 
         Raises:
@@ -84,27 +90,66 @@ class RenderProducts:
             WorkerError: the worker ended, or took too long.
         """
         frames, digest = await run_in_threadpool(self._frames_of, render)
-        folder = self.files.products(render.id).resolve()
-        path = folder / f"{name}.{digest}.{suffix}"
+
+        async def make(path: Path) -> None:
+            self.quotas.check_work()
+            place = Place(read=(path.parent.parent,), write=(path.parent,))
+            await self.lane.result(make_call(frames, path), place, present_client())
+
+        return await self._find(render, name, digest, make)
+
+    async def find_text(self, render: RenderRow, name: ProductName, write: Write) -> Product:
+        """Return a product that needs no frames, which is made where it is missing.
+
+        Args:
+            render: the render.
+            name: of the product.
+            write: writes its text.
+
+        Raises:
+            ServiceError: 403, the project has no room.
+            OutputError: it cannot be stored.
+            Exception: as `write`.
+        """
+
+        async def make(path: Path) -> None:
+            text = await write()
+            await run_in_threadpool(write_atomic, path, text.encode())
+
+        return await self._find(render, name, _digest_of(render), make)
+
+    def stored(self, render: RenderRow, name: ProductName) -> Product | None:
+        """Return a product that needs no frames where it was made; None where it was not."""
+        digest = _digest_of(render)
+        path = self._path(render, name, digest)
+        return Product(path, f'"{digest}"') if path.is_file() else None
+
+    async def _find(
+        self, render: RenderRow, name: ProductName, digest: str, make: Callable[[Path], Awaitable[None]]
+    ) -> Product:
+        path = self._path(render, name, digest)
         lock = self._making.setdefault(path, asyncio.Lock())
         async with lock:
             if not await run_in_threadpool(path.is_file):
-                await self._make(render, frames, path, make_call)
+                await run_in_threadpool(path.parent.mkdir, parents=True, exist_ok=True)
+                _remove_unfinished(path)
+                try:
+                    await make(path)
+                finally:
+                    _remove_unfinished(path)
+                await run_in_threadpool(self._keep, render, path)
         return Product(path, f'"{digest}"')
 
-    async def _make(self, render: RenderRow, frames: Frames, path: Path, make_call: MakeCall) -> None:
-        self.quotas.check_work()
-        await run_in_threadpool(path.parent.mkdir, exist_ok=True)
-        _remove_unfinished(path)
-        place = Place(read=(path.parent.parent,), write=(path.parent,))
-        try:
-            await self.lane.result(make_call(frames, path), place, present_client())
-        finally:
-            _remove_unfinished(path)
-        await run_in_threadpool(self._keep, render, path)
+    def _path(self, render: RenderRow, name: ProductName, digest: str) -> Path:
+        kind, _, suffix = name.replace("contact-sheet", "sheet").partition(".")
+        return self.files.products(render.id).resolve() / f"{kind}.{digest}.{suffix}"
 
     def _keep(self, render: RenderRow, path: Path) -> None:
         """Remove the product of before, and count the new one. Raises `ServiceError` 403: the project has no room for it."""
+        with self._keeping:
+            self._count(render, path)
+
+    def _count(self, render: RenderRow, path: Path) -> None:
         name, _, suffix = path.name.split(".")
         for old in path.parent.glob(f"{name}.*.{suffix}"):
             if old != path:
@@ -112,14 +157,14 @@ class RenderProducts:
         if not self.files.counts_products:
             return
         size = path.stat().st_size
-        total = sum(each.stat().st_size for each in path.parent.iterdir())
-        self.queue.note_products(render.id, total - size)  # what was there before counts no longer
+        total = sum(_size_of(each) for each in path.parent.iterdir())
+        self.queue.products.note_size(render.id, total - size)  # what was there before counts no longer
         try:
             self.quotas.check_room(render.project, size)
         except ServiceError:
             path.unlink(missing_ok=True)
             raise
-        self.queue.note_products(render.id, total)
+        self.queue.products.note_size(render.id, total)
 
     def _frames_of(self, render: RenderRow) -> tuple[Frames, str]:
         """Return the graded frames of a render that has ended, and a hash of them and of what else products depend on."""
@@ -149,6 +194,19 @@ class RenderProducts:
                 409, "no_graded_frames", f"Render {render.id!r} has ended without a frame.", path="render"
             )
         return frames, digest.hexdigest()[:32]
+
+
+def _digest_of(render: RenderRow) -> str:
+    """Return a hash of what a product depends on that needs no frames: a render keeps its edits."""
+    return hashlib.sha256(repr((VERSION, render.id, render.revision, render.frames)).encode()).hexdigest()[:32]
+
+
+def _size_of(path: Path) -> int:
+    """Return the size of a product, bytes; 0 for what is written meanwhile, whose name is hidden, or was removed."""
+    if not path.name.startswith("."):
+        with suppress(FileNotFoundError):
+            return path.stat().st_size
+    return 0
 
 
 def _remove_unfinished(path: Path) -> None:

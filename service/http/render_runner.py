@@ -8,12 +8,16 @@ import shutil
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import ExitStack, suppress
+from dataclasses import replace
+from functools import partial
 from typing import ParamSpec, TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import OutputError, PullfocusError
+from render.model.burn_in import BurnIn
 from service.hidden_folders import without_folders
+from service.http.background_tasks import keep_busy, wait_for
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.lane_executor import LaneExecutor
@@ -54,6 +58,8 @@ ROOM_PAUSE_S = 5.0
 """Time until a frame is stored again that could not be, as the disk was full or the bucket gone."""
 MOST_LEFT = 8
 """Attempts before the last one whose files are removed, should they have left any."""
+_NO_PICTURE = ("formats", "aovs", "lens", "burn_in")
+"""Fields that are kept with a render beside the settings of its pictures."""
 STOPPING = "the service stops"
 
 
@@ -91,25 +97,19 @@ class RenderRunner:
 
     async def run(self) -> None:
         """Keep every worker busy until this is cancelled; what is drawn then is given back."""
-        has_failed = False
-        try:
-            while True:
-                try:
-                    is_busy = await self._begin_one()
-                    has_failed = False
-                except (
-                    Exception
-                ):  # as of a disk that is full; a frame that is held is ready again when its lease has run out
-                    if not has_failed:
-                        log.exception("renders cannot go on now")
-                    has_failed, is_busy = True, False
-                    self._is_sure = False  # a frame may be claimed by a commit whose answer was lost
-                if not is_busy:
-                    await self._wait()
-        finally:
-            for task in self._drawing:
-                task.cancel()
-            await asyncio.gather(*self._drawing, return_exceptions=True)
+        wake = self._service.renders_wake
+        await keep_busy(
+            self._begin_one,
+            partial(wait_for, wake, PAUSE_S),  # until a render is sent, or a frame has ended
+            self._doubt,
+            self._drawing.keys(),
+            log=log,
+            complaint="renders cannot go on now",
+        )
+
+    def _doubt(self) -> None:
+        """Look for what is held and not drawn: it may be claimed by a commit whose answer was lost."""
+        self._is_sure = False
 
     async def _begin_one(self) -> bool:
         """Begin the next frame, if a worker is free and there is one. Returns whether it was so."""
@@ -145,15 +145,9 @@ class RenderRunner:
     def _end(self, task: asyncio.Task[None]) -> None:
         del self._drawing[task]
         self._service.renders_wake.set()
+        self._service.products_wake.set()
         if not task.cancelled() and task.exception() is not None:
             log.error("what became of a frame cannot be noted", exc_info=task.exception())
-
-    async def _wait(self) -> None:
-        """Wait until a render is sent or a frame has ended, or for some time."""
-        with suppress(TimeoutError):
-            async with asyncio.timeout(PAUSE_S):  # `wait_for` of Python 3.11 may swallow a cancellation
-                await self._service.renders_wake.wait()
-        self._service.renders_wake.clear()
 
 
 def _recover(service: Service) -> None:
@@ -278,12 +272,15 @@ async def _draw_shot(service: Service, executor: Executor, claim: Claim, record:
     """Have a frame of a shot drawn and store it."""
     service.quarantine.check(record)
     formats, aovs = claim.request["formats"], claim.request.get("aovs", [])  # an earlier version kept no AOVs
-    picture = {name: value for name, value in claim.request.items() if name not in ("formats", "aovs", "lens")}
+    picture = {name: value for name, value in claim.request.items() if name not in _NO_PICTURE}
     query = FrameQuery.model_validate(picture | {"time": claim.frame})
     cost, limits = service.admission.check(record.id, query, aovs=aovs)
     client = Client(claim.owner, claim.render)
     service.quotas.check_work(client)
+    burn_in = claim.request.get("burn_in")
     request = frame_request(record, claim.edits, query, limits, aovs)
+    if burn_in:
+        request = replace(request, burn_in=BurnIn(**burn_in | {"facts": tuple(burn_in["facts"])}))
     key = f"{claim.render}/{claim.frame}/{claim.attempt}"
     work = FrameWork(key, request, tuple(formats), client, cost.ordinary_s)
     drawn = await executor.draw(claim.worker, work, keeper.log)

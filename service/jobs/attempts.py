@@ -15,7 +15,8 @@ from sqlalchemy.orm import Session
 
 from service.jobs.events import noted, task_event
 from service.jobs.frame_logs import append_log
-from service.jobs.states import move
+from service.jobs.product_states import settle_products
+from service.jobs.states import move, note_end
 from service.models.renders import TaskState
 from service.storage.database.tables import AttemptRow, RenderRow, TaskRow
 from service.storage.events import EventLog
@@ -79,10 +80,11 @@ class Attempts:
         task.worker = task.holder = task.lease_until = None
         with noted(self.events, session, render):
             move(render, task, "canceled" if state == "ready" and render.wanted == "cancel" else state)
+            settle_products(render)
             self.events.add(session, task_event(render, task, worker=attempt.worker, error=attempt.error))
         if state == "done":
             render.busy_s += max(0.0, now - attempt.started_at)
-        self.note_end(session, render)
+        note_end(render, now)
 
     def fail(self, session: Session, render: RenderRow, task: TaskRow, error: str, log: str, *, may_pass: bool) -> None:
         """End an attempt that could not draw its frame."""
@@ -122,10 +124,6 @@ class Attempts:
             render = session.get_one(RenderRow, task.render)
             self.end(session, render, task, "ready", "given-back", "the service ended")
 
-    def note_end(self, session: Session, render: RenderRow) -> None:
-        """Note when a render has ended, or that it has not."""
-        render.finished_at = self.clock(session) if render.ready + render.running == 0 else None
-
     def _try_again(
         self,
         session: Session,
@@ -139,4 +137,9 @@ class Attempts:
         has_failed: bool,
     ) -> None:
         self.end(session, render, task, "failed" if has_failed else "ready", outcome, error, log)
-        task.not_before = self.clock(session) + min(BACK_OFF_S * 2 ** (tries - 1), MOST_BACK_OFF_S)
+        task.not_before = self.clock(session) + back_off_of(tries)
+
+
+def back_off_of(tries: int) -> float:
+    """Return the pause after some failures or losses, s."""
+    return min(BACK_OFF_S * 2.0 ** (tries - 1), MOST_BACK_OFF_S)

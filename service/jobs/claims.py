@@ -25,9 +25,10 @@ class NewRender:
         edits: text of its edit layer.
         revision: of these edits.
         request: the picture's settings and ``formats``, as JSON.
-        frames: in rising order.
+        frames: in rising order; none of them is drawn where the request has no formats.
         priority: higher ones come first.
         after: ids of renders that have to be done before its frames are drawn.
+        products: names of what is made of them.
     """
 
     name: str
@@ -46,6 +47,7 @@ class NewRender:
     frames: Sequence[int]
     priority: int
     after: Sequence[str] = ()
+    products: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

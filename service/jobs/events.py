@@ -34,10 +34,25 @@ def task_event(render: RenderRow, task: TaskRow, *, worker: str, error: str | No
     return NewEvent("tasks", "task-changed", render.project, render.shot, render.id, data | counts)
 
 
+def _product_event(render: RenderRow, name: str) -> NewEvent:
+    """Return the event that a product of a render has another state."""
+    entry = render.products[name]
+    data = {"product": name, "state": entry["state"], "attempt": entry["attempts"], "error": entry["error"]}
+    return NewEvent("renders", "product-changed", render.project, render.shot, render.id, data)
+
+
 @contextmanager
 def noted(events: EventLog, session: Session, render: RenderRow) -> Iterator[None]:
-    """Add an event at the end, if the state of a render is another one then."""
-    before = state_of(render)
+    """Add events at the end of those products of a render that have another state then, and of the render if it has."""
+    before, products = state_of(render), _attempts_at(render)
     yield
+    for name, attempt in _attempts_at(render).items():
+        if products.get(name) != attempt:
+            events.add(session, _product_event(render, name))
     if state_of(render) != before:
         events.add(session, render_event(render, "render-changed"))
+
+
+def _attempts_at(render: RenderRow) -> dict[str, tuple[str, int]]:
+    """Return the state of each product of a render, and the number of the last attempt at it."""
+    return {name: (entry["state"], entry["attempts"]) for name, entry in render.products.items()}

@@ -6,8 +6,10 @@ from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 
 from sqlalchemy import Engine, select
+from sqlalchemy.orm import Session
 
 from render.errors import NotFoundError
+from service.jobs.errors import ConflictError
 from service.jobs.states import find_render, is_done
 from service.storage.database.connection import transaction
 from service.storage.database.tables import AttemptRow, RenderNeedRow, RenderRow, TaskRow
@@ -49,3 +51,15 @@ class RenderLookups:
                 detail = f"no frame of render {render_id!r} is done yet"
                 raise NotFoundError(detail, code="frame_not_found", path="render")
             return task
+
+
+def sent_before(session: Session, owner: str, idempotency_key: str, digest: str) -> RenderRow | None:
+    """Return the render that an owner sent with a key before; None where there is none. Raises `ConflictError`: another one."""
+    same = select(RenderRow).where(RenderRow.owner == owner, RenderRow.idempotency_key == idempotency_key)
+    before = session.scalar(same)
+    if before is not None and before.digest != digest:
+        raise ConflictError(
+            "this idempotency key was sent with another render before; send a new key with a new render",
+            code="idempotency_key_reused",
+        )
+    return before

@@ -20,8 +20,10 @@ from service.jobs.errors import ConflictError
 from service.jobs.events import noted, render_event
 from service.jobs.frame_logs import FrameLogs, forget_logs
 from service.jobs.frame_ranges import format_frames
-from service.jobs.lookups import RenderLookups
-from service.jobs.states import find_render, find_unended, move, state_of
+from service.jobs.lookups import RenderLookups, sent_before
+from service.jobs.product_queue import ProductQueue
+from service.jobs.product_states import accept_products, add_products, cancel_products, retry_products
+from service.jobs.states import find_render, find_unended, move, note_end, state_of
 from service.jobs.task_rows import add_tasks
 from service.jobs.totals import RenderTotals
 from service.jobs.turns import next_task
@@ -31,6 +33,7 @@ from service.storage.events import EventLog
 
 MOST_UNENDED = 2000
 """Renders of one owner that have not ended."""
+_NOT_KEPT = ("frames", "after", "products")
 
 
 class RenderQueue:
@@ -47,6 +50,7 @@ class RenderQueue:
         totals: over all renders.
         lookups: about single ones.
         logs: of their frames.
+        products: what is made of these.
     """
 
     def __init__(
@@ -66,6 +70,7 @@ class RenderQueue:
         self.totals = RenderTotals(engine)
         self.lookups = RenderLookups(engine)
         self.logs = FrameLogs(engine)
+        self.products = ProductQueue(engine, events, clock, holder, has_bucket=has_bucket)
 
     def close(self) -> None:
         """Close the connections to the database."""
@@ -78,7 +83,7 @@ class RenderQueue:
             ConflictError: the key was used for another request.
         """
         with self._reading() as session:
-            return _sent_before(session, owner, idempotency_key, digest)
+            return sent_before(session, owner, idempotency_key, digest)
 
     def submit(self, new: NewRender) -> RenderRow:
         """Add a render.
@@ -92,32 +97,34 @@ class RenderQueue:
         """
         with self._writing() as session:
             if new.idempotency_key is not None:
-                before = _sent_before(session, new.owner, new.idempotency_key, new.digest)
+                before = sent_before(session, new.owner, new.idempotency_key, new.digest)
                 if before is not None:
                     return before
-            unended = select(func.count()).where(RenderRow.owner == new.owner, RenderRow.ready + RenderRow.running > 0)
+            unended = select(func.count()).where(RenderRow.owner == new.owner, RenderRow.unended > 0)
             if (session.scalar(unended) or 0) >= MOST_UNENDED:
                 raise ConflictError(
                     f"you have {MOST_UNENDED:,} renders that have not ended; wait, or cancel some",
                     code="too_many_renders",
                 )
+            drawn = new.frames if new.request.get("formats") != [] else ()
             render = RenderRow(
                 id=f"r-{secrets.token_hex(6)}",
-                **{name: value for name, value in vars(new).items() if name not in ("frames", "after")},
+                **{name: value for name, value in vars(new).items() if name not in _NOT_KEPT},
                 frames=format_frames(new.frames),
-                count=len(new.frames),
-                ready=len(new.frames),
+                count=len(drawn),
+                ready=len(drawn),
                 home=self._holder,
                 stored_bytes=len(new.edits.encode()),
                 wanted="run",
                 created_at=self._clock(session),
             )
+            add_products(render, new.products)
             session.add(render)
             session.flush()
             session.add_all(
                 RenderNeedRow(render=render.id, needs=find_render(session, needed).id) for needed in set(new.after)
             )
-            add_tasks(session, render.id, new.frames)
+            add_tasks(session, render.id, drawn)
             self._events.add(session, render_event(render, "render-sent"))
             return render
 
@@ -314,7 +321,8 @@ class RenderQueue:
                 session.execute(waiting.values(state="canceled"))
                 render.canceled += render.ready
                 render.ready = 0
-            self._attempts.note_end(session, render)
+                cancel_products(render)
+            note_end(render, self._clock(session))
             return render
 
     def accept(self, render_id: str) -> RenderRow:
@@ -327,10 +335,13 @@ class RenderQueue:
                 )
             with noted(self._events, session, render):
                 render.accepted = True
+                render.wanted = "run" if render.wanted == "cancel" else render.wanted  # of what this has made
+                accept_products(render)
+            note_end(render, self._clock(session))
             return render
 
     def retry(self, render_id: str, lost: Sequence[int] = ()) -> RenderRow:
-        """Try the frames again that have failed or were canceled; a paused render stays so.
+        """Try the frames and products again that have failed or were canceled; a paused render stays so.
 
         Args:
             render_id: the render.
@@ -338,7 +349,7 @@ class RenderQueue:
 
         Raises:
             NotFoundError: there is no such render.
-            ConflictError: it has no such frames.
+            ConflictError: it has none of these.
         """
         with self._writing() as session:
             render = find_render(session, render_id)
@@ -346,13 +357,15 @@ class RenderQueue:
             wanted = select(TaskRow).where(TaskRow.render == render_id)
             is_over = TaskRow.state.in_(("failed", "canceled")) | (TaskRow.state == "done") & TaskRow.frame.in_(again)
             tasks = session.scalars(wanted.where(is_over)).all()
-            if not tasks:
-                raise ConflictError(f"render {render_id!r} has no frames that have failed, were canceled or are lost")
+            if not tasks and render.products_lacking == 0:
+                detail = "has no frames or products that have failed, were canceled or are lost"
+                raise ConflictError(f"render {render_id!r} {detail}")
             with noted(self._events, session, render):
                 for task in tasks:
                     render.stored_bytes -= _size_of(task) if task.state == "done" else 0
                     move(render, task, "ready")
                     task.failures, task.losses, task.not_before = 0, 0, 0.0
+                retry_products(render, has_new_frames=bool(tasks))
                 render.accepted = False
                 render.wanted = "pause" if render.wanted == "pause" else "run"
             render.finished_at = None
@@ -371,7 +384,7 @@ class RenderQueue:
         """
         with self._writing() as session:
             render = find_render(session, render_id)
-            if render.ready + render.running > 0:
+            if render.unended > 0:
                 raise ConflictError(f"render {render_id!r} is under way; cancel it before you remove it")
             set_files_aside()
             self._events.add(session, render_event(render, "render-removed"))
@@ -387,11 +400,6 @@ class RenderQueue:
         keys = {(claim.render, claim.frame, claim.attempt) for claim in kept}
         with self._writing() as session:
             self._attempts.take_back(session, keys, lease_s, is_shared=is_shared(self._engine))
-
-    def note_products(self, render_id: str, size_bytes: int) -> None:
-        """Note the size of all products of a render. Raises `NotFoundError`: it was removed meanwhile."""
-        with self._writing() as session:
-            find_render(session, render_id).product_bytes = size_bytes
 
     def is_at_hand(self, render: RenderRow) -> bool:
         """Return whether the frames of a render are in the data folder of this queue, or in a bucket."""
@@ -430,14 +438,3 @@ class RenderQueue:
 def _size_of(task: TaskRow) -> int:
     """Return the size of a frame's files, bytes."""
     return sum(entry["size_bytes"] for entry in task.files.values())
-
-
-def _sent_before(session: Session, owner: str, idempotency_key: str, digest: str) -> RenderRow | None:
-    same = select(RenderRow).where(RenderRow.owner == owner, RenderRow.idempotency_key == idempotency_key)
-    before = session.scalar(same)
-    if before is not None and before.digest != digest:
-        raise ConflictError(
-            "this idempotency key was sent with another render before; send a new key with a new render",
-            code="idempotency_key_reused",
-        )
-    return before

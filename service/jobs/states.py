@@ -12,17 +12,15 @@ from service.storage.database.tables import RenderRow, TaskRow
 
 
 def state_of(render: RenderRow) -> RenderState:
-    """Return the state of a render, which follows from what is wanted and from the states of its tasks."""
-    if render.ready + render.running == 0:
-        if render.accepted:
+    """Return the state of a render, which follows from what is wanted and from the states of its tasks and products."""
+    if render.unended == 0:
+        if render.accepted or render.failed + render.canceled + render.products_lacking == 0:
             return "done"
-        if render.canceled > 0:
-            return "canceled"
-        return "failed" if render.failed > 0 else "done"
+        return "canceled" if render.canceled > 0 or render.wanted == "cancel" else "failed"
     if render.wanted == "cancel":
         return "cancel-requested"
     if render.wanted == "pause":
-        return "pause-requested" if render.running > 0 else "paused"
+        return "pause-requested" if render.running + render.products_running > 0 else "paused"
     return "queued" if render.started_at is None else "running"
 
 
@@ -32,7 +30,8 @@ def is_done(render: type[RenderRow]) -> ColumnElement[bool]:
     Args:
         render: the table, or an alias of it.
     """
-    return (render.ready + render.running == 0) & ((render.failed + render.canceled == 0) | render.accepted)
+    is_whole = render.failed + render.canceled + render.products_lacking == 0
+    return (render.unended == 0) & (is_whole | render.accepted)
 
 
 def find_render(session: Session, render_id: str) -> RenderRow:
@@ -46,9 +45,14 @@ def find_render(session: Session, render_id: str) -> RenderRow:
 def find_unended(session: Session, render_id: str) -> RenderRow:
     """Return a render that has not ended. Raises `NotFoundError`, `ConflictError`: it has."""
     render = find_render(session, render_id)
-    if render.ready + render.running == 0:
+    if render.unended == 0:
         raise ConflictError(f"render {render_id!r} has ended: it is {state_of(render)}")
     return render
+
+
+def note_end(render: RenderRow, now: float) -> None:
+    """Note when a render has ended, or that it has not."""
+    render.finished_at = now if render.unended == 0 else None
 
 
 def not_found(render_id: str) -> NotFoundError:

@@ -28,6 +28,7 @@ def add_tasks(session: Session, render_id: str, frames: Sequence[int]) -> None:
     Args:
         session: a transaction that writes.
         render_id: the render, which is there.
-        frames: of the render, each once; one at least.
+        frames: of the render, each once.
     """
-    session.connection().execute(_INSERT, [{"render": render_id, "frame": frame} for frame in frames])
+    if frames:
+        session.connection().execute(_INSERT, [{"render": render_id, "frame": frame} for frame in frames])

@@ -16,7 +16,9 @@ MOST_FAILED_EACH = 3
 MOST_PAUSE_S = 300.0
 """Time that no pause of a task or render is longer than."""
 LOOKS = 16
-"""Renders that are looked at together for a task."""
+"""Renders that are looked at together for a task or product."""
+
+_BY_TURN = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
 
 
 def next_task(
@@ -32,7 +34,7 @@ def next_task(
         home: id of the data folder: renders whose shots are in another one, and not in a bucket, are left out. None for none.
         has_bucket: whether renders whose shots are in a bucket can be drawn.
     """
-    for render_id in _waiting(session, now, home, has_bucket=has_bucket):
+    for render_id in by_turn(session, (RenderRow.ready > 0) & may_begin(now, home, has_bucket=has_bucket)):
         left = _left_to_others(session, render_id, worker, present)
         if left is None:
             continue
@@ -45,21 +47,22 @@ def next_task(
     return None
 
 
-def _waiting(session: Session, now: float, home: str | None, *, has_bucket: bool) -> Iterator[str]:
-    """Yield the renders that have frames to draw, in turn. They are read some at a time: mostly the first one has a task."""
-    turn = (RenderRow.priority.desc(), RenderRow.created_at, RenderRow.id)
-    waiting = select(RenderRow.id).where(
-        RenderRow.wanted == "run", RenderRow.ready > 0, _has_come(RenderRow.not_before, now)
-    )
+def may_begin(now: float, home: str | None, *, has_bucket: bool) -> ColumnElement[bool]:
+    """Return the condition that something of a render may be begun, as far as it has something; see `next_task`."""
     needed = aliased(RenderRow)
     unmet = select(RenderNeedRow).join(needed, needed.id == RenderNeedRow.needs).where(~is_done(needed))
-    waiting = waiting.where(~unmet.where(RenderNeedRow.render == RenderRow.id).exists())
+    is_met = ~unmet.where(RenderNeedRow.render == RenderRow.id).exists()
+    may = (RenderRow.wanted == "run") & _has_come(RenderRow.not_before, now) & is_met
     if home is not None:
-        waiting = waiting.where(RenderRow.home.is_(None) | (RenderRow.home == home) | RenderRow.files.is_not(None))
-    if not has_bucket:
-        waiting = waiting.where(RenderRow.files.is_(None))
+        may &= RenderRow.home.is_(None) | (RenderRow.home == home) | RenderRow.files.is_not(None)
+    return may if has_bucket else may & RenderRow.files.is_(None)
+
+
+def by_turn(session: Session, is_meant: ColumnElement[bool]) -> Iterator[str]:
+    """Yield the renders of a condition in turn. They are read some at a time: mostly the first one has what is looked for."""
+    meant = select(RenderRow.id).where(is_meant).order_by(*_BY_TURN)
     for first in count(0, LOOKS):
-        found = session.scalars(waiting.order_by(*turn).offset(first).limit(LOOKS)).all()
+        found = session.scalars(meant.offset(first).limit(LOOKS)).all()
         yield from found
         if len(found) < LOOKS:
             return

@@ -10,7 +10,7 @@ from pydantic.config import JsonDict
 
 from service.models.base import Distance, Model, shown_as
 
-ReportFormat = Literal["json", "csv"]
+ReportFormat = Literal["json", "csv", "html"]
 
 MAX_REPORT_ROWS = 200_000
 """Frames times focus points of one report."""

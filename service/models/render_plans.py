@@ -86,7 +86,7 @@ class RenderPlan(Model):
     )
 
     frames: str = Field(description="All frames, as a range; empty where they are no range.")
-    count: int = Field(description="Number of frames.")
+    count: int = Field(description="Number of frames that would be drawn.")
     seconds_of_processor: float = Field(
         description="Processor time that is expected for all of them, s; 0 where they would be refused."
     )

@@ -6,15 +6,17 @@ import re
 from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, ValidationInfo, field_validator
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic.config import JsonDict
 
 from render.engines import check_settings
 from render.errors import SettingsError
 from render.model.aovs import AOVS, PRIMVAR_PREFIX
+from render.model.burn_in import Fact
 from render.model.frame_settings import FrameSettings
 from service.models.base import Model, PrimPath, shown_as
 from service.models.frames import FrameQuery, PictureOptions
+from service.models.render_products import PRODUCTS, ProductName, RenderProduct, needs_pictures
 
 RenderState = Literal[
     "queued", "running", "pause-requested", "paused", "cancel-requested", "canceled", "failed", "done"
@@ -53,7 +55,9 @@ RENDER_EXAMPLE: JsonDict = {
     "rays": 16,
     "formats": ["exr", "png"],
     "aovs": ["depth", "coc"],
+    "burnIn": [],
     "lens": None,
+    "products": [{"name": "movie.mp4", "state": "waiting", "sizeBytes": None, "error": None}],
     "count": 96,
     "ready": 70,
     "running": 1,
@@ -75,6 +79,7 @@ REQUEST_EXAMPLE: JsonDict = {
     "rays": 16,
     "formats": ["exr", "png"],
     "aovs": ["depth", "coc"],
+    "products": ["movie.mp4"],
 }
 TASK_EXAMPLE: JsonDict = {
     "frame": 25,
@@ -118,9 +123,9 @@ class RenderRequest(PictureOptions):
     )
     formats: list[FrameFormat] = Field(
         default=["exr"],
-        min_length=1,
         max_length=3,
-        description="Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture.",
+        description="Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture. None "
+        "where every product needs no picture: then no frame is drawn.",
         json_schema_extra={"uniqueItems": True},
     )
     aovs: list[AovName] = Field(
@@ -129,10 +134,22 @@ class RenderRequest(PictureOptions):
         description="AOVs in the EXR files beside the colour, each a part of its own, such as `depth`, `coc` or `primvars:st`.",
         json_schema_extra={"uniqueItems": True},
     )
+    burn_in: list[Fact] = Field(
+        default=[],
+        max_length=12,
+        description="Facts written into the corners of the graded pictures, and so of movies; EXR files have them as metadata.",
+        json_schema_extra={"uniqueItems": True},
+    )
     lens: str | None = Field(
         default=None,
         max_length=80,
         description="Lens of the library, in place of the camera's; the camera's own when left out.",
+    )
+    products: list[ProductName] = Field(
+        default=[],
+        max_length=len(PRODUCTS),
+        description="What is made as the last part of the job. Movies and contact sheets are made of the stored graded pictures.",
+        json_schema_extra={"uniqueItems": True},
     )
     priority: int = Field(default=50, ge=0, le=100, description="Renders of a higher one come first.")
     after: list[Annotated[str, Field(max_length=80)]] = Field(
@@ -165,9 +182,40 @@ class RenderRequest(PictureOptions):
                 raise ValueError(error.detail) from error
         return aovs
 
+    @field_validator("burn_in")
+    @classmethod
+    def check_burn_in(cls, facts: list[Fact], info: ValidationInfo) -> list[Fact]:
+        """Refuse facts that come twice, or that no file shows."""
+        if len(set(facts)) < len(facts):
+            raise ValueError("each fact may come once")
+        if facts and not {"png", "jpeg"} & set(info.data.get("formats", ["exr"])):
+            raise ValueError("facts are burnt into graded pictures: add png or jpeg to the formats, or leave them out")
+        return facts
+
+    @field_validator("products")
+    @classmethod
+    def check_products(cls, products: list[ProductName], info: ValidationInfo) -> list[ProductName]:
+        """Refuse products that come twice, or that the files of the frames do not allow."""
+        if len(set(products)) < len(products):
+            raise ValueError("each product may come once")
+        formats = info.data.get("formats", ["exr"])
+        pictured = [name for name in products if needs_pictures(name)]
+        if pictured and not {"png", "jpeg"} & set(formats):
+            raise ValueError(
+                f"{pictured[0]} is made of graded pictures: add png or jpeg to the formats, or leave it out"
+            )
+        return products
+
+    @model_validator(mode="after")
+    def check_use(self) -> RenderRequest:
+        """Refuse a render that would make nothing."""
+        if not self.formats and not self.products:
+            raise ValueError("a render without formats draws no frame: name formats, or products")
+        return self
+
     def picture(self, frame: float) -> FrameQuery:
         """Return the request of one of its frames."""
-        own = {"shot", "name", "frames", "formats", "aovs", "lens", "priority", "after"}
+        own = {"shot", "name", "frames", "formats", "aovs", "burn_in", "lens", "products", "priority", "after"}
         return FrameQuery.model_validate(self.model_dump(exclude=own) | {"time": frame})
 
 
@@ -191,8 +239,10 @@ class Render(Model):
     rays: int = Field(description="Lens rays for each pixel.")
     formats: list[FrameFormat] = Field(description="Files of each frame.")
     aovs: list[str] = Field(description="AOVs in the EXR files.")
+    burn_in: list[Fact] = Field(default_factory=list, description="Facts in the corners of the graded pictures.")
     lens: str | None = Field(default=None, description="Lens in place of the camera's; null for the camera's own.")
-    count: int = Field(description="Number of frames.")
+    products: list[RenderProduct] = Field(default_factory=list, description="What is made beside the frames.")
+    count: int = Field(description="Number of frames that are drawn; 0 for a render without formats.")
     ready: int = Field(description="Frames that wait.")
     running: int = Field(description="Frames that are drawn.")
     done: int = Field(description="Frames that are stored.")
@@ -201,10 +251,11 @@ class Render(Model):
     accepted: bool = Field(description="Whether frames that failed or were given up are not wanted any more.")
     waits_for: list[str] = Field(description="Ids of renders that have to be done before, and are not yet.")
     created_at: datetime
-    started_at: datetime | None = Field(description="Time at which the first frame was begun.")
+    started_at: datetime | None = Field(description="Time at which the first frame or product was begun.")
     finished_at: datetime | None
     seconds_left: float | None = Field(
-        description="Expected time until it ends, s, if no other render is drawn; null before the first frame and after the end."
+        description="Expected time until its frames are drawn, s, if no other render is; null before the first frame and after "
+        "the last one."
     )
 
 

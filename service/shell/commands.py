@@ -203,7 +203,7 @@ def _jobs_parser() -> argparse.ArgumentParser:
         "--focus-report",
         metavar="FILE",
         type=Path,
-        help="write how sharp its focus points are, frame by frame: .csv, .json; it need not have ended",
+        help="write how sharp its focus points are, frame by frame: .csv, .json, .html; it need not have ended",
     )
     log = actions.add_parser(
         "log", help="print the log of a frame: its steps, what was said meanwhile, what went wrong"

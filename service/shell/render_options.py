@@ -13,7 +13,7 @@ from service.client import RenderSettings
 from service.jobs.frame_ranges import parse_frames
 from service.models.renders import RenderRequest
 
-_FIRST = ("frames", "name", "priority", "camera", "width", "height", "lens", "formats", "aovs")
+_FIRST = ("frames", "name", "priority", "camera", "width", "height", "lens", "formats", "products", "aovs")
 _SETTINGS = [name for name in RenderRequest.model_fields if name != "shot"]
 _METAVARS = {"frames": "RANGE", "camera": "PATH", "width": "PX", "height": "PX"}
 _OPTIONS = {"formats": "format"}
@@ -34,7 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             arguments["action"] = argparse.BooleanOptionalAction
         elif get_origin(kind) is list:
             choices = get_args(_plain(get_args(kind)[0]))
-            arguments |= {"nargs": "+", "dest": name} | ({"choices": choices} if choices else {"metavar": "NAME"})
+            arguments |= {"nargs": "*" if name == "formats" else "+", "dest": name} | (
+                {"choices": choices} if choices else {"metavar": "NAME"}
+            )
         elif get_origin(kind) is Literal:
             arguments["choices"] = get_args(kind)
         else:
@@ -56,7 +58,9 @@ def read_settings(typed: argparse.Namespace) -> RenderSettings:
         RenderRequest.model_validate({"shot": "shot"} | given)
     except ValidationError as error:
         first = error.errors()[0]
-        name = str(first["loc"][0]) if first["loc"] else ""
+        if not first["loc"]:  # of all of them together
+            raise SettingsError(first["msg"]) from error
+        name = str(first["loc"][0])
         raise SettingsError(f"--{_option(name)}: {first['msg']}, got {first['input']!r}") from error
     if given.get("frames") is not None:
         parse_frames(given["frames"])

@@ -1,4 +1,4 @@
-"""Function of the stage process that reports the focus in the frames of a render, and the report as CSV.
+"""Function of the stage process that reports the focus in the frames of a render, as JSON, CSV or HTML.
 
 The CSV has one row for each focus point of each frame under a header whose names end in their units, ``inf`` for infinity and an
 empty cell for what does not exist; a frame of a camera without focus points is one row. Line ends are CR LF (RFC 4180).
@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 
 from render.errors import SettingsError
+from render.shot import Shot
 from render.shot.focus.report import ReportedFrame, ReportedPoint
 from service.models.focus_reports import (
     MAX_REPORT_ROWS,
@@ -24,10 +25,13 @@ from service.models.focus_reports import (
     ReportSummary,
     SoftestPoint,
 )
+from service.stage.focus_report_page import Mark, Marks, write_report_page
 from service.stage.opened import OpenedShot, stage_function
 from service.stage.read_points import point_names
 from service.storage.store import ShotRecord
 
+MOST_MARKS = 500
+"""Keys in a report of HTML."""
 _LENS: dict[str, Callable[[ReportedFrame], object]] = {
     "frame": lambda frame: int(frame.time),
     "focus_distance_m": lambda frame: frame.readout.focus_distance_m,
@@ -91,7 +95,37 @@ def report_focus(
         frames = shot.report_focus(
             render.camera, [float(frame) for frame in render.frames], render.width, render.height
         )
-    return _to_csv(frames) if format == "csv" else _report(render, frames).model_dump_json(by_alias=True)
+        marks = _marks(shot, render, frames[0].readout.camera) if format == "html" else Marks()
+    match format:
+        case "csv":
+            return _to_csv(frames)
+        case "html":
+            return write_report_page(_report(render, frames), marks)
+        case "json":
+            return _report(render, frames).model_dump_json(by_alias=True)
+
+
+def _marks(shot: Shot, render: ReportedRender, camera: str) -> Marks:
+    """Return the keys between the first and the last frame that change the focus, `MOST_MARKS` at most."""
+    if not camera:
+        return Marks()
+    keyed = [(key.time, "focus distance") for key in shot.camera.keys(camera, "focus_distance_m")]
+    for name in point_names(shot, camera):
+        keyed += [(key.time, f"weight of {name}: {key.value:g}") for key in shot.focus.keys(camera, name, "weight")]
+        keyed += [
+            (key.time, f"{name} {'on' if key.value else 'off'}") for key in shot.focus.keys(camera, name, "enabled")
+        ]
+    first, last = render.frames[0], render.frames[-1]
+    keyed = sorted(key for key in keyed if first <= key[0] <= last)
+    count, keyed = len(keyed), keyed[:MOST_MARKS]
+    if not keyed:
+        return Marks()
+    times = sorted({time for time, _ in keyed})
+    focus = {
+        frame.time: frame.readout.focus_distance_m
+        for frame in shot.report_focus(camera, times, render.width, render.height)
+    }
+    return Marks(tuple(Mark(time, what, focus[time]) for time, what in keyed), count)
 
 
 def _to_csv(frames: Sequence[ReportedFrame]) -> str:

@@ -14,7 +14,8 @@ from service.models.changes import SetCamera
 from service.models.frames import FrameQuery
 from service.models.render_plans import PlanFinding, PlannedPicture, PlannedShot
 from service.models.shots import FrameRange
-from service.stage.changes import EditedCamera, apply_changes
+from service.stage.camera_changes import EditedCamera
+from service.stage.changes import apply_changes
 from service.stage.opened import OpenedShot, as_sent, stage_function
 from service.storage.store import ShotRecord
 from usd_schemas.validation import validate

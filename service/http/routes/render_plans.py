@@ -39,11 +39,14 @@ async def plan_render(service: ServiceDep, principal: PrincipalDep, request: Ren
     frames, frame_s = list[int](), 0.0
     try:
         frames = await frames_to_render(service, record, request)
-        frame_s = service.admission.check(record.id, request.picture(frames[0]), "body", request.aovs).cost.expected_s
+        if request.formats:
+            frame_s = service.admission.check(
+                record.id, request.picture(frames[0]), "body", request.aovs
+            ).cost.expected_s
     except SettingsError as error:
         findings.append(_error(error, "frames" if request.frames is not None and not frames else ""))
     settings = None
-    if frame_s:
+    if frame_s or (frames and not request.formats):
         first = request.picture(frames[0])
         planned = await service.call_reader_at(render_plans.plan_picture, record, edits, first, request.lens)
         findings += [*planned.findings, *_outside(planned.frame_range, frames)]
@@ -52,7 +55,7 @@ async def plan_render(service: ServiceDep, principal: PrincipalDep, request: Ren
             settings = PlannedSettings(**planned.picture.model_dump(), **asked, revision=revision_of(edits))
     return RenderPlan(
         frames=format_frames(frames) if frames else "",
-        count=len(frames),
+        count=len(frames) if request.formats else 0,
         seconds_of_processor=round(frame_s * len(frames), 1),
         settings=settings,
         findings=sorted(findings, key=lambda one: one.severity != "error"),

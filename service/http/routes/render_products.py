@@ -8,24 +8,22 @@ from fastapi import APIRouter, Query
 from fastapi.responses import FileResponse
 
 from service.http.access import READS, RENDERS
+from service.http.product_making import find_product
 from service.http.render_products import Product
 from service.http.routes.frames import BINARY
 from service.http.routes.parameters import SHEET, problems
 from service.http.routes.renders import FrameInPath, RenderAtHand, file_of
 from service.http.service import Service, ServiceDep
 from service.models.base import plain_file_name
+from service.models.render_products import ProductName
 from service.models.renders import MovieFormat
-from service.picture.calls import render_products as calls
 from service.picture.requests import THUMBNAIL
 from service.storage.database.tables import RenderRow, TaskRow
-from service.workers.calls import call
 
 router = APIRouter(tags=["renders"], prefix="/renders", dependencies=RENDERS)
 thumbnails = APIRouter(tags=["renders"], prefix="/renders", dependencies=READS)
 
 MOVIE_TYPES: dict[MovieFormat, str] = {"mp4": "video/mp4", "mov": "video/quicktime", "webm": "video/webm"}
-DEFAULT_RATE = 24.0
-"""Time codes per second of USD, for renders whose frames were drawn before the service noted them."""
 
 
 @router.get(
@@ -44,11 +42,8 @@ async def get_movie(
     ] = "mp4",
 ) -> FileResponse:
     """Make a movie of the frames of a render that has ended, or take the one that was made before."""
-    rate = render.time_codes_per_second or DEFAULT_RATE
-    product = await service.render_products.find(
-        render, "movie", format, lambda frames, path: call(calls.write_movie, render.name, frames, rate, path)
-    )
-    return _answer(render, product, MOVIE_TYPES[format])
+    names: dict[MovieFormat, ProductName] = {"mp4": "movie.mp4", "mov": "movie.mov", "webm": "movie.webm"}
+    return _answer(render, await find_product(service, render, names[format]), MOVIE_TYPES[format])
 
 
 @router.get(
@@ -59,10 +54,7 @@ async def get_movie(
 )
 async def get_contact_sheet(service: ServiceDep, render: RenderAtHand) -> FileResponse:
     """Draw the frames of a render that has ended on one PNG, with their numbers; of more than 96 some at even distances."""
-    product = await service.render_products.find(
-        render, "sheet", "png", lambda frames, path: call(calls.write_contact_sheet, render.name, frames, path)
-    )
-    return _answer(render, product, "image/png")
+    return _answer(render, await find_product(service, render, "contact-sheet.png"), "image/png")
 
 
 @thumbnails.get(

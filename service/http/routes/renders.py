@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,6 +16,7 @@ from fastapi import Path as PathParameter
 from fastapi.responses import FileResponse
 from starlette.concurrency import run_in_threadpool
 
+from render.model.burn_in import BurnIn
 from render.model.edit_history import revision_of
 from service.hidden_folders import without_folders
 from service.http.access import READS, RENDERS, PrincipalDep
@@ -51,7 +52,7 @@ from service.storage.store import not_found as no_shot
 router = APIRouter(tags=["renders"], prefix="/renders", route_class=BodyRoute, dependencies=READS)
 
 MOST_LISTED = 200
-_LATER: dict[str, object] = {"after": [], "aovs": [], "lens": None}
+_LATER: dict[str, object] = {"after": [], "aovs": [], "burn_in": [], "lens": None, "products": []}
 """Fields that an earlier version did not know, and their defaults: with these, a request has the digest that it had then."""
 
 
@@ -114,6 +115,7 @@ async def send_render(
         new = _new(record, principal, request, frames, edits, idempotency_key)
         row = await run_in_threadpool(_submit, service, record, new)
         service.renders_wake.set()
+        service.products_wake.set()
     response.headers["Location"] = f"/v1/renders/{row.id}"
     return await run_in_threadpool(_told, service, row) if request.after else _shown(row, ())
 
@@ -136,7 +138,7 @@ async def list_renders(
     project = None if principal.project == ALL_PROJECTS else principal.project
     rows = await run_in_threadpool(service.renders.list, project, most + 1, start)
     needs = await run_in_threadpool(
-        service.renders.lookups.unmet_needs, [row.id for row in rows[:most] if row.ready > 0]
+        service.renders.lookups.unmet_needs, [row.id for row in rows[:most] if row.unended > 0]
     )
     shown = [_shown(row, needs.get(row.id, ())) for row in rows[:most]]
     return RenderList(renders=shown, next=shown[-1].id if len(rows) > most else None)
@@ -172,9 +174,9 @@ def get_rendered_frame(
 ) -> FileResponse:
     """Take a frame that a render has drawn."""
     formats = render.request["formats"]
-    suffix = format or formats[0]
+    suffix = format or (formats[0] if formats else "exr")
     if suffix not in formats:
-        detail = f"Render {render.id!r} has no {suffix} files, it has {', '.join(formats)}."
+        detail = f"Render {render.id!r} has no {suffix} files, it has {', '.join(formats) or 'none'}."
         raise ServiceError(404, "format_not_rendered", detail, path="format")
     path, headers = file_of(service, render, service.renders.task(render.id, frame), suffix)
     name = f"{plain_file_name(render.name) or 'render'}.{frame:04d}.{suffix}"
@@ -234,7 +236,8 @@ def accept_render(service: ServiceDep, render: RenderInPath) -> Render:
 
 @router.post("/{render}/retry", operation_id="retryRender", dependencies=RENDERS, responses=problems(404, 409))
 def retry_render(service: ServiceDep, render: RenderAtHand) -> Render:
-    """Draw those frames of a render again that have failed, were given up, or whose files are gone."""
+    """Draw those frames of a render again that have failed, were given up, or whose files are gone. Of its products those are
+    made again that have failed or were given up."""
     lost = service.render_files.lost(render.id, [task for task, _ in service.renders.tasks(render.id)])
     return _told(service, service.renders.retry(render.id, lost))
 
@@ -259,7 +262,8 @@ async def _checked(service: Service, principal: Principal, request: RenderReques
     for needed in request.after:
         await run_in_threadpool(render_in_path, needed, service, principal)
     frames = await frames_to_render(service, record, request)
-    service.admission.check(record.id, request.picture(frames[0]), "body", request.aovs)
+    if request.formats:
+        service.admission.check(record.id, request.picture(frames[0]), "body", request.aovs)
     return record, frames
 
 
@@ -310,11 +314,21 @@ def _new(
         edits=edits,
         revision=revision_of(edits),
         request=request.picture(frames[0]).model_dump(mode="json", exclude={"time", "client", "live", "format"})
-        | {"formats": request.formats, "aovs": request.aovs, "lens": request.lens},
+        | {"formats": request.formats, "aovs": request.aovs, "lens": request.lens}
+        | {"burn_in": _burn_in(record, request, edits)},
         frames=frames,
         priority=request.priority,
         after=request.after,
+        products=request.products,
     )
+
+
+def _burn_in(record: ShotRecord, request: RenderRequest, edits: str) -> dict[str, Any] | None:
+    """Return what is burnt into the pictures of a render, as it is kept with it: all of them have one day."""
+    if not request.burn_in:
+        return None
+    day = datetime.now(UTC).date().isoformat()
+    return asdict(BurnIn(tuple(request.burn_in), record.name, revision_of(edits), day))
 
 
 def _submit(service: Service, record: ShotRecord, new: NewRender) -> RenderRow:
@@ -341,7 +355,7 @@ def _digest(request: RenderRequest) -> str:
 
 def _told(service: Service, row: RenderRow) -> Render:
     """Return a render with what it waits for."""
-    needs = service.renders.lookups.unmet_needs([row.id]) if row.ready > 0 else {}
+    needs = service.renders.lookups.unmet_needs([row.id]) if row.unended > 0 else {}
     return _shown(row, needs.get(row.id, ()))
 
 
@@ -352,6 +366,11 @@ def _shown(row: RenderRow, needs: Sequence[str]) -> Render:
     told = {name: getattr(row, name) for name in Render.model_fields if hasattr(row, name)}
     told |= {name: row.request[name] for name in ("width", "rays", "formats")}
     told |= {"aovs": row.request.get("aovs", []), "lens": row.request.get("lens")}  # an earlier version kept neither
+    told["products"] = [
+        {"name": name, **{key: entry[key] for key in ("state", "size_bytes", "error")}}
+        for name, entry in row.products.items()
+    ]
+    told["burn_in"] = (row.request.get("burn_in") or {}).get("facts", [])
     told |= {"owner": row.owner_label, "state": state_of(row), "seconds_left": seconds_left, "waits_for": needs}
     told |= {"created_at": _time(row.created_at), "started_at": _time(row.started_at)}
     return Render.model_validate(told | {"finished_at": _time(row.finished_at)})

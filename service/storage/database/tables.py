@@ -17,6 +17,7 @@ from sqlalchemy import (
     TypeDecorator,
     UniqueConstraint,
 )
+from sqlalchemy.ext.hybrid import hybrid_property
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 _NOT_STORED = re.compile("[\0\ud800-\udfff]")
@@ -54,6 +55,34 @@ class FileEntry(TypedDict):
     sha256: str
 
 
+class ProductEntry(TypedDict):
+    """A product that a render was sent with, such as a movie.
+
+    Attributes:
+        state: one of `service.models.render_products.ProductState`.
+        attempts: at it, so far.
+        failures: of these, since it was asked for last.
+        losses: of these, whose service is gone, since then.
+        not_before: time before which it is not tried again, s since 1970.
+        holder: id of the data folder whose service makes it; None where none does.
+        lease_until: time up to which that service holds it, s since 1970.
+        size_bytes: of its file; None before it is made.
+        error: what went wrong.
+        reason: `frames`, where it has failed without an attempt, as frames have; else None.
+    """
+
+    state: str
+    attempts: int
+    failures: int
+    losses: int
+    not_before: float
+    holder: str | None
+    lease_until: float | None
+    size_bytes: int | None
+    error: str | None
+    reason: str | None
+
+
 class Table(DeclarativeBase):
     """Base of all tables. Times are seconds since 1970, UTC."""
 
@@ -61,7 +90,9 @@ class Table(DeclarativeBase):
 
 
 class RenderRow(Table):
-    """A render. The numbers of its tasks in each state are kept with it, so that lists are quick.
+    """A render. The numbers of its tasks in each state are kept with it, so that lists are quick; and so are those of its
+    products, which wait (of these, those that need no pictures, too), are made, or have failed or were given up
+    (`service.jobs.product_states`).
 
     `home` is the id of the data folder that has its shot and frames; where they are in a bucket, `files` is the hash of the shot
     there, and `root` its root layer. `accepted` says that its frames which failed or were canceled are not wanted any more.
@@ -106,6 +137,16 @@ class RenderRow(Table):
     failed: Mapped[int] = mapped_column(default=0)
     canceled: Mapped[int] = mapped_column(default=0)
     accepted: Mapped[bool] = mapped_column(default=False)
+    products: Mapped[dict[str, ProductEntry]] = mapped_column(JSON, default=dict)
+    products_waiting: Mapped[int] = mapped_column(default=0)
+    products_unpictured: Mapped[int] = mapped_column(default=0)
+    products_running: Mapped[int] = mapped_column(default=0)
+    products_lacking: Mapped[int] = mapped_column(default=0)
+
+    @hybrid_property
+    def unended(self) -> int:
+        """Number of its frames and products that have not ended."""
+        return self.ready + self.running + self.products_waiting + self.products_running
 
 
 class RenderNeedRow(Table):

@@ -134,7 +134,7 @@ def test_an_error_that_stays_fails_the_frame_alone(queue):
     assert (state_of(again), again.finished_at) == ("running", None)
     assert drawn(queue)[1] == 1
     assert state_of(queue.get(sent.id)) == "done"
-    with pytest.raises(ConflictError, match="no frames that have failed"):
+    with pytest.raises(ConflictError, match="no frames or products that have failed"):
         queue.retry(sent.id)
 
 

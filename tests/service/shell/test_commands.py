@@ -223,6 +223,15 @@ def test_a_focus_report_is_fetched_before_the_end(service, room, tmp_path, capsy
     commands.jobs(["cancel", render_id])
 
 
+def test_products_are_made_with_a_render_of_no_frames(room, client, capsys, tmp_path):
+    typed = ["--frames", "3-5", "--format", "--products", "focus-report.csv", "focus-curve.otio", *SMALL]
+    assert commands.render([room, *typed]) == 0
+    render = client.get(f"/v1/renders/{result(capsys)}").json()
+    assert (render["count"], [each["state"] for each in render["products"]]) == (0, ["done", "done"])
+    with pytest.raises(SettingsError, match="draws no frame: name formats, or products"):
+        commands.render([room, "--format", *SMALL])
+
+
 def test_what_is_no_aov_is_refused(room):
     with pytest.raises(SettingsError, match=r"--aovs: .* an AOV is one of depth"):
         commands.render([room, "--aovs", "depths", *SMALL])

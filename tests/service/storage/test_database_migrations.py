@@ -11,6 +11,7 @@ from alembic.config import Config
 from sqlalchemy import create_engine
 
 import service.storage.database.migrations
+from service.jobs.states import state_of
 from service.storage.database.file import DATABASE
 from tests.service.kits.queues import opened
 
@@ -32,6 +33,30 @@ def database_of_version(folder: Path, revision: str) -> sqlite3.Connection:
 def insert(database: sqlite3.Connection, table: str, **values: object) -> None:
     names, places = ", ".join(values), ", ".join("?" * len(values))
     database.execute(f"INSERT INTO {table} ({names}) VALUES ({places})", tuple(values.values()))
+
+
+def test_a_render_of_before_products_has_none_and_goes_on(tmp_path: Path) -> None:
+    database = database_of_version(tmp_path, "0006")
+    texts = dict.fromkeys(("name", "project", "owner", "owner_label", "digest", "shot", "shot_created_at"), "x")
+    numbers = dict.fromkeys(("priority", "not_before", "busy_s", "running", "failed", "canceled", "stored_bytes"), 0)
+    more = {"edits": "", "revision": "", "request": json.dumps({"formats": ["png"]}), "frames": "1", "count": 1}
+    insert(database, "renders", **texts | numbers | more, id="r-1", wanted="run", created_at=1.0, ready=1, done=0)
+    insert(
+        database, "render_tasks", render="r-1", frame=1, attempts=0, failures=0, not_before=0, state="ready", files="{}"
+    )
+    database.commit()
+    database.close()
+
+    queue = opened(tmp_path)
+    try:
+        before = queue.get("r-1")
+        assert (before.products, before.unended, queue.products.claim(60)) == ({}, 1, None)
+        claim = queue.claim("one", 60)
+        assert claim is not None
+        queue.finish(claim, {"png": {"size_bytes": 8, "sha256": "def"}}, 24)
+        assert (queue.get("r-1").unended, state_of(queue.get("r-1"))) == (0, "done")
+    finally:
+        queue.close()
 
 
 def test_a_frame_with_one_file_keeps_it_and_its_attempts(tmp_path: Path) -> None:
@@ -82,7 +107,7 @@ def test_a_frame_with_one_file_keeps_it_and_its_attempts(tmp_path: Path) -> None
         assert queue.finish(claim, {"png": {"size_bytes": 8, "sha256": "def"}}, 25)
         assert queue.get("r-1").time_codes_per_second == 25
         assert queue.totals.stored_bytes("x") == 20
-        queue.note_products("r-1", 100)
+        queue.products.note_size("r-1", 100)
         assert queue.totals.stored_bytes("x") == 120
     finally:
         queue.close()

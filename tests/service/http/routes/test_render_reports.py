@@ -160,6 +160,13 @@ def test_frames_of_a_report_are_the_renders_own(client, room, frames, status, co
     assert (answer.status_code, answer.json()["code"], answer.json()["path"]) == (status, code, "frames")
 
 
+@pytest.mark.parametrize("product", ["focus-report", "focus-curve"])
+def test_a_render_whose_camera_is_none_has_no_report(client, room, product):
+    render = render_of(client, room, frames="1", camera="/World")
+    answer = client.get(f"/v1/renders/{render['id']}/{product}")
+    assert (answer.status_code, answer.json()["code"], answer.json()["path"]) == (409, "bad_camera", "render")
+
+
 def test_a_report_needs_the_shot_that_was_sent(service, client, room_file):
     shot = send(client, "away.usda", room_file.read_bytes()).json()["id"]
     render = render_of(client, shot, frames="1")
@@ -174,3 +181,24 @@ def test_a_report_needs_the_shot_that_was_sent(service, client, room_file):
     assert "which is gone" in gone.json()["detail"]
     unknown = client.get("/v1/renders/r-nothing/focus-report")
     assert (unknown.status_code, unknown.json()["code"]) == (404, "render_not_found")
+
+
+def test_a_page_has_the_marks_of_the_pull(client, shot, room):
+    place(client, shot, "near")
+    for time, value in ((1, 0), (9, 1)):
+        client.put(f"{shot}/focus-points/near/keys/weight", json={"time": time, "value": value})
+    render = render_of(client, room, frames="3-9:3", height=32)
+    answer = client.get(f"/v1/renders/{render['id']}/focus-report", params={"format": "html"})
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == "text/html; charset=utf-8"
+    assert answer.headers["content-disposition"] == f'attachment; filename="{render["id"]}-focus.html"'
+    assert "weight of near: 1" in answer.text
+    assert "weight of near: 0" not in answer.text, "it lies before the first frame"
+
+
+def test_a_page_without_points_and_keys_says_so(client, room):
+    render = render_of(client, room, frames="3", height=32)
+    answer = client.get(f"/v1/renders/{render['id']}/focus-report", params={"format": "html"})
+    assert answer.status_code == 200
+    assert "The camera has no focus points." in answer.text
+    assert "Nothing that changes the focus has keys." in answer.text

@@ -21,15 +21,17 @@ class ChangedMeanwhileError(InputError):
 
 @dataclass(frozen=True)
 class EditContext:
-    """Condition of an edit, and the gesture that it is part of.
+    """Condition of an edit, the gesture that it is part of, and who makes it.
 
     Attributes:
         if_match: the ``If-Match`` header: tags that the editor has seen; None edits without a condition.
         gesture: name of the drag that the edit is part of, all of which is one step of undo; empty for none.
+        author: name of the sender for people; empty where senders are not known by name.
     """
 
     if_match: str | None = None
     gesture: str = ""
+    author: str = ""
 
     def check_tag(self, tag: str, what: str) -> None:
         """Check the ``If-Match`` condition.

@@ -186,7 +186,7 @@ class AsyncClient:
 
         Args:
             render: the render.
-            path: file to write; its ending is the kind of the report: .csv or .json.
+            path: file to write; its ending is the kind of the report: .csv, .json or .html.
             frames: those of the report, as a range of frames of the render; all of them when left out.
         """
         return await self._run(operations.fetch_focus_report(render, Path(path), frames, self._retries))

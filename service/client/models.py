@@ -108,8 +108,9 @@ class Render:
     Attributes:
         accepted: Whether frames that failed or were given up are not wanted any more.
         aovs: AOVs in the EXR files.
+        burn_in: Facts in the corners of the graded pictures.
         canceled: Frames that were given up.
-        count: Number of frames.
+        count: Number of frames that are drawn; 0 for a render without formats.
         done: Frames that are stored.
         failed: Frames that could not be drawn.
         formats: Files of each frame.
@@ -117,15 +118,16 @@ class Render:
         id: Its name in URLs.
         lens: Lens in place of the camera's; null for the camera's own.
         owner: Who sent it.
+        products: What is made beside the frames.
         project: Project of the shot.
         rays: Lens rays for each pixel.
         ready: Frames that wait.
         revision: Revision of the edits that are rendered.
         running: Frames that are drawn.
-        seconds_left: Expected time until it ends, s, if no other render is drawn; null before the first frame and after
-            the end.
+        seconds_left: Expected time until its frames are drawn, s, if no other render is; null before the first frame
+            and after the last one.
         shot: Id of the shot.
-        started_at: Time at which the first frame was begun.
+        started_at: Time at which the first frame or product was begun.
         state: `pause-requested` and `cancel-requested` last until the frames that are drawn have ended. One of
             `queued`, `running`, `pause-requested`, `paused`, `cancel-requested`, `canceled`, `failed`, `done`.
         waits_for: Ids of renders that have to be done before, and are not yet.
@@ -134,6 +136,7 @@ class Render:
 
     accepted: bool
     aovs: list[str]
+    burn_in: list[str] = field(default_factory=list)
     canceled: int
     count: int
     created_at: datetime
@@ -147,6 +150,7 @@ class Render:
     name: str
     owner: str
     priority: int
+    products: list[RenderProduct] = field(default_factory=list)
     project: str
     rays: int
     ready: int
@@ -177,7 +181,7 @@ class RenderPlan:
     """A render as it would be, where it is only tried.
 
     Attributes:
-        count: Number of frames.
+        count: Number of frames that would be drawn.
         findings: Errors first: it would be refused, or its frames would fail. Default: [].
         frames: All frames, as a range; empty where they are no range.
         seconds_of_processor: Processor time that is expected for all of them, s; 0 where they would be refused.
@@ -189,6 +193,26 @@ class RenderPlan:
     frames: str
     seconds_of_processor: float
     settings: PlannedSettings | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RenderProduct:
+    """A product of a render and how far it is.
+
+    Attributes:
+        error: What went wrong; null where nothing has.
+        name: One of `movie.mp4`, `movie.mov`, `movie.webm`, `contact-sheet.png`, `focus-report.html`, `focus-
+            report.csv`, `focus-report.json`, `focus-curve.json`, `focus-curve.csv`, `focus-curve.usda`, `focus-
+            curve.otio`, `focus-curve.opentrackio`.
+        size_bytes: Size of its file, bytes; null before it is made.
+        state: `waiting`: for the frames, or its turn. `canceled`: it was given up with the render. One of `waiting`,
+            `running`, `done`, `failed`, `canceled`.
+    """
+
+    error: str | None
+    name: str
+    size_bytes: int | None
+    state: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -296,6 +320,8 @@ class RenderSettings(TypedDict, total=False):
         after: Ids of renders that have to be done before its frames are drawn. Default: [].
         aovs: AOVs in the EXR files beside the colour, each a part of its own, such as `depth`, `coc` or `primvars:st`.
             Default: [].
+        burn_in: Facts written into the corners of the graded pictures, and so of movies; EXR files have them as
+            metadata. Default: [].
         camera: Prim path; the shot's default camera when left out.
         connections: Carries small bright things to the pixels of their blurred images, which leaves less noise.
             Default: true.
@@ -308,7 +334,7 @@ class RenderSettings(TypedDict, total=False):
             `flag`, `scatter`, `gather`, `linear`, `importance`, `accumulation`, `pinhole`. Default: "lens".
         film: Stock of the film library; the shot's own when left out.
         formats: Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture.
-            Default: ["exr"].
+            None where every product needs no picture: then no frame is drawn. Default: ["exr"].
         frames: In the grammar of Open Job Description, such as `1-10:2,15`; the whole shot when left out.
         height: px; from the camera's film gate when left out.
         layers: Layers peeled at most. Default: 4.
@@ -321,6 +347,8 @@ class RenderSettings(TypedDict, total=False):
         noise: Wanted standard error in values of the displayed picture from 0 to 1, in place of `rays`; 0 for none.
             Default: 0.0.
         priority: Renders of a higher one come first. Default: 50.
+        products: What is made as the last part of the job. Movies and contact sheets are made of the stored graded
+            pictures. Default: [].
         rays: Lens rays for each pixel. Default: 100.
         seed: Seed of the sampling pattern. Default: 0.
         shading: `unlit`: base colour as radiance. One of `lit`, `unlit`. Default: "lit".
@@ -335,6 +363,22 @@ class RenderSettings(TypedDict, total=False):
     adaptive: bool
     after: list[str]
     aovs: list[str]
+    burn_in: list[
+        Literal[
+            "shot",
+            "camera",
+            "lens",
+            "focal",
+            "stop",
+            "focus",
+            "focusFt",
+            "film",
+            "revision",
+            "date",
+            "frame",
+            "timecode",
+        ]
+    ]
     camera: str | None
     connections: bool
     display: str | None
@@ -351,6 +395,22 @@ class RenderSettings(TypedDict, total=False):
     name: str
     noise: float
     priority: int
+    products: list[
+        Literal[
+            "movie.mp4",
+            "movie.mov",
+            "movie.webm",
+            "contact-sheet.png",
+            "focus-report.html",
+            "focus-report.csv",
+            "focus-report.json",
+            "focus-curve.json",
+            "focus-curve.csv",
+            "focus-curve.usda",
+            "focus-curve.otio",
+            "focus-curve.opentrackio",
+        ]
+    ]
     rays: int
     seed: int
     shading: Literal["lit", "unlit"]

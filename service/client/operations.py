@@ -23,8 +23,8 @@ ENDED = ("done", "failed", "canceled")
 """States of a render that has ended."""
 MOVIES = ("mp4", "mov", "webm")
 """Kinds of movies."""
-REPORTS = ("csv", "json")
-"""Kinds of focus reports."""
+REPORTS = {"csv": "text/csv", "json": "application/json", "html": "text/html"}
+"""Types of focus reports by the endings of their files."""
 MOST_LISTED = 200
 """Renders of one answer."""
 _FIRST_LOOK_S, _LONGEST_LOOK_S = 0.25, 3.0
@@ -316,10 +316,9 @@ def fetch_focus_report(render: AnyRender, path: Path, frames: str | None, retrie
     """Fetch the focus report of a render, whose kind is the ending of the path. Raises `SettingError`: it is no report's."""
     ending = path.suffix.lower().removeprefix(".")
     if ending not in REPORTS:
-        raise SettingError(f"a focus report is a .{' or .'.join(REPORTS)} file, got {path.name!r}")
+        raise SettingError(f"a focus report is a .{', .'.join(REPORTS)} file, got {path.name!r}")
     query = {"format": ending} | ({} if frames is None else {"frames": frames})
-    kind = "text/csv" if ending == "csv" else "application/json"
-    return _fetch_product(render, "focus-report", query, path, kind, retries)
+    return _fetch_product(render, "focus-report", query, path, REPORTS[ending], retries)
 
 
 def _fetch_product(

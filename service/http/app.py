@@ -24,14 +24,17 @@ from service.http.identity import Identity, IdentityMiddleware
 from service.http.last_shot import draw_last_shot
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
+from service.http.product_runner import make_products
 from service.http.reference import install_reference
 from service.http.render_runner import run_renders
 from service.http.request_context import RequestContextMiddleware
 from service.http.routes import (
     cameras,
+    choices,
     curves,
     edits,
     events,
+    exposure_maps,
     focus,
     frames,
     keys,
@@ -40,6 +43,7 @@ from service.http.routes import (
     live,
     long_exposure,
     metering,
+    notes,
     photography,
     quarantine,
     render_logs,
@@ -128,8 +132,11 @@ def create_app(settings: Settings) -> FastAPI:
         trash,
         quarantine,
         edits,
+        choices,
+        notes,
         *lens,
         frames,
+        exposure_maps,
         live,
         long_exposure,
         focus,
@@ -241,6 +248,7 @@ WORKS = (
     _deliver_webhooks,
     end_greedy_workers,
     run_renders,
+    make_products,
     tidy_bucket,
 )
 """Work in the background of a service."""

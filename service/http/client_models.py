@@ -85,7 +85,16 @@ def _field(name: str, kind: str) -> list[str]:
     if len(line) <= _LONGEST:
         return [line]
     head, _, words = line.partition("[")
-    return [f"{head}[", f"        {words.removesuffix(']')}", "    ]"]
+    return [f"{head}[", *_inner(words.removesuffix("]")), "    ]"]
+
+
+def _inner(words: str) -> list[str]:
+    """Write what is in the brackets of a long type: one line, or else one for each word of a choice."""
+    line = f"        {words}"
+    if len(line) <= _LONGEST:
+        return [line]
+    head, _, choices = line.partition("[")
+    return [f"{head}[", *(f"            {word}," for word in choices.removesuffix("]").split(", ")), "        ]"]
 
 
 def _docstring(schema: Json, section: str) -> list[str]:

@@ -17,6 +17,8 @@ from service.identity.principal import ANYONE
 from service.workers.jobs import NOBODY, Client
 
 _scope: ContextVar[Scope | None] = ContextVar("scope", default=None)
+client_of_work: ContextVar[Client | None] = ContextVar("client_of_work", default=None)
+"""Set by work in the background: who it is done for."""
 ONLY_READING = ("/pick",)
 """Ends of paths whose POST changes nothing."""
 MAX_MESSAGES = 256
@@ -25,6 +27,9 @@ MAX_MESSAGES = 256
 
 def present_client() -> Client:
     """Return who the present request or WebSocket comes from: its principal or, without a key, its `counted_address`."""
+    worked_for = client_of_work.get()
+    if worked_for is not None:
+        return worked_for
     scope = _scope.get()
     if scope is None:
         return NOBODY

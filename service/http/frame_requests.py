@@ -30,6 +30,12 @@ def focus_tag(service: Service, record: ShotRecord, edits: str, query: PictureQu
     return frame_tag(parameters | _inputs(service, record, edits) | {"map": "focus"})
 
 
+def exposure_tag(service: Service, record: ShotRecord, edits: str, query: PictureQuery) -> str:
+    """Return the entity tag of the exposure map of a picture; see `tag_of_frame`."""
+    parameters = query.model_dump(mode="json", include={"camera", "time", "width", "height"})
+    return frame_tag(parameters | _inputs(service, record, edits) | {"map": "exposure"})
+
+
 def _inputs(service: Service, record: ShotRecord, edits: str) -> dict[str, str]:
     """Return what all answers about a shot depend on."""
     created = record.created_at.isoformat()

@@ -19,9 +19,19 @@ from service.http.errors import ServiceError, answer_to
 from service.http.frame_requests import focus_tag, frame_request, tag_of_frame
 from service.http.json_bodies import read_json
 from service.http.service import Service
+from service.http.viewers import Place
 from service.models.base import Model, Problem
 from service.models.frames import FrameQuery, PictureQuery
-from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop, LiveTiming
+from service.models.live import (
+    LiveAck,
+    LiveHere,
+    LivePictureHead,
+    LiveProblem,
+    LiveReadout,
+    LiveRequest,
+    LiveStop,
+    LiveTiming,
+)
 from service.picture.calls import live, state
 from service.picture.requests import LiveNumbers, LivePicture
 from service.storage.store import ShotRecord
@@ -46,7 +56,7 @@ PAUSE_RATIO = 4
 """Pause after a message that took longer, relative to the time that it took: one client has a fifth of the loop at most."""
 MAX_PROBLEMS = 32
 """Problems that may wait to be sent; a client that does not read them is not received from any more."""
-_NO_REQUEST = '"ack"', '"stop"', "\\"
+_NO_REQUEST = '"ack"', '"stop"', '"here"', "\\"
 """Texts that a message has where it may be no request: the keys of the others, or an escape, which may hide one of them."""
 
 Value = TypeVar("Value")
@@ -71,7 +81,10 @@ class LiveConnection:
         self._job: Job[state.PictureWorkerState] | None = None
         self._client = replace(present_client(), viewer=self)
         self._problems: deque[str] = deque()
+        self.on_look: Callable[[Place], None] = _do_nothing
+        """Called with each place that the client looks at."""
         self._unsent_readout: str | None = None
+        self._unsent_viewers: str | None = None
         self._unsent_picture: tuple[_Request, LivePicture] | None = None
         self._sent_count = self._acknowledged_count = 0
         self._request_count = 0
@@ -133,6 +146,9 @@ class LiveConnection:
         elif "stop" in fields:
             LiveStop.model_validate(fields)
             self._stop()
+        elif "here" in fields:
+            here = LiveHere.model_validate(fields).here
+            self.on_look(Place(here.camera, here.time))
         else:
             request = LiveRequest.model_validate(fields)
             self._put(_Request(request, self._next_number(), received_s))
@@ -156,6 +172,7 @@ class LiveConnection:
                 continue
             request = self._read(newest) if isinstance(newest, _Unread) else newest
             if request is not None:
+                self.on_look(Place(request.request.camera, request.request.time))
                 try:
                     await self._start(request)
                 except Exception as error:
@@ -294,6 +311,14 @@ class LiveConnection:
             if self._unsent_readout is not None:
                 readout, self._unsent_readout = self._unsent_readout, None
                 await self._socket.send_text(readout)
+            if self._unsent_viewers is not None:
+                viewers, self._unsent_viewers = self._unsent_viewers, None
+                await self._socket.send_text(viewers)
+
+    def tell_viewers(self, told: str) -> None:
+        """Queue who looks at the shot for sending, in place of what was not sent yet."""
+        self._unsent_viewers = told
+        self._to_send.set()
 
     def _cancel_stream(self) -> None:
         if self._job is not None:
@@ -340,6 +365,10 @@ class _Request:
     def is_improved_by(self, picture: LivePicture) -> bool:
         """Return whether a picture is better than those before."""
         return self.best is None or _rank(picture) > _rank(self.best)
+
+
+def _do_nothing(place: Place) -> None:
+    """Note no place."""
 
 
 def _rank(picture: LivePicture) -> tuple[bool, bool, float]:

@@ -31,6 +31,7 @@ from service.http.quotas import Quotas
 from service.http.render_products import RenderProducts
 from service.http.settings import MEBIBYTE, Settings
 from service.http.stopping import Stopping
+from service.http.viewers import Viewers
 from service.http.webhook_delivery import Deliveries
 from service.http.webhook_sending import Sender
 from service.jobs.files import FolderFiles, FrameFiles
@@ -83,7 +84,9 @@ class Service:
         render_files: frames that they have drawn.
         shared: the bucket where these are; None where they are in the data folder.
         renders_wake: set when a render was sent, or a frame has ended.
+        products_wake: set when a render was sent, or a frame or product has ended.
         presence: who looks at which shot.
+        viewers: those of them who see each other, and at which frame they are.
         stopping: whether it is stopping.
         preparing: set while it does in advance, after its start, what makes the first picture late.
         run_id: changes with each start: the same inputs may give other pixels after an update.
@@ -107,7 +110,9 @@ class Service:
     render_files: FrameFiles
     shared: SharedStorage | None
     renders_wake: asyncio.Event = field(default_factory=asyncio.Event)
+    products_wake: asyncio.Event = field(default_factory=asyncio.Event)
     presence: Presence = field(default_factory=Presence)
+    viewers: Viewers = field(default_factory=Viewers)
     stopping: Stopping = field(default_factory=Stopping)
     preparing: asyncio.Event = field(default_factory=asyncio.Event)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))

@@ -7,7 +7,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
-from service.models.base import Distance, Finding, Model, Pair, PointName, PrimPath, TimeCode, shown_as
+from service.models.base import Distance, Finding, Model, Pair, PointName, PrimPath, TimeCode, Vector3, shown_as
 from service.models.lenses import LensModel
 from service.models.settings import edit_field
 from service.models.shots import CameraChoice
@@ -44,6 +44,8 @@ READOUT_EXAMPLE: JsonDict = {
     "swingDeg": 0.0,
     "lensName": "Planar 50 mm f/1.4",
     "lensModel": "prescription",
+    "closeFocusM": 0.41,
+    "pupilToFilmMm": [74.2, 82.4],
 }
 
 
@@ -83,6 +85,45 @@ class CameraList(Model):
     default: CameraChoice
     cameras: list[CameraState] = Field(description="For a shot without cameras, the one that frames it.")
     unusable: list[Finding] = Field(description="Cameras whose numbers make no picture, and why.")
+
+
+class PlaceKey(Model):
+    """A key of a camera's place."""
+
+    model_config = shown_as({"time": 24.0, "edited": True})
+
+    time: float = Field(description="USD time code.")
+    edited: bool = Field(description="Whether it is of the edits; else the shot's own.")
+
+
+class CameraPlace(Model):
+    """The place of a camera in the world at one time, and the keys of its own transform; what it is below may move it too."""
+
+    model_config = shown_as(
+        {
+            "camera": "/World/main_cam",
+            "time": 24.0,
+            "positionM": [0.0, 1.6, 0.5],
+            "ahead": [0.0, 0.0, -1.0],
+            "up": [0.0, 1.0, 0.0],
+            "keys": [{"time": 24.0, "edited": True}],
+            "edited": True,
+            "inShot": True,
+            "etag": '"92c4bf18a0860070"',
+        }
+    )
+
+    camera: str | None = Field(description="Prim path; null for the camera that frames a shot which has none.")
+    time: float = Field(description="USD time code.")
+    position_m: Vector3 = Field(description="Of its origin in the world: metres, +Y up.")
+    ahead: Vector3 = Field(description="Unit vector of the optical axis, in the world.")
+    up: Vector3 = Field(description="Unit vector that is up in the picture, in the world.")
+    keys: list[PlaceKey] = Field(description="In order of time; the first 20 000 of a camera that has more.")
+    edited: bool = Field(description="Whether the edits have any part in the place.")
+    in_shot: bool = Field(
+        description="Whether the shot itself has the camera, so that `resetCameraPlace` can take it back to the shot's place."
+    )
+    etag: str = Field(description="The camera's `ETag`: for `If-Match`.")
 
 
 class CameraEdit(Model):
@@ -133,6 +174,13 @@ class Readout(Model):
     swing_deg: float = Field(description="Swing of the lens, applied before the tilt; positive is left.")
     lens_name: str = Field(description="Engraving of the lens, the `title` of one of the library; may be empty.")
     lens_model: LensModel = Field(description="Model of how light passes the lens.")
+    close_focus_m: float = Field(
+        description="Depth of the nearest focus on the ring of the lens, from the entrance pupil: the one engraved on it, "
+        "or that at a tenth of life size."
+    )
+    pupil_to_film_mm: Pair = Field(
+        description="Distance from the entrance pupil to the film, focused at infinity and at the close focus."
+    )
 
 
 class PlaceQuery(Model):

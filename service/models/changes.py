@@ -15,12 +15,22 @@ from service.models.base import (
     MAX_POINT_NAME,
     FileContent,
     FileName,
+    Length,
     Model,
     PointName,
     PrimPath,
     Ratio,
     TimeCode,
     shown_as,
+)
+from service.models.camera_changes import (
+    CreateCamera,
+    DuplicateCamera,
+    FrameSubject,
+    MoveCamera,
+    MoveCameraKeys,
+    ResetCameraPlace,
+    UnkeyCamera,
 )
 from service.models.cameras import CameraEdit
 from service.models.curve import MAX_CURVE_FRAMES
@@ -36,6 +46,7 @@ from service.models.focus import (
     KeyEdit,
     TangentsEdit,
 )
+from service.models.notes import AddNote, DeleteNote, EditNote
 from service.models.solving import RACK_EXAMPLE, CameraKeyed, FocusSettingsEdit, RackCreate
 
 MAX_CHANGES = 1024
@@ -46,6 +57,7 @@ KeyedSetting = CameraKeyed | ExposureKeyed | FilmKeyed
 Stops = Annotated[float, Field(ge=-100, le=100)]
 GapPolicy = Literal["refuse", "hold", "interpolate"]
 
+UsdName = Annotated[str, Field(min_length=1, max_length=MAX_POINT_NAME)]
 PointNameInShot = Annotated[str, Field(min_length=1, max_length=MAX_POINT_NAME)]
 _KEY_TIME = "USD time code of the key."
 _POINT = "Name of the focus point."
@@ -61,10 +73,10 @@ class AddPoint(Model):
 
 
 class MovePoint(Model):
-    """Move a focus point to an anchor, or to the surface that is seen at a place of the picture.
+    """Move a focus point to an anchor, to the surface that is seen at a place of the picture, or to a position in the world.
 
     A point that follows the bounds of a part goes on to follow them where the new target is at or below the part, and follows the
-    new surface elsewhere.
+    new surface elsewhere. A point that is moved to a position stays with what it is on, at another `offset` from it.
     """
 
     model_config = shown_as({"type": "movePoint", "name": "pip", "place": [0.43, 0.55], "time": 24})
@@ -77,12 +89,15 @@ class MovePoint(Model):
         description="In place of an anchor: from (0, 0) in the picture's top left corner to (1, 1) in the bottom right one, "
         "in the picture before the edit. Where nothing is seen, an edit is refused, and a live picture leaves the point.",
     )
+    position_m: tuple[Length, Length, Length] | None = Field(
+        default=None, description="In place of an anchor: where to in the world at the time, metres, +Y up."
+    )
     time: TimeCode = Field(description="USD time code of the picture, and of the key of what has keys.")
 
     @model_validator(mode="after")
     def _has_one_target(self) -> Self:
-        if (self.anchor is None) == (self.place is None):
-            raise ValueError("a focus point moves to an anchor or to a place, expected one of the two")
+        if [self.anchor, self.place, self.position_m].count(None) != 2:
+            raise ValueError("a focus point moves to an anchor, a place or a position, expected one of the three")
         return self
 
 
@@ -174,22 +189,27 @@ class SetPointTangents(Model):
     tangents: TangentsEdit
 
 
-class CreateCamera(Model):
-    """Create a camera from the view that a shot without one is shown through; the changes after it are made to that camera.
+class ChooseVariant(Model):
+    """Choose a variant of a prim's variant set."""
 
-    It has the position, direction and focus distance of that view, a Super 35 body, and a thin lens that has all of the view in
-    its picture. It is refused where the shot is shown through a camera of its own.
-    """
+    model_config = shown_as({"type": "chooseVariant", "prim": "/World/Tram", "variantSet": "livery", "variant": "day"})
 
-    model_config = shown_as({"type": "createCamera", "time": 24})
-
-    type: Literal["createCamera"] = "createCamera"
-    name: PointName | None = Field(
-        default=None, description="Of its prim, at the root of the stage. Left out: `main_cam`, or a free name like it."
+    type: Literal["chooseVariant"] = "chooseVariant"
+    prim: PrimPath
+    variant_set: UsdName = Field(description="Name of the variant set.")
+    variant: UsdName | Literal[""] | None = Field(
+        description="Name of the variant; empty for none of them; null takes the edit back, for what the shot itself chooses."
     )
-    time: TimeCode | None = Field(
-        default=None, description="USD time code of the view, which holds for all time. Left out: the shot's first."
-    )
+
+
+class ShowPayload(Model):
+    """Make a prim with a payload part of the shot or not, by its activation."""
+
+    model_config = shown_as({"type": "showPayload", "prim": "/World/Tram", "shown": False})
+
+    type: Literal["showPayload"] = "showPayload"
+    prim: PrimPath
+    shown: bool | None = Field(description="null takes the edit back, for what the shot itself says.")
 
 
 class SetCamera(Model):
@@ -354,6 +374,14 @@ Change = Annotated[
     | UnkeyPoint
     | SetPointTangents
     | CreateCamera
+    | DuplicateCamera
+    | MoveCamera
+    | FrameSubject
+    | UnkeyCamera
+    | MoveCameraKeys
+    | ResetCameraPlace
+    | ChooseVariant
+    | ShowPayload
     | SetCamera
     | SetFocus
     | SetExposure
@@ -365,7 +393,10 @@ Change = Annotated[
     | KeyExposure
     | MakeRack
     | ImportCurve
-    | MountLensFile,
+    | MountLensFile
+    | AddNote
+    | EditNote
+    | DeleteNote,
     Field(discriminator="type"),
 ]
 

@@ -16,6 +16,7 @@ from service.models.film_settings import FILM_EXAMPLE, FilmSettings
 from service.models.focus import ANCHOR_EXAMPLE, POINT_EXAMPLE, FocusPointList
 from service.models.metering import READOUT_EXAMPLE as EXPOSURE_READOUT_EXAMPLE
 from service.models.metering import ExposureReadout
+from service.models.notes import NotesTag
 from service.models.solving import SETTINGS_EXAMPLE, FocusSettings, Rack
 
 
@@ -60,9 +61,10 @@ class ChangedResource(Model):
     """A resource that an edit has changed."""
 
     resource: str = Field(
-        description="Its address below the shot: `camera`, `focus-points` (the list) or `focus-points/{name}`."
+        description="Its address below the shot: `camera`, `focus-points` (the list), `focus-points/{name}`, `notes` (the list) "
+        "or `notes/{id}`."
     )
-    etag: str | None = Field(description="Its new `ETag`; null for a focus point that was removed.")
+    etag: str | None = Field(description="Its new `ETag`; null for a focus point or a note that was removed.")
 
 
 class CameraStateAfter(Model):
@@ -86,6 +88,7 @@ class HistoryPosition(Model):
     after: str | None = Field(description="Revision that a redo goes on to; null for none.")
     undo: str | None = Field(description="Label of the edit that an undo takes back.")
     redo: str | None = Field(description="Label of the edit that a redo does again.")
+    notes_tag: NotesTag
 
 
 class SimplifiedSetting(Model):
@@ -108,6 +111,7 @@ class EditResult(Model):
                 "after": None,
                 "undo": "Focus on driver",
                 "redo": None,
+                "notesTag": "f00dbf18a0860070",
             },
             "changed": [
                 {"resource": "focus-points", "etag": '"77aebf18a0860070"'},
@@ -115,6 +119,7 @@ class EditResult(Model):
             ],
             "added": ["visor"],
             "cameras": [],
+            "notes": [],
             "racks": [],
             "simplified": [],
             "imported": None,
@@ -135,6 +140,7 @@ class EditResult(Model):
     changed: list[ChangedResource] = Field(description="With their new tags, for `If-Match`; empty for no difference.")
     added: list[str] = Field(description="Names of the added focus points, in order.")
     cameras: list[str] = Field(description="Prim paths of the created cameras, in order.")
+    notes: list[str] = Field(description="Ids of the added notes, in order.")
     racks: list[Rack] = Field(description="The racks as authored, in order.")
     simplified: list[SimplifiedSetting] = Field(description="The simplifications, in order.")
     imported: ImportedCurve | None = Field(
@@ -177,6 +183,7 @@ class EditHistory(Model):
                 },
             ],
             "cameras": ["/World/main_cam"],
+            "notesTag": "f00dbf18a0860070",
         }
     )
 
@@ -186,3 +193,4 @@ class EditHistory(Model):
     redo: str | None = Field(description="Label of the edit that a redo does again; null for none.")
     steps: list[EditStep]
     cameras: list[str] = Field(description="Prim paths of the shot's cameras: a step may have created one.")
+    notes_tag: NotesTag

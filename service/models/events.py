@@ -9,6 +9,7 @@ from pydantic import Field
 from pydantic.config import JsonDict
 
 from service.models.base import Model, shown_as
+from service.models.render_products import ProductName, ProductState
 from service.models.renders import RenderState, TaskState
 
 Topic = Literal["shots", "edits", "renders", "tasks", "presence"]
@@ -20,6 +21,7 @@ Kind = Literal[
     "render-sent",
     "render-changed",
     "render-removed",
+    "product-changed",
     "task-changed",
     "presence-changed",
 ]
@@ -42,8 +44,11 @@ class EventData(Model):
     name: str | None = Field(default=None, description="Name of the shot or of the render.")
     revision: str | None = Field(default=None, description="Revision of the edits.")
     frame: int | None = Field(default=None, description="Frame of the task.")
-    state: RenderState | TaskState | None = Field(default=None, description="State that the render or task has now.")
-    attempt: int | None = Field(default=None, description="Number of the attempt at the task.")
+    product: ProductName | None = Field(default=None, description="Product of the render.")
+    state: RenderState | TaskState | ProductState | None = Field(
+        default=None, description="State that the render, task or product has now."
+    )
+    attempt: int | None = Field(default=None, description="Number of the attempt at the task or product.")
     worker: str | None = Field(default=None, description="Who works on the task, or did.")
     error: str | None = Field(default=None, description="What went wrong with the attempt.")
     count: int | None = Field(default=None, description="Frames of the render.")

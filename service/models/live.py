@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, FailFast, Field
 from pydantic.config import JsonDict
 
-from service.models.base import Model, Problem, shown_as
+from service.models.base import Model, PrimPath, Problem, TimeCode, shown_as
 from service.models.cameras import Readout
 from service.models.changes import MAX_CHANGES, Change
 from service.models.focus import PointSharpness
@@ -73,6 +73,21 @@ class LiveStop(Model):
     model_config = shown_as({"stop": True})
 
     stop: Literal[True]
+
+
+class LivePlace(Model):
+    """A place of a shot that somebody looks at."""
+
+    camera: PrimPath | None = Field(default=None, description="Prim path; null for the default camera.")
+    time: TimeCode = Field(description="USD time code.")
+
+
+class LiveHere(Model):
+    """Tells where the client looks while it asks for no picture, such as where it plays pictures that it has kept."""
+
+    model_config = shown_as({"here": {"camera": "/World/main_cam", "time": 40}})
+
+    here: LivePlace
 
 
 class LiveTiming(Model):
@@ -145,3 +160,34 @@ class LiveProblem(Model):
     id: int | None = Field(description="Number of the request; null where the message was no request.")
     status: int = Field(description="HTTP status of the same problem.")
     problem: Problem
+
+
+class LiveViewer(Model):
+    """A live connection of the shot that sees the others, and is seen."""
+
+    id: str = Field(description="Of the connection, as long as it is open: a person may have several.")
+    name: str = Field(description="Name for people; `anyone` where senders are not known by name.")
+    number: int = Field(
+        description="From 1, another one for each viewer of the shot; free again once the viewer is gone."
+    )
+    camera: str | None = Field(
+        description="Prim path; null for the default camera, or where no picture was asked for yet."
+    )
+    time: float | None = Field(description="USD time code; null where no picture was asked for yet.")
+
+
+class LiveViewers(Model):
+    """Those who look at the shot, and where. It is sent where `viewers` asks for it, when it has changed."""
+
+    model_config = shown_as(
+        {
+            "you": "5f0c1d2e3a4b",
+            "viewers": [
+                {"id": "5f0c1d2e3a4b", "name": "Ines", "number": 1, "camera": "/World/main_cam", "time": 40.0},
+                {"id": "77aebf18a086", "name": "Jon", "number": 2, "camera": "/World/main_cam", "time": 64.0},
+            ],
+        }
+    )
+
+    you: str = Field(description="Id of this connection.")
+    viewers: list[LiveViewer] = Field(description="In the order in which they came, this connection among them.")

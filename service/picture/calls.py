@@ -7,8 +7,19 @@ from typing import TYPE_CHECKING
 from service.workers.calls import RemoteModule
 
 if TYPE_CHECKING:
-    from service.picture import focus_maps, frames, live, long_exposure, metering, render_products, state, warming
+    from service.picture import (
+        exposure_maps,
+        focus_maps,
+        frames,
+        live,
+        long_exposure,
+        metering,
+        render_products,
+        state,
+        warming,
+    )
 else:
+    exposure_maps = RemoteModule("service.picture.exposure_maps")
     focus_maps = RemoteModule("service.picture.focus_maps")
     frames = RemoteModule("service.picture.frames")
     live = RemoteModule("service.picture.live")
@@ -23,6 +34,7 @@ PRELOAD = "service.picture.preload"
 
 __all__ = [
     "PRELOAD",
+    "exposure_maps",
     "focus_maps",
     "frames",
     "live",

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
-
 import numpy as np
 
 from render.model.focus_map import FocusMap
+from render.shot.accepted import draw_accepted
 from render.steps import step
 from service.models.focus_maps import FocusMapHead
+from service.picture.encoded_maps import encode_map
 from service.picture.frames import frame_settings
 from service.picture.requests import FrameRequest
 from service.picture.state import PictureWorkerState, picture_function
@@ -32,7 +31,9 @@ def measure_focus_map(state: PictureWorkerState, request: FrameRequest) -> bytes
     with state.opened.use(request.record, request.edits) as shot:
         settings = frame_settings(request, shot)
         camera = shot.camera_at(request.camera, request.time, settings.width, settings.height)
-        focus = state.renderer.map_focus(shot.scene_at(request.time, camera.path), camera, settings)
+        focus = draw_accepted(
+            lambda: state.renderer.map_focus(shot.scene_at(request.time, camera.path), camera, settings)
+        )
     with step("encode"):
         return encode_focus_map(focus)
 
@@ -44,8 +45,4 @@ def encode_focus_map(focus: FocusMap) -> bytes:
     """
     height, width = focus.coc_px.shape
     bits = np.stack([focus.coc_px, focus.depth_m]).astype("<f4").view("<u4")
-    steps = np.diff(bits, axis=-1, prepend=np.uint32(0))
-    planes = np.moveaxis(steps[..., None].view(np.uint8), -1, 1)
-    head = FocusMapHead(width=width, height=height, film_mm_per_px=focus.film_mm_per_px)
-    text = head.model_dump_json(by_alias=True).encode()
-    return struct.pack(">I", len(text)) + text + zlib.compress(planes.tobytes(), 1)
+    return encode_map(FocusMapHead(width=width, height=height, film_mm_per_px=focus.film_mm_per_px), bits)

@@ -13,12 +13,15 @@ from render.errors import PullfocusError
 from render.film import GradeChoice
 from render.frame import FrameSettings
 from render.frame import Pick as SurfacePick
+from render.model.arrays import FloatArray
+from render.model.burn_in import BurnIn
 from render.output import encode
 from render.output.encode import encode_jpeg, to_8_bit
 from render.output.stills import shrink_picture
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import Picture, make_picture
 from render.shot import Shot
+from render.shot.accepted import draw_accepted
 from render.shot.picture_height import picture_height
 from render.steps import step
 from service.models.focus import Anchor, Pick
@@ -74,11 +77,21 @@ def render_files(state: PictureWorkerState, request: FrameRequest, formats: Sequ
     finally:
         _write_findings(state, request)
     with step("encode"):
-        files = {name: encode(name, picture.frame, picture.graded, picture.metadata) for name in formats}
+        graded = _burnt(picture, request.burn_in)
+        files = {name: encode(name, picture.frame, graded, picture.metadata) for name in formats}
         small = shrink_picture(to_8_bit(picture.graded)).astype(np.float32) / np.float32(255)
         files[THUMBNAIL] = encode_jpeg(small, picture.metadata)
     with state.opened.use(request.record, request.edits) as shot:
         return DrawnFrame(files, shot.stage.GetTimeCodesPerSecond())
+
+
+def _burnt(picture: Picture, burn_in: BurnIn | None) -> FloatArray:
+    """Return the graded picture with the facts that are burnt in."""
+    if burn_in is None:
+        return picture.graded
+    from render.drawing.burn_in import draw_burn_in  # matplotlib takes a second
+
+    return draw_burn_in(picture.graded, burn_in, picture.metadata)
 
 
 def _write_findings(state: PictureWorkerState, request: FrameRequest) -> None:
@@ -217,7 +230,7 @@ def pick_at(
         position: x and y from its top left corner, px.
     """
     prepared = shot.camera_at(camera, time, *size)
-    return state.renderer.pick(shot.scene_at(time, prepared.path), prepared, *size, *position)
+    return draw_accepted(lambda: state.renderer.pick(shot.scene_at(time, prepared.path), prepared, *size, *position))
 
 
 def anchor_of(pick: SurfacePick) -> Anchor:

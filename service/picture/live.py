@@ -16,7 +16,8 @@ from service.picture.focus_maps import encode_focus_map
 from service.picture.frames import anchor_of, frame_settings, grade_choice, pick_at
 from service.picture.requests import FrameRequest, LiveNumbers, LivePicture
 from service.picture.state import PictureWorkerState, picture_function
-from service.stage.changes import EditedCamera, apply_changes
+from service.stage.camera_changes import EditedCamera
+from service.stage.changes import apply_changes
 from service.stage.read_cameras import readout_model
 from service.stage.read_points import point_sharpness
 from service.workers.streaming import StaleCheck

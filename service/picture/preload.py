@@ -13,6 +13,7 @@ Work.SetConcurrencyLimit(1)
 from service.picture import frames, live, long_exposure, metering, render_products, warming  # noqa: E402, F401
 from service.stage import (  # noqa: E402, F401
     cameras,
+    choices,
     curves,
     edits,
     exposure,
@@ -20,6 +21,7 @@ from service.stage import (  # noqa: E402, F401
     focus_reports,
     lenses,
     libraries,
+    notes,
     photography,
     shots,
     solving,

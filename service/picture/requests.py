@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from render.model.burn_in import BurnIn
 from service.models.cameras import Readout
 from service.models.focus import PointSharpness
 from service.models.live import Stage
@@ -29,6 +30,7 @@ class FrameRequest:
         limits: what the picture may have, where the film gate gives the height.
         settings: the other fields of `render.frame.FrameSettings`, ``width`` among them.
         finish: ``film``, ``display``, ``view`` and ``look`` in place of the shot's; None keeps the shot's.
+        burn_in: facts in the corners of graded pictures; None for none.
     """
 
     record: ShotRecord
@@ -39,6 +41,7 @@ class FrameRequest:
     limits: PictureLimits
     settings: Mapping[str, Any]
     finish: Mapping[str, str | None]
+    burn_in: BurnIn | None = None
 
 
 @dataclass(frozen=True)

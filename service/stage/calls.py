@@ -12,6 +12,7 @@ from service.workers.calls import RemoteModule
 if TYPE_CHECKING:
     from service.stage import (
         cameras,
+        choices,
         curves,
         edits,
         exposure,
@@ -19,15 +20,18 @@ if TYPE_CHECKING:
         focus_reports,
         lenses,
         libraries,
+        notes,
         opened,
         photography,
         picture_states,
         render_plans,
         shots,
         solving,
+        top_view,
     )
 else:
     cameras = RemoteModule("service.stage.cameras")
+    choices = RemoteModule("service.stage.choices")
     curves = RemoteModule("service.stage.curves")
     edits = RemoteModule("service.stage.edits")
     exposure = RemoteModule("service.stage.exposure")
@@ -35,15 +39,18 @@ else:
     focus_reports = RemoteModule("service.stage.focus_reports")
     lenses = RemoteModule("service.stage.lenses")
     libraries = RemoteModule("service.stage.libraries")
+    notes = RemoteModule("service.stage.notes")
     opened = RemoteModule("service.stage.opened")
     photography = RemoteModule("service.stage.photography")
     picture_states = RemoteModule("service.stage.picture_states")
     render_plans = RemoteModule("service.stage.render_plans")
     shots = RemoteModule("service.stage.shots")
     solving = RemoteModule("service.stage.solving")
+    top_view = RemoteModule("service.stage.top_view")
 
 __all__ = [
     "cameras",
+    "choices",
     "curves",
     "edits",
     "exposure",
@@ -51,10 +58,12 @@ __all__ = [
     "focus_reports",
     "lenses",
     "libraries",
+    "notes",
     "opened",
     "photography",
     "picture_states",
     "render_plans",
     "shots",
     "solving",
+    "top_view",
 ]

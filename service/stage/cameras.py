@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from service.edit_context import EditContext
-from service.models.cameras import CameraList, CameraState, PlaceReadout, Readout
+from service.models.cameras import CameraList, CameraPlace, CameraState, PlaceReadout, Readout
 from service.models.changes import MountLensFile, SetCamera
 from service.stage.editing import apply_in_context
 from service.stage.opened import OpenedShot, stage_function
-from service.stage.read_cameras import place_readout_model, read_camera_state, read_cameras, readout_model
+from service.stage.read_cameras import (
+    place_readout_model,
+    read_camera_state,
+    read_cameras,
+    read_place_of_camera,
+    readout_model,
+)
 from service.storage.store import ShotRecord
 
 
@@ -23,6 +29,13 @@ def read_camera(opened: OpenedShot, record: ShotRecord, camera: str | None, time
     """Read one camera at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
         return read_camera_state(shot, camera, time)
+
+
+@stage_function
+def read_camera_place(opened: OpenedShot, record: ShotRecord, camera: str | None, time: float) -> CameraPlace:
+    """Read where a camera is at one time, and the keys of its place. Raises `CameraError`."""
+    with opened.use(record) as shot:
+        return read_place_of_camera(shot, camera, time)
 
 
 @stage_function

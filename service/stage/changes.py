@@ -15,14 +15,13 @@ from functools import singledispatch
 from typing import Any, Literal
 
 from render.errors import NotFoundError, PullfocusError, SettingsError
-from render.shot import Shot
 from render.shot.focus.curve_import import read_for_shot
 from render.shot.lens.lens_choice import file_choice
 from service.models.changes import (
     AddPoint,
     AlterPoint,
     Change,
-    CreateCamera,
+    ChooseVariant,
     FollowPart,
     ImportCurve,
     KeyExposure,
@@ -39,19 +38,23 @@ from service.models.changes import (
     SetFocus,
     SetPointTangents,
     SetSettingTangents,
+    ShowPayload,
     SimplifySetting,
     UnkeyPoint,
     UnkeySetting,
 )
-from service.models.curve import MAX_CURVE_FRAMES, CurveFinding, ImportedCurve
+from service.models.curve import CurveFinding, ImportedCurve
 from service.models.edits import SimplifiedSetting
 from service.models.exposure import ExposureSettingsEdit
 from service.models.film_settings import FilmSettingsEdit
 from service.models.focus import FocusPointEdit, KeyEdit, TangentsEdit
+from service.models.notes import AddNote, DeleteNote, EditNote
 from service.models.solving import FocusSettingsEdit, Rack
+from service.stage.camera_changes import CAMERA_CHANGES, CreatedCamera, EditedCamera
 from service.stage.field_names import setting_name
 from service.stage.lenses import lens_to_mount
 from service.stage.libraries import body_to_mount, film_to_mount
+from service.stage.notes import AddedNote, note_fields, note_to_add
 from service.stage.read_cameras import read_camera_state
 from service.stage.read_photography import shutter_closes
 from service.stage.read_points import authored_point, free_name, point_fields, points_tag
@@ -71,34 +74,9 @@ _DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt
 """Columns of a focus curve, with the names over REST of the attributes that they drive."""
 
 
-@dataclass(frozen=True)
-class CreatedCamera:
-    """A camera that a change created.
-
-    Attributes:
-        path: its prim path.
-    """
-
-    path: str
-
-
-Outcome = Rack | ImportedCurve | SimplifiedSetting | CreatedCamera | str | None
-"""Result of a change: the rack, the report of an import or simplification, the camera, the name of a focus point, or None."""
-
-
-@dataclass(frozen=True)
-class EditedCamera:
-    """The camera that changes are applied to.
-
-    Attributes:
-        shot: the opened shot, inside a transaction of its edits.
-        path: prim path of the camera; None for the default camera.
-        max_curve_frames: largest number of frames of an imported curve.
-    """
-
-    shot: Shot
-    path: str | None
-    max_curve_frames: int = MAX_CURVE_FRAMES
+Outcome = Rack | ImportedCurve | SimplifiedSetting | CreatedCamera | AddedNote | str | None
+"""Result of a change: the rack, the report of an import or simplification, the camera, the note, the name of a focus point, or
+None."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +145,22 @@ def _add_point(change: AddPoint, camera: EditedCamera) -> Outcome:
 
 
 @apply_change.register
+def _choose_variant(change: ChooseVariant, camera: EditedCamera) -> Outcome:
+    camera.shot.choices.choose_variant(change.prim, change.variant_set, change.variant)
+    return None
+
+
+@apply_change.register
+def _show_payload(change: ShowPayload, camera: EditedCamera) -> Outcome:
+    camera.shot.choices.show_payload(change.prim, change.shown)
+    return None
+
+
+@apply_change.register
 def _move_point(change: MovePoint, camera: EditedCamera) -> Outcome:
+    if change.position_m is not None:
+        camera.shot.plan.move_point(camera.path, change.name, change.time, change.position_m)
+        return None
     if change.anchor is None:
         raise SettingsError(f"focus point {change.name!r} moves to a place that has no anchor yet", path=change.name)
     fields = point_fields(FocusPointEdit(**change.anchor.model_dump()))
@@ -225,9 +218,8 @@ def _set_point_tangents(change: SetPointTangents, camera: EditedCamera) -> Outco
     return None
 
 
-@apply_change.register
-def _create_camera(change: CreateCamera, camera: EditedCamera) -> Outcome:
-    return CreatedCamera(camera.shot.camera.create(change.name, change.time))
+for _apply_to_camera in CAMERA_CHANGES:
+    apply_change.register(_apply_to_camera)
 
 
 @apply_change.register
@@ -348,6 +340,23 @@ def _import_curve(change: ImportCurve, camera: EditedCamera) -> Outcome:
 @apply_change.register
 def _mount_lens_file(change: MountLensFile, camera: EditedCamera) -> Outcome:
     camera.shot.camera.mount_lens(camera.path, file_choice(change.content, change.file_name))
+    return None
+
+
+@apply_change.register
+def _add_note(change: AddNote, camera: EditedCamera) -> Outcome:
+    return AddedNote(camera.shot.notes.add(note_to_add(change.note, camera.author)))
+
+
+@apply_change.register
+def _edit_note(change: EditNote, camera: EditedCamera) -> Outcome:
+    camera.shot.notes.edit(change.id, **note_fields(change.values))
+    return None
+
+
+@apply_change.register
+def _delete_note(change: DeleteNote, camera: EditedCamera) -> Outcome:
+    camera.shot.notes.delete(change.id)
     return None
 
 

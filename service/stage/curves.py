@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from render.focus.files import curve_to_text
+from render.shot import Shot
 from service.edit_context import EditContext
 from service.models.changes import ImportCurve
 from service.models.curve import CurveFileFormat, ImportedCurve
@@ -26,9 +29,21 @@ def compute_curve(
     """Compute a focus curve as the text of a file. Raises `CameraError` or `SettingsError`."""
     with opened.use(record, edits) as shot:
         times = curve_frames(shot, frames, max_frames)
-        if format == "usda":
-            return shot.focus.layer(camera, times, baked)
-        return curve_to_text(shot.focus.curve(camera, times, distortion=format == "opentrackio"), format)
+        return _curve_text(shot, camera, times, format, baked=baked)
+
+
+@stage_function
+def compute_curve_at(
+    opened: OpenedShot,
+    record: ShotRecord,
+    edits: str,
+    camera: str | None,
+    times: Sequence[float],
+    format: CurveFileFormat,
+) -> str:
+    """Compute a focus curve at given USD time codes as the text of a file. Raises `CameraError` or `SettingsError`."""
+    with opened.use(record, edits) as shot:
+        return _curve_text(shot, camera, list(times), format)
 
 
 @stage_function
@@ -50,3 +65,11 @@ def import_curve(
         (imported,) = apply_in_context(shot, camera, [change], context, max_frames)
         assert isinstance(imported, ImportedCurve)
         return imported
+
+
+def _curve_text(
+    shot: Shot, camera: str | None, times: list[float], format: CurveFileFormat, *, baked: bool = False
+) -> str:
+    if format == "usda":
+        return shot.focus.layer(camera, times, baked)
+    return curve_to_text(shot.focus.curve(camera, times, distortion=format == "opentrackio"), format)

@@ -7,10 +7,18 @@ from contextlib import ExitStack
 
 from render.shot import Shot
 from service.edit_context import EditContext, allows, edits_tag
+from service.models.camera_changes import (
+    CreateCamera,
+    DuplicateCamera,
+    FrameSubject,
+    MoveCamera,
+    MoveCameraKeys,
+    UnkeyCamera,
+)
 from service.models.changes import (
     AddPoint,
     Change,
-    CreateCamera,
+    ChooseVariant,
     KeySetting,
     MakeRack,
     RenamePoint,
@@ -19,19 +27,28 @@ from service.models.changes import (
     SetFilm,
     SetFocus,
     SetSettingTangents,
+    ShowPayload,
 )
 from service.models.curve import MAX_CURVE_FRAMES
-from service.stage.changes import EditedCamera, Outcome, apply_changes
+from service.models.notes import AddNote, DeleteNote, EditNote
+from service.stage.camera_changes import EditedCamera
+from service.stage.changes import Outcome, apply_changes
+from service.stage.notes import note_tag, notes_tag
 from service.stage.read_cameras import view_tag
 from service.stage.read_points import point_names, point_tag, points_tag
 
-CAMERA, POINTS = "camera", "focus-points"
-"""Addresses, below a shot, of resources that have entity tags; a focus point's is `point_address`."""
+CAMERA, POINTS, NOTES = "camera", "focus-points", "notes"
+"""Addresses, below a shot, of resources that have entity tags; a focus point's is `point_address`, a note's `note_address`."""
 
 
 def point_address(name: str) -> str:
     """Address of a focus point below its shot."""
     return f"{POINTS}/{name}"
+
+
+def note_address(note_id: str) -> str:
+    """Address of a note below its shot."""
+    return f"{NOTES}/{note_id}"
 
 
 def apply_in_context(
@@ -61,7 +78,7 @@ def apply_in_context(
     with ExitStack() as usable:
         for time in checked_times(shot, changes):
             usable.enter_context(shot.keep_usable(camera, time))
-        return apply_changes(EditedCamera(shot, camera, max_curve_frames), changes)
+        return apply_changes(EditedCamera(shot, camera, max_curve_frames, context.author), changes)
 
 
 def check_context(shot: Shot, camera: str | None, changes: Sequence[Change], context: EditContext) -> None:
@@ -91,7 +108,11 @@ def edited_address(change: Change) -> str:
     """Address of the resource that a change is made upon."""
     if isinstance(change, AddPoint | MakeRack):
         return POINTS
-    name = None if isinstance(change, CreateCamera) else getattr(change, "name", None)
+    if isinstance(change, AddNote):
+        return NOTES
+    if isinstance(change, EditNote | DeleteNote):
+        return note_address(change.id)
+    name = None if isinstance(change, CreateCamera | DuplicateCamera) else getattr(change, "name", None)
     return CAMERA if name is None else point_address(name)
 
 
@@ -100,14 +121,26 @@ def _tag_and_words(shot: Shot, camera: str | None, address: str) -> tuple[str, s
         return view_tag(shot, camera), "the camera"
     if address == POINTS:
         return points_tag(shot, camera), "the list of focus points"
+    if address == NOTES:
+        return notes_tag(shot), "the list of notes"
+    if address.startswith(f"{NOTES}/"):
+        note_id = address.removeprefix(f"{NOTES}/")
+        return note_tag(shot, note_id), f"note {note_id!r}"
     name = address.removeprefix(f"{POINTS}/")
     return point_tag(shot, camera, name), f"focus point {name!r}"
 
 
-def resource_tags(shot: Shot, camera: str | None) -> dict[str, str]:
-    """Entity tags of a camera, of its list of focus points and of each of these, by their addresses below the shot."""
+def resource_tags(shot: Shot, camera: str | None, changes: Sequence[Change] = ()) -> dict[str, str]:
+    """Entity tags of a camera, its list of focus points and each of these, by their addresses below the shot.
+
+    Where changes write notes, those of the list of notes and of each note too.
+    """
     points = {point_address(name): point_tag(shot, camera, name) for name in point_names(shot, camera)}
-    return {CAMERA: view_tag(shot, camera), POINTS: points_tag(shot, camera)} | points
+    notes: dict[str, str] = {}
+    if any(isinstance(change, AddNote | EditNote | DeleteNote) for change in changes):
+        notes = {note_address(note.id): note_tag(shot, note.id) for note in shot.notes.read().notes}
+        notes[NOTES] = notes_tag(shot)
+    return {CAMERA: view_tag(shot, camera), POINTS: points_tag(shot, camera)} | points | notes
 
 
 def checked_times(shot: Shot, changes: Sequence[Change]) -> list[float]:
@@ -119,6 +152,8 @@ def checked_times(shot: Shot, changes: Sequence[Change]) -> list[float]:
                 times[shot.frame_range.start if change.values.time is None else change.values.time] = None
             case KeySetting():
                 times[change.key.time] = None
-            case SetSettingTangents():
+            case ChooseVariant() | ShowPayload() | UnkeyCamera() | MoveCameraKeys():
+                times[shot.frame_range.start] = None
+            case SetSettingTangents() | MoveCamera() | FrameSubject():
                 times[change.time] = None
     return list(times)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Literal
 
 from render.errors import NotFoundError
-from render.model.edit_history import EditHistory as KeptHistory
 from render.shot import Shot as OpenShot
 from service.edit_context import EditContext, edits_tag
 from service.models.curve import ImportedCurve
@@ -20,8 +19,9 @@ from service.models.edits import (
 )
 from service.models.shots import Shot
 from service.models.solving import Rack
-from service.stage.changes import CreatedCamera
+from service.stage.camera_changes import CreatedCamera
 from service.stage.editing import apply_in_context, resource_tags
+from service.stage.notes import AddedNote, state_of_notes
 from service.stage.opened import OpenedShot, stage_function
 from service.stage.read_state import read_state
 from service.stage.shots import shot_model
@@ -47,15 +47,15 @@ def apply_edit(
     """
     camera = request.camera
     with opened.edit(record, context, request.label) as shot:
-        before = resource_tags(shot, camera)
+        before = resource_tags(shot, camera, request.changes)
         outcomes = apply_in_context(shot, camera, request.changes, context, max_curve_frames)
         created = [outcome.path for outcome in outcomes if isinstance(outcome, CreatedCamera)]
         camera = created[-1] if created else camera
-        after = resource_tags(shot, camera)
+        after = resource_tags(shot, camera, request.changes)
     with opened.use(record) as shot:
         state = read_state(shot, camera, request.answer, max_curve_frames) if request.answer else None
         return EditResult(
-            history=_history_position(shot.edits.history),
+            history=_history_position(shot),
             changed=[
                 ChangedResource(resource=address, etag=after.get(address))
                 for address in dict.fromkeys((*before, *after))
@@ -63,6 +63,7 @@ def apply_edit(
             ],
             added=[outcome for outcome in outcomes if isinstance(outcome, str)],
             cameras=created,
+            notes=[outcome.id for outcome in outcomes if isinstance(outcome, AddedNote)],
             racks=[outcome for outcome in outcomes if isinstance(outcome, Rack)],
             simplified=[outcome for outcome in outcomes if isinstance(outcome, SimplifiedSetting)],
             imported=next((outcome for outcome in reversed(outcomes) if isinstance(outcome, ImportedCurve)), None),
@@ -112,7 +113,8 @@ def restore_edits(opened: OpenedShot, record: ShotRecord, revision: str, context
         return shot_model(record, shot)
 
 
-def _history_position(history: KeptHistory) -> HistoryPosition:
+def _history_position(shot: OpenShot) -> HistoryPosition:
+    history = shot.edits.history
     states, now = history.states, history.now
     return HistoryPosition(
         revision=history.present.revision,
@@ -120,6 +122,7 @@ def _history_position(history: KeptHistory) -> HistoryPosition:
         after=states[now + 1].revision if now + 1 < len(states) else None,
         undo=history.undo_label,
         redo=history.redo_label,
+        notes_tag=state_of_notes(shot),
     )
 
 
@@ -132,4 +135,5 @@ def _history_model(shot: OpenShot) -> EditHistory:
         redo=history.redo_label,
         steps=[EditStep.model_validate(state) for state in history.states],
         cameras=shot.cameras(),
+        notes_tag=state_of_notes(shot),
     )

@@ -7,17 +7,19 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from render.errors import CameraError
+from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.shot import Readout as LensReadout
 from render.shot import Shot
 from render.shot.focus.place_readout import PlaceReadout as LensPlaceReadout
 from render.stage import read_camera
 from service.edit_context import tag_of
-from service.models.base import Finding
-from service.models.cameras import CameraList, CameraState, PlaceReadout, Readout
+from service.models.base import Finding, Vector3
+from service.models.cameras import CameraList, CameraPlace, CameraState, PlaceKey, PlaceReadout, Readout
 from service.models.shots import CameraChoice
 
 Settings = TypeVar("Settings", bound=BaseModel)
@@ -68,6 +70,31 @@ def _camera_state(camera: Camera, path: str | None, time: float, focus_mode: str
     return CameraState.model_validate(
         values | lens | {"path": path, "time": time, "focus_mode": focus_mode, "etag": etag}
     )
+
+
+def read_place_of_camera(shot: Shot, path: str | None, time: float) -> CameraPlace:
+    """Read where a camera is at one time, and the keys of its place. Raises `CameraError`."""
+    framing = shot.default_camera().framing if path is None else None
+    edited = set() if framing else shot.camera.edited_place_keys(path)
+    keys = [] if framing else [PlaceKey(time=key, edited=key in edited) for key in shot.camera.place_keys(path)]
+    camera = framing or read_camera(shot.stage, path or shot.default_camera().path or "", time)
+    _, up, back, pupil = np.asarray(camera.world_from_camera, np.float64)[:3].T
+    return CameraPlace(
+        camera=camera.path or None,
+        time=time,
+        position_m=_vector(pupil - camera.set_back_m * back),
+        ahead=_vector(-back),
+        up=_vector(up),
+        keys=keys,
+        edited=framing is None and shot.camera.is_placed(path),
+        in_shot=framing is None and shot.camera.has_own_place(path),
+        etag=view_tag(shot, path),
+    )
+
+
+def _vector(values: DoubleArray) -> Vector3:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 def readout_model(readout: LensReadout, time: float) -> Readout:

@@ -10,10 +10,11 @@ from service.http.access import EDITS, READS
 from service.http.bodies import BodyRoute
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import Service, ServiceDep
-from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceQuery, PlaceReadout, Readout
+from service.models.cameras import CameraEdit, CameraList, CameraPlace, CameraState, PlaceQuery, PlaceReadout, Readout
 from service.models.changes import SetCamera
+from service.models.top_view import Paths, TopView
 from service.picture.calls import frames
-from service.stage.calls import cameras
+from service.stage.calls import cameras, top_view
 from service.storage.store import ShotRecord
 
 router = APIRouter(tags=["cameras"], route_class=BodyRoute, responses=problems(404, 423, 503), dependencies=READS)
@@ -52,6 +53,16 @@ async def edit_camera(
     return state
 
 
+@router.get("/shots/{shot}/camera/place", operation_id="getCameraPlace")
+async def get_camera_place(
+    service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
+) -> CameraPlace:
+    """Read where a camera is in the world at one time, and the keys of its place. The `ETag` is the camera's."""
+    place = await service.call_stage(cameras.read_camera_place, service.store.get(shot), camera, time)
+    set_etag(response, place.etag)
+    return place
+
+
 @router.get("/shots/{shot}/readout", operation_id="getReadout")
 async def get_readout(service: ServiceDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> Readout:
     """Compute focus distance, depth of field and hyperfocal distance at one time."""
@@ -64,6 +75,18 @@ async def get_place_readout(service: ServiceDep, shot: ShotId, query: Annotated[
     record = service.store.get(shot)
     place = query.point or await _measure(service, record, query)
     return await service.call_stage(cameras.read_place, record, query.camera, query.time, place, query.aspect)
+
+
+@router.get("/shots/{shot}/top-view", operation_id="getTopView")
+async def get_top_view(service: ServiceDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> TopView:
+    """The camera from above at one time: where it is, how it is turned, and a level cut through what it holds sharp."""
+    return await service.call_stage(top_view.read_top_view, service.store.get(shot), camera, time)
+
+
+@router.get("/shots/{shot}/paths", operation_id="getPaths")
+async def get_paths(service: ServiceDep, shot: ShotId, camera: CameraQuery = None) -> Paths:
+    """The places of a camera and its focus points over the shot, frame by frame; 481 times at most, fewer for many points."""
+    return await service.call_reader(top_view.read_paths, service.store.get(shot), camera)
 
 
 async def _measure(service: Service, record: ShotRecord, query: PlaceQuery) -> tuple[tuple[float, float], float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, File, Query, Response, UploadFile
 
@@ -30,22 +30,24 @@ FILE_NAMES: dict[CurveFileFormat, str] = {
     "otio": "focus.otio",
     "opentrackio": "focus.opentrackio.json",
 }
+CURVE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "model": CurveFile,
+        "content": {
+            "application/json": {"example": CURVE_EXAMPLE},
+            "text/csv": {"schema": {"type": "string"}, "example": "frame,time_code,seconds,focus_distance_m\r\n"},
+            "text/plain": {"schema": {"type": "string"}, "example": "#usda 1.0\n"},
+        },
+    }
+}
+"""Answer with a focus curve."""
 
 
 @router.get(
     "/shots/{shot}/focus-curve",
     operation_id="getFocusCurve",
     response_class=Response,
-    responses={
-        200: {
-            "model": CurveFile,
-            "content": {
-                "application/json": {"example": CURVE_EXAMPLE},
-                "text/csv": {"schema": {"type": "string"}, "example": "frame,time_code,seconds,focus_distance_m\r\n"},
-                "text/plain": {"schema": {"type": "string"}, "example": "#usda 1.0\n"},
-            },
-        }
-    },
+    responses=CURVE,
 )
 async def get_focus_curve(
     service: ServiceDep,

@@ -8,13 +8,14 @@ from fastapi import APIRouter, Header, Response
 
 from render.model.edit_history import revision_of
 from service.edit_context import EditContext, edits_tag
-from service.http.access import EDITS, READS
+from service.http.access import EDITS, READS, PrincipalDep
 from service.http.bodies import BodyRoute
 from service.http.errors import ServiceError
 from service.http.frame_cache import matches
 from service.http.links import edit_links
 from service.http.routes.parameters import EditContextDep, IfMatch, ShotId, problems, set_etag
 from service.http.service import Service, ServiceDep
+from service.identity.principal import ANYONE
 from service.models.changes import PictureSpot, anchor_spots, picture_spots
 from service.models.edits import EditHistory, EditRequest, EditResult, Restore
 from service.models.focus import Anchor
@@ -58,17 +59,23 @@ async def get_edits(
     dependencies=EDITS,
 )
 async def edit(
-    service: ServiceDep, response: Response, shot: ShotId, request: EditRequest, if_match: IfMatch = None
+    service: ServiceDep,
+    response: Response,
+    principal: PrincipalDep,
+    shot: ShotId,
+    request: EditRequest,
+    if_match: IfMatch = None,
 ) -> EditResult:
     """Apply changes to a camera: all of them or none, as one entry of the history.
 
     `If-Match` takes the tag of all edits, or the tags, with commas between, of each resource that is changed: the camera, the
-    list of focus points (to add one, or to rack) and each focus point. The answer has their new tags, and where `answer` asks for
-    it the state of the camera, so that nothing has to be read again. Its own `ETag` is that of all edits.
+    list of focus points (to add one, or to rack), each focus point, the list of notes (to add one) and each note. The answer has
+    their new tags, and where `answer` asks for it the state of the camera, so that nothing has to be read again. Its own `ETag`
+    is that of all edits.
     """
     record = service.store.get(shot)
     anchored = await _with_anchors(service, record, request)
-    context = EditContext(if_match, request.gesture)
+    context = EditContext(if_match, request.gesture, "" if principal is ANYONE else principal.label)
     result = await service.call_stage(edits.apply_edit, record, anchored, context, service.settings.max_curve_frames)
     set_etag(response, edits_tag(result.history.revision))
     return result

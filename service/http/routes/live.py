@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
-from typing import Any
+from contextlib import ExitStack, suppress
+from typing import Annotated, Any
 
-from fastapi import APIRouter, FastAPI, WebSocket
+from fastapi import APIRouter, FastAPI, Query, WebSocket
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
@@ -19,8 +19,18 @@ from service.http.live_places import LivePlace
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
 from service.models.events import Event, EventGap
+from service.models.exposure_maps import ExposureMapHead
 from service.models.focus_maps import FocusMapHead
-from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop
+from service.models.live import (
+    LiveAck,
+    LiveHere,
+    LivePictureHead,
+    LiveProblem,
+    LiveReadout,
+    LiveRequest,
+    LiveStop,
+    LiveViewers,
+)
 
 ENDED_CODE, ENDED_REASON = 1008, "The key or the session has ended: sign in again."
 """Close of a WebSocket whose sender is no longer let in (RFC 6455, section 7.4.1)."""
@@ -38,12 +48,16 @@ picture (a request that has not sent any yet still sends one). With `moving` it 
 `budgetMs`; without, further pictures follow up to the `final` one, whose bytes are those of `getFrame` and `pullfocus record`.
 Its `changes`, as in an edit, apply to these pictures only: send them while a slider is dragged, and send an edit when it is
 released. A `LiveAck` acknowledges a picture. At most two pictures are unacknowledged; of those that wait, only the newest is
-kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives.
+kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives. A `LiveHere` tells where the client looks
+while it asks for nothing.
 
 **The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
 `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final; its focus map, where the request's `focusMaps` asks
 for that. It sends text for a `LiveReadout`, the lens readout of pictures with changes and the sharpness of their focus points,
-and a `LiveProblem`, the reason why there is no picture.
+and a `LiveProblem`, the reason why there is no picture. With `viewers=true` in the address the connection sees, and is seen by,
+the others of the shot that have it: the service sends `LiveViewers`, at which frame each of them is, again whenever that changes.
+A place is that of the newest request or `LiveHere`. Whoever moves how often, the viewers of a shot get at most 4 such messages a
+second each, and 50 all together.
 
 When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
 open at a time are shared by keys or, where there are none, by addresses (/64 networks of IPv6): once all are open, a client with
@@ -52,15 +66,18 @@ at least two fewer than whoever has the most takes the newest one of those, whic
 Browsers may connect only from the service's own page: the `Origin` has to match the `Host`."""
 
 
-_FROM_CLIENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck, LiveStop)
+_FROM_CLIENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck, LiveStop, LiveHere)
 _TO_CLIENT: tuple[type[BaseModel], ...] = (
     LivePictureHead,
     LiveReadout,
     LiveProblem,
+    LiveViewers,
     FocusMapHead,
     Event,
     EventGap,
 )
+_HEADS: tuple[type[BaseModel], ...] = (ExposureMapHead,)
+"""Heads of binary answers, which are no messages."""
 _REFERENCE = "#/components/schemas/{model}"
 
 
@@ -71,7 +88,10 @@ def describe_messages(app: FastAPI) -> None:
         app: the application.
     """
     build = app.openapi
-    models = [*((model, "validation") for model in _FROM_CLIENT), *((model, "serialization") for model in _TO_CLIENT)]
+    models = [
+        *((model, "validation") for model in _FROM_CLIENT),
+        *((model, "serialization") for model in (*_TO_CLIENT, *_HEADS)),
+    ]
     _, definitions = models_json_schema(models, ref_template=_REFERENCE)  # type: ignore[arg-type]
     by_sender = {"fromClient": _FROM_CLIENT, "toClient": _TO_CLIENT}
     messages = {
@@ -88,9 +108,19 @@ def describe_messages(app: FastAPI) -> None:
     app.openapi = described  # type: ignore[method-assign]
 
 
+_Viewers = Annotated[
+    bool, Query(description="Whether to see the others who look at the shot, and be seen.", examples=[True])
+]
+
+
 @router.websocket("/shots/{shot}/live")
 async def connect_live(
-    socket: WebSocket, service: ServiceDep, principal: PrincipalDep, identity: IdentityDep, shot: ShotId
+    socket: WebSocket,
+    service: ServiceDep,
+    principal: PrincipalDep,
+    identity: IdentityDep,
+    shot: ShotId,
+    viewers: _Viewers = False,
 ) -> None:
     """Stream pictures; see `PROTOCOL`."""
     with service.live_places.hold(present_client().principal) as place:
@@ -101,8 +131,12 @@ async def connect_live(
         service.metrics.live_viewers.inc()
         try:
             await socket.accept()
-            with service.presence.enter(shot, principal.label):
-                await _serve_while_valid(LiveConnection(service, socket, shot), socket, identity, place)
+            connection = LiveConnection(service, socket, shot)
+            with service.presence.enter(shot, principal.label), ExitStack() as stack:
+                if viewers:
+                    viewer = stack.enter_context(service.viewers.join(shot, principal.label, connection.tell_viewers))
+                    connection.on_look = viewer.look
+                await _serve_while_valid(connection, socket, identity, place)
         finally:
             service.metrics.live_viewers.dec()
 
@@ -142,7 +176,7 @@ async def _serve_while_valid(
     description=PROTOCOL,
     responses=problems(426, 503) | {101: {"description": "The connection becomes a WebSocket."}},
 )
-async def refuse_without_upgrade(shot: ShotId) -> None:
+async def refuse_without_upgrade(shot: ShotId, viewers: _Viewers = False) -> None:
     """Refuse a plain HTTP request: this address is a WebSocket."""
     raise ServiceError(
         426, "upgrade_required", "Live pictures come over a WebSocket.", path=shot, headers={"Upgrade": "websocket"}

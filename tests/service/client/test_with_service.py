@@ -40,9 +40,10 @@ def test_a_shot_goes_all_the_way(service, room_file, tmp_path):
         assert client.contact_sheet(render, tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")
         report = json.loads(client.focus_report(render, tmp_path / "focus.json", frames="2").read_text())
         assert (report["render"], [sample["frame"] for sample in report["samples"]]) == (render.id, [2])
+        assert client.focus_report(render, tmp_path / "focus.html").read_text().startswith("<!doctype html>")
         with pytest.raises(SettingError, match=r"\.mp4"):
             client.movie(render, tmp_path / "dailies.gif")
-        with pytest.raises(SettingError, match=r"\.csv or \.json"):
+        with pytest.raises(SettingError, match=r"\.csv, \.json, \.html"):
             client.focus_report(render, tmp_path / "focus.xls")
         with pytest.raises(RefusedError) as refused:
             client.pause(render)

@@ -161,7 +161,10 @@ def prepare(demo: httpx.Client, name: str) -> None:
     if "{webhook}" in CALLS[name][1]:
         send_example(demo, "createWebhook", next(requests_of("createWebhook")))
     if name in BEFORE:
-        answer = send_example(demo, BEFORE[name], next(requests_of(BEFORE[name])))
+        address, query, headers, body = next(requests_of(BEFORE[name]))
+        if BEFORE[name] == "beginLongExposure":
+            body = body | {"width": 64, "rays": 4, "layers": 2, "supersample": 1}
+        answer = send_example(demo, BEFORE[name], (address, query, headers, body))
         assert answer.is_success, answer.text
 
 

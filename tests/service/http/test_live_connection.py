@@ -79,6 +79,8 @@ class Pictures:
         self.streams: list[SimpleNamespace] = []
         self.dropped: list[SimpleNamespace] = []
         self.waiting = 0
+        self.connection: LiveConnection | None = None
+        self.looks: list[tuple[str | None, float]] = []
 
     def submit_stream(self, work: object, place: object, client: object, **callbacks: object) -> SimpleNamespace:
         self.streams.append(SimpleNamespace(work=work, **callbacks))
@@ -127,7 +129,9 @@ def serve(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
             stopping=Stopping(),
             run_id="run",
         )
-        connection = asyncio.create_task(LiveConnection(service, socket, "room").serve())
+        pictures.connection = LiveConnection(service, socket, "room")
+        pictures.connection.on_look = lambda place: pictures.looks.append((place.camera, place.time))
+        connection = asyncio.create_task(pictures.connection.serve())
         try:
             await play(socket, pictures)
             assert not connection.done()
@@ -330,6 +334,37 @@ def test_only_the_newest_unsent_readout_is_sent():
         socket.reads.set()
         await settled()
         assert [message["id"] for message in socket.texts] == [5]  # the first picture was being sent
+
+    serve(play)
+
+
+@pytest.mark.parametrize("waiting", [0, 50])
+def test_the_places_that_are_asked_for_are_noted(waiting):
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        pictures.waiting = waiting
+        await socket.request(1, camera="/cam")
+        await started(pictures, 1)
+        await socket.send(here={"camera": "/cam", "time": 7})
+        await socket.send(here={"time": 8.5})
+        await socket.send(here={"time": "soon"})
+        assert pictures.looks == [("/cam", 1.0), ("/cam", 7.0), (None, 8.5)]
+        assert [message["problem"]["code"] for message in socket.texts] == ["invalid_request"]
+
+    serve(play)
+
+
+def test_only_the_newest_of_unsent_viewers_is_sent():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        socket.reads.clear()
+        await socket.request(1)
+        await pictures.show(0, PREVIEW)
+        for number in range(5):
+            pictures.connection.tell_viewers(json.dumps({"id": number}))
+        await settled()
+        assert socket.texts == []
+        socket.reads.set()
+        await settled()
+        assert socket.texts == [{"id": 4}]
 
     serve(play)
 

@@ -24,7 +24,7 @@ from tests.service.conftest import Running, running
 
 CASES = {"examples": 150, "coverage": 7000, "fuzzing": 250, "stateful": 150}
 """Phases, and the requests that each sends at least."""
-MAX_EXAMPLES = {"fuzzing": 3, "stateful": 30}
+MAX_EXAMPLES = {"fuzzing": 3, "stateful": 40}
 """Requests for an operation of each kind, valid or not; sequences of requests along links."""
 ACCEPTED = ["2xx", "3xx", 404, 409, 412, 429]
 """Answers to valid data: what it names may be missing, or have changed."""

@@ -93,6 +93,7 @@ PROBLEM = {"description": "", "content": {"application/json": {"schema": {"$ref"
         (replace(("components", "securitySchemes", "bearer", "scheme"), "basic"), ["security scheme `bearer`: has changed"]),
         (replace(("x-websocket-messages", "fromClient"), []), [
             "message LiveRequest: is removed", "message LiveAck: is removed", "message LiveStop: is removed",
+            "message LiveHere: is removed",
         ]),
         (
             replace((*SHOTS, "x-rate"), 7),

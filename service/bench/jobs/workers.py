@@ -264,6 +264,6 @@ def _remove(service: Service, ids: Sequence[str]) -> None:
     """Cancel and remove renders, with their files."""
     for each in ids:
         render = service.renders.get(each)
-        if render.ready + render.running > 0:
+        if render.unended > 0:
             service.renders.cancel(each)
         service.renders.remove(each, partial(service.render_files.set_aside, each))

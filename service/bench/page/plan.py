@@ -26,6 +26,7 @@ class PagePlan:
         scrub_s: time of each drag of the scrubber through the whole shot, s.
         cached_frames: number of frames that are cached and played.
         play_s: time that they play, s.
+        shared_edits: number of edits that another browser has to see.
         minutes: time of random use; 0 for none.
         seed: seed of the random use.
         browser: path of a Chromium; None for the one that is found.
@@ -40,6 +41,7 @@ class PagePlan:
     scrub_s: float = 4.0
     cached_frames: int = 24
     play_s: float = 10.0
+    shared_edits: int = 24
     minutes: float = MINUTES
     seed: int = 1
     browser: str | None = None
@@ -80,7 +82,9 @@ def plan_from_arguments(arguments: argparse.Namespace) -> PagePlan:
     chosen = {"minutes": minutes, "seed": arguments.seed, "browser": arguments.browser}
     if not arguments.quick:
         return PagePlan(**chosen)
-    return PagePlan(900, 560, 0.5, opens=1, repeats=2, moves=2, scrub_s=1.0, cached_frames=2, play_s=1.0, **chosen)
+    return PagePlan(
+        900, 560, 0.5, opens=1, repeats=2, moves=2, scrub_s=1.0, cached_frames=2, play_s=1.0, shared_edits=2, **chosen
+    )
 
 
 BENCH = Bench(

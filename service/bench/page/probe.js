@@ -78,8 +78,28 @@ window.pullfocusProbe = (() => {
     });
   };
 
+  let noted = null;
+  /** A time by the clock that all pages of the machine share. */
+  const byClock = (now) => performance.timeOrigin + now;
+
   return {
     drawn,
+    /** Notes when the next event of a kind happens. */
+    noteNext(event) {
+      addEventListener(event, (input) => (noted = byClock(input.timeStamp)), { capture: true, once: true });
+    },
+    /** When that was, ms by the clock. */
+    noted: () => noted,
+    /** Finds when elements show another state, and when the first picture that is asked for from now on is there, ms by the clock. */
+    watchOther(selector, read, within) {
+      const [since, first, before] = [performance.now(), asked.length, stateOf(selector, read)];
+      const seen = (look) => new Promise((resolve) => untilFrame(look, 0, since + within, resolve));
+      const value = seen(() => stateOf(selector, read) !== before);
+      const picture = seen(() => asked.length > first && shown >= asked[first]);
+      result = Promise.all([value, picture]).then((at) =>
+        at.includes(null) ? null : { value: byClock(at[0]), picture: byClock(at[1]) },
+      );
+    },
     /** Measures from the next event of a kind to the frame in which elements show another state. */
     watchState(event, selector, read, within) {
       atNext(event, (since, resolve) => {

@@ -67,6 +67,10 @@ def _pictures(found: PageBench) -> Iterator[str]:
         f"{playback.dropped} dropped, longest gap {_s(playback.longest_gap_s)} s; cached in {playback.cache_s:.1f} s"
     )
     yield f"  {playback.said}"
+    yield ""
+    yield _line("edit seen by another browser, s", "count", "median", "p95", "worst")
+    for name, seen in (("its value", found.together.value), ("a picture of it", found.together.picture)):
+        yield _line(name, str(seen.count), _s(seen.median_s), _s(seen.p95_s), _s(seen.most_s))
 
 
 def _random_use(found: PageBench) -> Iterator[str]:

@@ -11,7 +11,7 @@ from service.bench.page.memory import Held
 from service.bench.page.plan import PagePlan
 from service.bench.results import Machine, Spread
 
-RESPONSE_MS, PLAYED_FPS, FIRST_PICTURE_S = 50.0, 24.0, 1.5
+RESPONSE_MS, PLAYED_FPS, FIRST_PICTURE_S, SEEN_S = 50.0, 24.0, 1.5, 1.0
 GROWTH_MB, GROWTH_NODES, GROWTH_LISTENERS = 5.0, 500, 100
 """Growth from the first third of the random use to the last that still counts as none: no two states are quite alike."""
 FEWEST_ROUNDS = 3
@@ -136,6 +136,19 @@ class OpeningFound:
 
 
 @dataclass(frozen=True)
+class TogetherFound:
+    """Edits of one browser, seen in another one.
+
+    Attributes:
+        value: from the key press that makes an edit to its value in the other's panel.
+        picture: from the same to the other's first picture of the new state.
+    """
+
+    value: Spread
+    picture: Spread
+
+
+@dataclass(frozen=True)
 class PageError:
     """Error in the page's console, or one that the page does not catch.
 
@@ -235,6 +248,7 @@ class PageBench:
         drags: rows by key.
         scrubs: rows by drag.
         playback: playing of cached frames.
+        together: edits seen by another browser.
         random_use: None where none was asked for.
         goals: none where the window is not that for which they are set.
     """
@@ -247,12 +261,17 @@ class PageBench:
     drags: list[DragRow]
     scrubs: list[ScrubRow]
     playback: PlaybackFound
+    together: TogetherFound
     random_use: RandomUse | None
     goals: list[Goal]
 
 
 def goals_of(
-    opening: OpeningFound, controls: Sequence[ControlRow], playback: PlaybackFound, random_use: RandomUse | None
+    opening: OpeningFound,
+    controls: Sequence[ControlRow],
+    playback: PlaybackFound,
+    together: TogetherFound,
+    random_use: RandomUse | None,
 ) -> list[Goal]:
     """Judge what was found."""
     medians, most = (
@@ -272,6 +291,7 @@ def goals_of(
         _at_most("control response, slowest of all, ms", RESPONSE_MS, max(most)),
         Goal("cached playback, pictures a second, at least", PLAYED_FPS, fps, fps >= PLAYED_FPS),
         _at_most("cached playback, frames dropped", 0, playback.dropped),
+        _at_most("edit seen by another browser, value, p95, s", SEEN_S, together.value.p95_s or 0.0),
         *(_of_random_use(random_use) if random_use else ()),
     ]
 

@@ -1,4 +1,5 @@
-"""The page bench: how soon the page answers to its controls, drags, scrubbing, playing and opening; its memory under random use.
+"""The page bench: how soon the page answers to its controls, drags, scrubbing, playing and opening, and to edits elsewhere; its
+memory under random use.
 
 pullfocus bench page
 pullfocus bench page --minutes 30 --seed 7      more random use, and another
@@ -33,12 +34,14 @@ from service.bench.page.results import (
     PlaybackFound,
     RandomUse,
     ScrubRow,
+    TogetherFound,
     goals_of,
     longest_gap,
     rate_of,
     scrub_row,
 )
 from service.bench.page.shot import read_edits, restore_edits
+from service.bench.page.together import edits_seen
 from service.bench.results import spread_of
 from service.bench.server import running_service
 
@@ -75,13 +78,16 @@ def measure(plan: PagePlan) -> PageBench:
                 controls = _controls(browser, port, plan)
                 drags, scrubs = _drags(browser, port, plan), _scrubs(browser, port, plan)
                 playback = _playback(browser, port, plan)
+                together = _together(browser, port, plan)
                 random_use = _random_use(browser, port, plan) if plan.minutes > 0 else None
             except (OSError, http.client.HTTPException) as error:
                 raise PullfocusError(
                     f"the service of the bench does not answer: {type(error).__name__}: {error}"
                 ) from error
-        goals = goals_of(opening, controls, playback, random_use) if plan.is_judged else []
-        return PageBench(machine, browser.version, plan, opening, controls, drags, scrubs, playback, random_use, goals)
+        goals = goals_of(opening, controls, playback, together, random_use) if plan.is_judged else []
+        return PageBench(
+            machine, browser.version, plan, opening, controls, drags, scrubs, playback, together, random_use, goals
+        )
 
 
 def _opening(browser: Browser, port: int, plan: PagePlan) -> OpeningFound:
@@ -132,6 +138,13 @@ def _playback(browser: Browser, port: int, plan: PagePlan) -> PlaybackFound:
     return PlaybackFound(
         plan.cached_frames, played.cache_s, played.said, rate_of(painted), played.dropped, longest_gap(painted)
     )
+
+
+def _together(browser: Browser, port: int, plan: PagePlan) -> TogetherFound:
+    untouched = read_edits(port).revision
+    seen = edits_seen(browser, port, plan)
+    restore_edits(port, untouched)
+    return TogetherFound(spread_of([each.value_s for each in seen]), spread_of([each.picture_s for each in seen]))
 
 
 def _random_use(browser: Browser, port: int, plan: PagePlan) -> RandomUse:

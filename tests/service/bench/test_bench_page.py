@@ -27,6 +27,7 @@ from service.bench.page.results import (
     PlaybackFound,
     RandomUse,
     Round,
+    TogetherFound,
     goals_of,
     growth_of,
     longest_gap,
@@ -37,6 +38,7 @@ from service.bench.page.run import measure, run
 from service.bench.results import Machine, spread_of
 
 SECOND = spread_of([1.0])
+SEEN = TogetherFound(SECOND, spread_of([1.5]))
 
 
 def needs_chromium(test: Any) -> Any:
@@ -59,14 +61,15 @@ def used(rounds: list[Round], errors: int = 0) -> RandomUse:
 
 def test_goals_are_met_where_every_control_answers_at_once():
     quick, fluent = ControlRow("typed", spread_of([0.02, 0.05])), PlaybackFound(24, 9.0, "", 24.0, 0, 0.05)
-    goals = goals_of(opening(1.5, 1.5), [quick], fluent, used([round_with(9.0)] * 3))
-    assert [goal.holds for goal in goals] == [True] * 11
+    goals = goals_of(opening(1.5, 1.5), [quick], fluent, SEEN, used([round_with(9.0)] * 3))
+    assert [goal.holds for goal in goals] == [True] * 12
 
 
 def test_one_slow_answer_misses_the_goal_for_the_slowest():
     slow = ControlRow("clicked", spread_of([0.02, 0.02, 0.08]))
-    goals = goals_of(opening(1.6, 1.4), [slow], PlaybackFound(24, 9.0, "", 23.9, 1, 0.1), None)
-    assert [goal.holds for goal in goals] == [False, True, True, False, False, False]
+    late = TogetherFound(spread_of([0.2, 1.1]), SECOND)
+    goals = goals_of(opening(1.6, 1.4), [slow], PlaybackFound(24, 9.0, "", 23.9, 1, 0.1), late, None)
+    assert [goal.holds for goal in goals] == [False, True, True, False, False, False, False]
 
 
 def test_growth_is_between_the_first_and_the_last_third():
@@ -80,7 +83,7 @@ def test_growth_is_between_the_first_and_the_last_third():
 def test_errors_growth_and_edits_that_stay_miss_their_goals():
     rounds = [round_with(9.0), round_with(9.0, is_undone=False), round_with(15.0, nodes=2000, listeners=151)]
     goals = goals_of(
-        opening(), [ControlRow("typed", SECOND)], PlaybackFound(24, 9.0, "", None, 0, None), used(rounds, 1)
+        opening(), [ControlRow("typed", SECOND)], PlaybackFound(24, 9.0, "", None, 0, None), SEEN, used(rounds, 1)
     )
     assert [(goal.got, goal.holds) for goal in goals[-5:]] == [
         (1, False),
@@ -144,15 +147,17 @@ def test_the_tables_tell_errors_and_complaints():
         [DragRow("a key in its lane", spread_of([0.4]))],
         [scrub_row("forward", [1.0, 1.5, 4.0])],
         PlaybackFound(24, 9.0, "All frames are cached.", 24.0, 0, 0.05),
+        SEEN,
         use,
-        goals_of(opening(), [ControlRow("typed", SECOND)], PlaybackFound(24, 9.0, "", 24.0, 0, 0.05), use),
+        goals_of(opening(), [ControlRow("typed", SECOND)], PlaybackFound(24, 9.0, "", 24.0, 0, 0.05), SEEN, use),
     )
     lines = report(found).splitlines()
     assert [line.split() for line in lines if line.startswith("typed")] == [["typed", "2", "35", "50"]]
     assert "  TypeError: x is null" in lines
     assert "    after: press key: p" in lines
     assert "  2 x Nothing is there." in lines
-    assert sum(line.startswith(("pass", "FAIL")) for line in lines) == len(found.goals) == 11
+    assert sum(line.startswith(("pass", "FAIL")) for line in lines) == len(found.goals) == 12
+    assert [line.split()[-3:] for line in lines if line.startswith("a picture of it")] == [["1.50"] * 3]
 
 
 def test_without_playwright_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
@@ -229,6 +234,7 @@ def test_a_quick_bench_measures_everything(tmp_path: Path, capsys: pytest.Captur
     assert [row["picture"]["count"] for row in found["drags"]] == [2, 2]
     assert all(row["longest_gap_s"] > 0 for row in found["scrubs"])
     assert found["playback"]["frames"] == 2
+    assert all(found["together"][name]["count"] == 2 for name in ("value", "picture"))
     assert found["opening"]["picture"]["median_s"] > found["opening"]["loaded"]["median_s"] > 0
     assert found["random_use"]["rounds"][0]["gestures"] > 0
     assert found["random_use"]["rounds"][0]["held"]["heap_mb"] > 0

@@ -2,7 +2,7 @@
 
 import { agrees, formatStops, formatTime, type ExposureSettings, type Photography } from "./photography";
 import { EXPOSURE_DEFAULTS } from "./settings.gen";
-import { sayStop, stopsOf } from "./stops";
+import { statedStop } from "./stops";
 
 /** A value that counts, and the setting whose control sets it; null where the page has none. */
 export interface Part {
@@ -26,9 +26,7 @@ export function brightnessOf({ exposure, film, readout }: Photography): Brightne
   const after = film.process !== "none" && film.process !== "digital" && film.push !== 0 ? [pushed(film.push)] : [];
   if (exposure.meteringMode !== "manual") return { by: "meter", parts: [...byMeter(exposure), ...after] };
   const isPlain = PLAIN.every((name) => exposure[name] === EXPOSURE_DEFAULTS[name]);
-  const { f, t } = stopsOf(readout.fStop, exposure.stopMarking, exposure.transmittance);
   const stop = exposure.exposureStop === "iris" ? "fStop" : "exposureFStop";
-  const byT = exposure.stopMarking === "t" || exposure.transmittance < 1;
   const time = agrees(exposure, readout)
     ? readout.shutterTimeS > 0 && `shutter ${Number(exposure.shutterAngleDeg.toFixed(1)).toString()}°`
     : false;
@@ -36,7 +34,7 @@ export function brightnessOf({ exposure, film, readout }: Photography): Brightne
   const parts: readonly (Part | false)[] = [
     !isPlain && { text: time || `exposed ${formatTime(exposure.exposureTimeS)}`, setting: "shutterClose" },
     !isPlain && { text: `ISO ${Number(exposure.iso.toFixed(1)).toString()}`, setting: "iso" },
-    !isPlain && { text: sayStop(byT ? t : f, byT ? "t" : "f"), setting: stop },
+    !isPlain && { text: statedStop(readout.fStop, exposure.stopMarking, exposure.transmittance), setting: stop },
     isPlain && glass && { text: `glass ${stops(Math.log2(exposure.transmittance))}`, setting: "transmittance" },
     exposure.neutralDensity !== 0 && {
       text: `ND ${Number(exposure.neutralDensity.toFixed(2)).toString()}`,

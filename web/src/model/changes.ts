@@ -10,6 +10,7 @@ import type { ExposureChange, ExposureSettings, FilmChange, FilmSettings } from 
 import { weightOf, type Weight } from "./pull";
 import {
   keysOf,
+  type Anchor,
   type FocusMode,
   type FocusPoint,
   type FocusSettings,
@@ -19,6 +20,7 @@ import {
   type Readout,
 } from "./shot";
 import { sameTime } from "./time";
+import type { Vector } from "./vector";
 
 type Json = components["schemas"];
 
@@ -110,6 +112,22 @@ export function toggleKey(point: FocusPoint, attribute: SimpleAttribute, time: n
   return key
     ? [{ type: "unkeyPoint", name: point.name, attribute, time: key.time }]
     : setKey(point, attribute, valueOf(point, attribute), time);
+}
+
+/** Moves a point onto a surface: an offset from it, which it has where it was moved from above, is dropped. */
+export function moveOnto(
+  { name, settings }: Pick<FocusPoint, "name" | "settings">,
+  to: { readonly anchor: Anchor } | { readonly place: readonly [number, number] },
+  time: number,
+): Changes {
+  const isOff = settings.offset.some((along) => along !== 0);
+  const onto: Changes = isOff ? [{ type: "alterPoint", name, values: { offset: [0, 0, 0] }, time }] : [];
+  return [...onto, { type: "movePoint", name, ...to, time }];
+}
+
+/** Moves a point to a place of the world; it stays with what it is on. */
+export function moveInWorld(name: string, positionM: Vector, time: number): Changes {
+  return [{ type: "movePoint", name, positionM, time }];
 }
 
 /**

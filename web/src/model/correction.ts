@@ -1,7 +1,7 @@
 /** Corrections of a dense curve, such as an imported or recorded one: a value that is wanted at a frame bends the curve around it. */
 
 import { FAR_AWAY_M, type Changes } from "./changes";
-import { heldIn, setKey, type KeyOwner } from "./key_lanes";
+import { heldIn, setKey, type ValueOwner } from "./key_lanes";
 import type { Key } from "./keys";
 import { valueAt } from "./spline";
 import { sameTime } from "./time";
@@ -9,7 +9,7 @@ import { valueScaleOf, type ValueScale } from "./value_scale";
 
 export interface Correction {
   /** What has the curve. */
-  readonly owner: KeyOwner;
+  readonly owner: ValueOwner;
   /** The curve before it. */
   readonly keys: readonly Key[];
   /** USD time code. */
@@ -52,7 +52,7 @@ export function recorrect(correction: Correction, before: number, width: number)
   return toChanges(correction.owner, [...restored, ...wanted]);
 }
 
-function toChanges(owner: KeyOwner, keys: readonly Key[]): Changes {
+function toChanges(owner: ValueOwner, keys: readonly Key[]): Changes {
   return keys.toSorted((a, b) => a.time - b.time).map((key) => setKey(owner, key));
 }
 
@@ -80,7 +80,7 @@ function shapeAfter(key: Key | undefined): Key["interpolation"] {
  * @param u place of the key from -1 to 1 over the width of the correction.
  * @param by the correction at its middle, in the scale.
  */
-function bendKey(key: Key, u: number, by: number, width: number, scale: ValueScale, owner: KeyOwner): Key {
+function bendKey(key: Key, u: number, by: number, width: number, scale: ValueScale, owner: ValueOwner): Key {
   const [share, turn] = [(1 - u * u) ** 2, (-4 * u * (1 - u * u)) / width];
   const bentTo = scale.from(scale.to(key.value) + by * share);
   const value = heldIn(owner, bentTo);

@@ -7,7 +7,7 @@
 export type LengthUnit = "m" | "ft";
 
 const METRES_PER_INCH = 0.0254;
-const METRES_PER_FOOT = 12 * METRES_PER_INCH;
+export const METRES_PER_FOOT = 0.3048;
 
 /** Inverse depth in 1/m: what focus is linear in. Infinity has 0. */
 export function inverse(distanceM: number): number {
@@ -99,15 +99,25 @@ export function axisFraction(axis: DistanceAxis, distanceM: number): number {
   return (axis.nearW - inverse(distanceM)) / (axis.nearW - axis.farW);
 }
 
-/** Round distances, as engraved on a lens, that do not crowd each other on a reciprocal axis. */
-function barrelMarks(nearW: number, farW: number, unit: LengthUnit, most: number): number[] {
+/**
+ * Round distances, as engraved on a lens, that do not crowd each other on a reciprocal axis.
+ *
+ * @param placeOf gives the inverse depth at which a distance stands, where it counts from elsewhere; NaN for none.
+ */
+export function barrelMarks(
+  nearW: number,
+  farW: number,
+  unit: LengthUnit,
+  most: number,
+  placeOf: (distanceM: number) => number = inverse,
+): number[] {
   const scale = unit === "m" ? 1 : METRES_PER_FOOT;
   const gap = (nearW - farW) / (most + 1);
   const marks: number[] = farW <= 0 ? [Infinity] : [];
   let last = farW <= 0 ? 0 : -Infinity;
   for (const candidate of ROUND.map((r) => r * scale).reverse()) {
-    const w = 1 / candidate;
-    if (w < farW || w > nearW || w - last < gap) continue;
+    const w = placeOf(candidate);
+    if (!(w >= farW && w <= nearW && w - last >= gap)) continue;
     marks.push(candidate);
     last = w;
   }

@@ -18,6 +18,8 @@ export interface EditHistory {
   readonly redo: string;
   /** Prim paths of the cameras that the shot has in the present state; null where they were not read with it. */
   readonly cameras: readonly string[] | null;
+  /** Another one whenever a note at a frame is another. */
+  readonly notesTag: string;
 }
 
 export const NO_HISTORY: EditHistory = {
@@ -27,6 +29,7 @@ export const NO_HISTORY: EditHistory = {
   undo: "",
   redo: "",
   cameras: null,
+  notesTag: "",
 };
 
 /** Label of an undo button, such as "Focus on lantern"; null for nothing to undo. */

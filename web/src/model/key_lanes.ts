@@ -18,13 +18,23 @@ import {
 import { KEYED_ATTRIBUTES, keysOf, type FocusMode, type FocusPoint, type KeyedAttribute } from "./shot";
 import { nearestTime, sameTime, type FrameRange } from "./time";
 
-/** What has a key: an attribute of a focus point, or a setting of the camera. */
-export type KeyOwner =
+/** What has a key with a value: an attribute of a focus point, or a setting of the camera. */
+export type ValueOwner =
   { readonly point: string; readonly attribute: KeyedAttribute } | { readonly setting: KeyedSetting };
+
+/** What has a key: a value, or the place of the camera. */
+export type KeyOwner = ValueOwner | { readonly place: "camera" };
+
+/** The place of the camera, whose keys have times alone: as a value, 1 is a key of the edits and 0 one of the shot. */
+export const CAMERA_PLACE: KeyOwner = { place: "camera" };
 
 export interface OwnedKey {
   readonly owner: KeyOwner;
   readonly key: Key;
+}
+
+export interface ValueKey extends OwnedKey {
+  readonly owner: ValueOwner;
 }
 
 export interface KeyStack {
@@ -56,9 +66,10 @@ const DECLARED: Readonly<Record<string, Declared>> = {
 };
 const DECLARED_OF_POINTS: Readonly<Record<string, Declared>> = POINT_SLIDERS;
 
-/** The lanes of what has keys: the camera's settings first, as `keyed` lists them, then the focus points. */
-export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[]): KeyLane[] {
+/** The lanes of what has keys: the camera's settings first, as `keyed` lists them, then the focus points, and its place. */
+export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[], place: readonly Key[] = []): KeyLane[] {
   const settings = keyed.flatMap((keys) => Object.entries(keys)).filter(([, keys]) => keys.length > 0);
+  const placed = place.map((key) => ({ owner: CAMERA_PLACE, key }));
   return [
     ...settings.map(([name, keys]): KeyLane => {
       const owner: KeyOwner = { setting: name as KeyedSetting };
@@ -75,12 +86,14 @@ export function lanesOf(keyed: readonly Keyed[], points: readonly FocusPoint[]):
       );
       return keys.length > 0 ? [lane(`point ${point.name}`, point.name, point.name, keys)] : [];
     }),
+    ...(placed.length > 0 ? [lane(laneOf(CAMERA_PLACE), labelOf(CAMERA_PLACE), null, placed)] : []),
   ];
 }
 
 /** The id of the lane that has the keys of a setting or attribute. */
 export function laneOf(owner: KeyOwner): string {
-  return "setting" in owner ? `camera ${owner.setting}` : `point ${owner.point}`;
+  if ("point" in owner) return `point ${owner.point}`;
+  return `camera ${"setting" in owner ? owner.setting : "place"}`;
 }
 
 function lane(id: string, label: string, point: string | null, keys: readonly OwnedKey[]): KeyLane {
@@ -100,6 +113,7 @@ export function stackId(lane: string, time: number): string {
 
 /** The name of a setting or attribute for people. */
 export function labelOf(owner: KeyOwner): string {
+  if ("place" in owner) return "Camera";
   return declaredOf(owner)?.label ?? inWords("setting" in owner ? owner.setting : owner.attribute);
 }
 
@@ -123,6 +137,7 @@ export function heldIn(owner: KeyOwner, value: number): number {
 }
 
 function declaredOf(owner: KeyOwner): Declared | undefined {
+  if ("place" in owner) return undefined;
   return "setting" in owner ? DECLARED[owner.setting] : DECLARED_OF_POINTS[owner.attribute];
 }
 
@@ -131,8 +146,9 @@ function inWords(name: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** Whether keys of it hold until the next one, whatever they say: it is on or off. */
-export function isSwitch(owner: KeyOwner): boolean {
+/** Whether keys of it shape no curve: it is on or off, or a place. */
+export function isPlain(owner: KeyOwner): boolean {
+  if ("place" in owner) return true;
   return "setting" in owner
     ? owner.setting === "solveStop" || owner.setting === "drivenByPoints"
     : owner.attribute === "enabled";
@@ -151,13 +167,22 @@ export function replaceStacks(before: readonly KeyStack[], after: readonly KeySt
     const to = wanted[place];
     return to && !isSameKey(from.key, to.key) ? [{ from, to }] : [];
   });
-  const removed = pairs.filter(({ from, to }) => from.key.time !== to.key.time).map(({ from }) => remove(from));
-  const set = pairs.map(({ to: { owner, key } }) => setKey(owner, key));
+  const moved = pairs.filter(({ from, to }) => from.key.time !== to.key.time);
+  const removed = moved.flatMap(({ from }) => ("place" in from.owner ? [] : [remove(from)]));
+  const set = pairs.flatMap(({ to: { owner, key } }) => ("place" in owner ? [] : [setKey(owner, key)]));
   return keepMode(
-    [...removed, ...set],
+    [...removed, ...set, ...moveCameraKeys(moved)],
     pairs.map(({ to: { owner } }) => owner),
     mode,
   );
+}
+
+/** Keys of the camera's place are moved all at once. */
+function moveCameraKeys(moved: readonly { readonly from: OwnedKey; readonly to: OwnedKey }[]): Changes {
+  const moves = moved
+    .filter(({ from }) => "place" in from.owner)
+    .map(({ from, to }) => ({ time: from.key.time, newTime: to.key.time }));
+  return moves.length > 0 ? [{ type: "moveCameraKeys", moves }] : [];
 }
 
 /** Adds what keeps the focus mode: with a key of its own distance, a camera is focused by hand. */
@@ -167,6 +192,7 @@ export function keepMode(changes: Changes, owners: readonly KeyOwner[], mode: Fo
 }
 
 export function isSameOwner(a: KeyOwner, b: KeyOwner): boolean {
+  if ("place" in a) return "place" in b;
   if ("setting" in a) return "setting" in b && a.setting === b.setting;
   return "point" in b && a.point === b.point && a.attribute === b.attribute;
 }
@@ -251,8 +277,13 @@ export function lengthOf(stacks: readonly KeyStack[]): number {
   return times.length > 0 ? Math.max(...times) - Math.min(...times) : 0;
 }
 
+/** Whether a key has a value, which can be copied. */
+export function hasValue(owned: OwnedKey): owned is ValueKey {
+  return !("place" in owned.owner);
+}
+
 /** Sets copies of keys, the first of which comes to a time. */
-export function pasteKeys(keys: readonly OwnedKey[], time: number, mode: FocusMode): Changes {
+export function pasteKeys(keys: readonly ValueKey[], time: number, mode: FocusMode): Changes {
   const by = time - Math.min(...keys.map(({ key }) => key.time));
   return keepMode(
     keys.map(({ owner, key }) => setKey(owner, { ...key, time: Number((key.time + by).toFixed(4)) })),
@@ -275,7 +306,7 @@ const LEVEL: Tangents = { inSlope: 0, inWidth: 0, outSlope: 0, outWidth: 0 };
 export function shaped(owned: OwnedKey, shape: KeyShape): OwnedKey {
   const { owner, key } = owned;
   const now = shapeOf(key);
-  if (isSwitch(owner) || now === shape || (shape === "bezier" && key.interpolation === "bezier")) return owned;
+  if (isPlain(owner) || now === shape || (shape === "bezier" && key.interpolation === "bezier")) return owned;
   if (shape === "flat") return withTangents(owned, LEVEL);
   return { owner, key: { time: key.time, value: key.value, interpolation: shape } };
 }
@@ -300,13 +331,14 @@ export function valued({ owner, key }: OwnedKey, value: number): OwnedKey {
 }
 
 /** The change that sets a key, or adds it. */
-export function setKey(owner: KeyOwner, key: Key): Changes[number] {
+export function setKey(owner: ValueOwner, key: Key): Changes[number] {
   return "setting" in owner
     ? { type: "keySetting", setting: owner.setting, key }
     : { type: "keyPoint", name: owner.point, attribute: owner.attribute, key };
 }
 
 function remove({ owner, key: { time } }: OwnedKey): Changes[number] {
+  if ("place" in owner) return { type: "unkeyCamera", time };
   return "setting" in owner
     ? { type: "unkeySetting", setting: owner.setting, time }
     : { type: "unkeyPoint", name: owner.point, attribute: owner.attribute, time };
@@ -351,7 +383,7 @@ export function shapeOfAll(stacks: readonly KeyStack[]): KeyShape | null {
   const found = new Set(
     stacks
       .flatMap((stack) => stack.keys)
-      .filter(({ owner }) => !isSwitch(owner))
+      .filter(({ owner }) => !isPlain(owner))
       .map(({ key }) => shapeOf(key)),
   );
   const [only = null] = found;
@@ -365,7 +397,7 @@ const MANY = 3;
 export function wholeSetting(stacks: readonly KeyStack[], lanes: readonly KeyLane[]): KeyedSetting | null {
   const owned = stacks.flatMap(({ keys }) => keys);
   const [first] = owned;
-  if (owned.length < MANY || !first || !("setting" in first.owner) || isSwitch(first.owner)) return null;
+  if (owned.length < MANY || !first || !("setting" in first.owner) || isPlain(first.owner)) return null;
   const { owner } = first;
   const isAll = lanes.find(({ id }) => id === laneOf(owner))?.stacks.length === owned.length;
   return isAll && owned.every((key) => isSameOwner(key.owner, owner)) ? owner.setting : null;

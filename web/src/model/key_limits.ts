@@ -20,8 +20,10 @@ export function beyondLimits(changes: Changes): Beyond | null {
 }
 
 function beyondIn(change: Changes[number]): Beyond | null {
-  if (change.type === "unkeyPoint" || change.type === "unkeySetting")
+  if (change.type === "unkeyPoint" || change.type === "unkeySetting" || change.type === "unkeyCamera")
     return isWithin(change.time, MOST_TIME) ? null : "time";
+  if (change.type === "moveCameraKeys")
+    return change.moves.every(({ newTime }) => isWithin(newTime, MOST_TIME)) ? null : "time";
   if (change.type !== "keyPoint" && change.type !== "keySetting") return null;
   const { time, value, tangents } = change.key;
   if (!isWithin(time, MOST_TIME)) return "time";

@@ -154,16 +154,6 @@ export function setExposureStop(
   return { exposureStop: stop, compensationStops: exposure.compensationStops + stops };
 }
 
-/** The largest frame of a shape within a picture, in its middle: 0 to 1. */
-export function guideIn(
-  pictureAspect: number,
-  shape: number,
-): { readonly left: number; readonly top: number; readonly width: number; readonly height: number } {
-  const width = Math.min(1, shape / pictureAspect);
-  const height = Math.min(1, pictureAspect / shape);
-  return { left: (1 - width) / 2, top: (1 - height) / 2, width, height };
-}
-
 const PROCESS_NAMES: Readonly<Record<Exclude<FilmProcess, "none" | "digital">, string>> = {
   negative: "Colour negative",
   reversal: "Reversal",

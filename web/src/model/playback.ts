@@ -50,7 +50,13 @@ function placeOf(at: number, count: number, repeat: Repeat): number {
   if (repeat === "once" || count === 1) return Math.min(Math.max(at, 0), count - 1);
   const period = repeat === "loop" ? count : 2 * (count - 1);
   const within = ((at % period) + period) % period;
-  return within < count ? within : period - within;
+  return repeat === "loop" || within <= count - 1 ? within : period - within;
+}
+
+/** The time so many seconds after playing began, between frames too: the frame that is due has come at its start. */
+export function timeDue({ range, repeat, speed }: Playing, from: number, seconds: number): number {
+  const first = snapToFrame(range, from) - range.start;
+  return range.start + placeOf(first + speed * range.framesPerSecond * seconds, frameCount(range), repeat);
 }
 
 /** The next speed of a shuttle that is pushed one way: twice as fast, or at the shot's rate where it went the other way or stood. */

@@ -16,7 +16,7 @@ export interface Quality {
   readonly format: "png" | "jpeg";
 }
 
-/** Longest side of a picture at rest; more than this no viewer on the page shows. */
+/** Longest side of a picture at rest that is shown as a whole. */
 const MOST_PX = 1920;
 
 /** A picture that fills a box of device pixels. */
@@ -24,6 +24,28 @@ export function restQuality(widthPx: number, heightPx: number, motion = 1): Qual
   const scale = Math.min(1, MOST_PX / Math.max(widthPx, heightPx));
   const size = even(widthPx * scale, heightPx * scale);
   return { ...size, rays: 100, layers: 4, supersample: 0, motion, motionBy: "velocities", format: "png" };
+}
+
+/** Size of a picture that is delivered with a width. */
+export function deliveredSize(widthPx: number, aspect: number): { width: number; height: number } {
+  return even(widthPx, widthPx / aspect);
+}
+
+/** px */
+export interface PictureSize {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** Size of the picture that is wanted. */
+export interface PictureBox extends PictureSize {
+  /** Whether it is that of the delivered picture, which has all its pixels. */
+  readonly isDelivered?: boolean;
+}
+
+/** A picture at rest: as large as it is on screen, or as it is delivered. */
+export function wantedQuality({ width, height, isDelivered = false }: PictureBox, motion = 1): Quality {
+  return { ...restQuality(width, height, motion), ...(isDelivered && { width, height }) };
 }
 
 /** Moments of a picture at rest that shows motion. */

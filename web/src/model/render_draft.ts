@@ -1,34 +1,17 @@
 /** A render as it is typed, before it is sent. */
 
 import { aovsOf, faultOfAovs } from "./aovs";
+import { formatsOf, isGraded, productsOf, type ChosenProducts } from "./deliverables";
 import { faultOfFrames } from "./frame_range";
 import type { Render, RenderRequest } from "./renders";
 import type { FrameRange } from "./time";
 
-type FrameFormat = NonNullable<RenderRequest["formats"]>[number];
-
-/** Files that can be chosen for each frame. */
-export const FILE_CHOICES = {
-  exr: { name: "Scene-linear (.exr)", formats: ["exr"] },
-  png: { name: "Graded (.png)", formats: ["png"] },
-  jpeg: { name: "Graded (.jpeg)", formats: ["jpeg"] },
-  both: { name: "Scene-linear and graded (.exr, .png)", formats: ["exr", "png"] },
-} as const satisfies Record<string, { name: string; formats: readonly FrameFormat[] }>;
-
-export type FileChoice = keyof typeof FILE_CHOICES;
-
-/** The format of a render that a browser shows; null where it has none. */
-export function shownFormat(formats: readonly FrameFormat[]): FrameFormat | null {
-  return formats.find((format) => format !== "exr") ?? null;
-}
-
 /** What is typed in each field. */
-export interface RenderDraft {
+export interface RenderDraft extends ChosenProducts {
   readonly name: string;
   readonly frames: string;
   readonly width: string;
   readonly rays: string;
-  readonly formats: FileChoice;
   readonly priority: string;
   /** Names of declared AOVs. */
   readonly aovs: readonly string[];
@@ -40,11 +23,16 @@ export interface RenderDraft {
 
 export type DraftField = keyof RenderDraft;
 /** Fields of words and numbers. */
-export type TypedField = Exclude<DraftField, "formats" | "aovs" | "after">;
+export type TypedField = Exclude<DraftField, keyof ChosenProducts | "aovs" | "after">;
 
 /** Whether the files that are chosen can hold AOVs. */
-export function holdsAovs({ formats }: RenderDraft): boolean {
-  return FILE_CHOICES[formats].formats.some((format) => format === "exr");
+export function holdsAovs(draft: RenderDraft): boolean {
+  return formatsOf(draft).includes("exr");
+}
+
+/** Whether facts can be burnt into the pictures that are chosen. */
+export function holdsFacts(draft: RenderDraft): boolean {
+  return isGraded(formatsOf(draft));
 }
 
 /** What the page's picture is of, at rest. */
@@ -87,6 +75,7 @@ export function faultsIn(draft: RenderDraft): readonly DraftFault[] {
     ...faultAt("frames", range === "" ? null : faultOfFrames(range)),
     ...WHOLE_NUMBERS.flatMap((number) => faultOfNumber(draft, ...number)),
     ...faultAt("primvars", holdsAovs(draft) ? faultOfAovs(draft) : null),
+    ...faultAt("made", draft.made.length > 0 ? null : "Choose what to make."),
     ...faultAt("after", isTooMany ? `A render waits for ${MOST_NEEDED} others at most.` : null),
   ];
 }
@@ -113,6 +102,8 @@ export function requestOf(draft: RenderDraft, view: RenderedView): RenderRequest
   const { shot, camera, layers, supersample, motion } = view;
   const frames = draft.frames.trim();
   const aovs = holdsAovs(draft) ? aovsOf(draft) : [];
+  const burnIn = holdsFacts(draft) ? draft.burnIn : [];
+  const products = productsOf(draft);
   return {
     shot,
     ...(camera !== null && { camera }),
@@ -120,8 +111,10 @@ export function requestOf(draft: RenderDraft, view: RenderedView): RenderRequest
     ...(frames !== "" && { frames }),
     width: Number(draft.width),
     rays: Number(draft.rays),
-    formats: [...FILE_CHOICES[draft.formats].formats],
+    formats: formatsOf(draft),
     ...(aovs.length > 0 && { aovs }),
+    ...(burnIn.length > 0 && { burnIn }),
+    ...(products.length > 0 && { products }),
     priority: Number(draft.priority),
     ...(draft.after.length > 0 && { after: draft.after.map(({ id }) => id) }),
     engine: "lens",
@@ -144,6 +137,8 @@ const FIELDS: Readonly<Record<string, DraftField>> = {
   width: "width",
   rays: "rays",
   formats: "formats",
+  products: "made",
+  burnIn: "burnIn",
   priority: "priority",
   aovs: "primvars", // those that are not typed are right
   after: "after",

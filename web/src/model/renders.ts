@@ -1,6 +1,7 @@
 /** Renders: jobs of many frames at the service; what is told of them, and what can be done with them. */
 
 import type { components } from "../net/schema";
+import { countProducts } from "./deliverables";
 
 export type Render = components["schemas"]["Render"];
 export type RenderRequest = components["schemas"]["RenderRequest"];
@@ -19,8 +20,13 @@ export interface RenderPage {
 }
 
 /** Whether all frames of a render have ended. */
-export function hasEnded({ ready, running }: Pick<Render, "ready" | "running">): boolean {
+export function hasDrawn({ ready, running }: Pick<Render, "ready" | "running">): boolean {
   return ready + running === 0;
+}
+
+/** Whether all frames and products of a render have ended. */
+export function hasEnded(render: Pick<Render, "ready" | "running" | "products">): boolean {
+  return hasDrawn(render) && countProducts(render, ["waiting", "running"]) === 0;
 }
 
 /** Whether the service would take an action on a render. */
@@ -34,7 +40,7 @@ export function isTaken(action: RenderAction, render: Render): boolean {
     case "accept":
       return state === "failed" || state === "canceled";
     case "retry":
-      return failed + canceled > 0;
+      return failed + canceled + countProducts(render, ["failed", "canceled"]) > 0;
     case "cancel":
       return !hasEnded(render) && state !== "cancel-requested";
     case "remove":
@@ -50,12 +56,14 @@ export function waitableOf(all: readonly Render[], chosen: readonly Render[]): r
 }
 
 /** The state of a render among others for people. */
-export function stateInWords({ state, running, waitsFor, accepted }: Render, others: readonly Render[]): string {
+export function stateInWords(render: Render, others: readonly Render[]): string {
+  const { state, running, waitsFor, accepted } = render;
   switch (state) {
     case "queued":
       return waitsFor.length > 0 ? `Waits for ${neededInWords(waitsFor, others)}` : "Waits for its turn";
     case "running":
-      return running > 0 ? "Drawing" : "Waits to go on";
+      if (running > 0) return "Drawing";
+      return countProducts(render, ["running"]) > 0 ? "Making files" : "Waits to go on";
     case "pause-requested":
       return "Pauses after this frame";
     case "paused":
@@ -82,9 +90,16 @@ function neededInWords(ids: readonly string[], others: readonly Render[]): strin
 }
 
 /** How far a render is: "25 of 96 frames, 2 failed". */
-export function progressInWords({ done, count, failed, canceled }: Render): string {
-  const others = [failed > 0 ? `${inWords(failed)} failed` : "", canceled > 0 ? `${inWords(canceled)} given up` : ""];
-  return [`${inWords(done)} of ${plural(count, "frame")}`, ...others.filter(Boolean)].join(", ");
+export function progressInWords(render: Render): string {
+  const { done, count, failed, canceled, products = [] } = render;
+  const made = `${inWords(countProducts(render, ["done"]))} of ${plural(products.length, "product")}`;
+  const parts = [
+    count > 0 ? `${inWords(done)} of ${plural(count, "frame")}` : "",
+    failed > 0 ? `${inWords(failed)} failed` : "",
+    canceled > 0 ? `${inWords(canceled)} given up` : "",
+    products.length > 0 ? made : "",
+  ];
+  return parts.filter(Boolean).join(", ");
 }
 
 /** A duration that nobody knows to the second. */
@@ -99,6 +114,7 @@ export function durationInWords(seconds: number): string {
 
 /** What a render would be: "96 frames, about 12 min of work". */
 export function planInWords({ count, secondsOfProcessor }: Pick<RenderPlan, "count" | "secondsOfProcessor">): string {
+  if (count === 0) return "No frame is drawn";
   return `${plural(count, "frame")}, about ${durationInWords(secondsOfProcessor)} of work`;
 }
 

@@ -4,6 +4,7 @@ import type { components } from "../net/schema";
 import type { Key, Keyed } from "./keys";
 import { FOCUS_CHOICES, type FOCUS_SLIDERS } from "./settings.gen";
 import type { FrameRange } from "./time";
+import type { Vector } from "./vector";
 
 type Json = components["schemas"];
 
@@ -66,6 +67,13 @@ export interface Lens {
  */
 export const FOCUS_MODES = ["manual", "points", "tiltPlane", "surface"] as const;
 export type FocusMode = (typeof FOCUS_MODES)[number];
+/** How the focus is found, after "Focus". */
+export const FOCUS_MODE_WORDS: Readonly<Record<FocusMode, string>> = {
+  manual: "by hand",
+  points: "by points",
+  tiltPlane: "by a tilted plane",
+  surface: "by a surface",
+};
 
 /** Focus settings, apart from the points. All but the mode take keys. */
 export type FocusSettings = Omit<Json["FocusSettings"], "camera" | "time" | "etag" | "keys"> & {
@@ -107,6 +115,10 @@ export interface Readout extends LensSample {
   readonly lensModel: string;
   /** Largest diameter on the film of a circle of confusion that is sharp. */
   readonly cocLimitMm: number;
+  /** Depth of the nearest focus on the ring of the lens, from the entrance pupil. */
+  readonly closeFocusM: number;
+  /** From the entrance pupil to the film, focused at infinity and at the close focus. */
+  readonly pupilToFilmMm: readonly [number, number];
   /** Sharpness of the focus points, by name, where it came with the readout: that of a lens that is being dragged. */
   readonly pointSharpness: ReadonlyMap<string, PointSharpness> | null;
 }
@@ -173,6 +185,8 @@ export interface FocusPoint {
   readonly share: number;
   /** Along the view axis, negative behind the camera; null where the point has no place at this time. */
   readonly depthM: number | null;
+  /** In the world: metres, +Y up; null where the point has no place at this time. */
+  readonly positionM: Vector | null;
   readonly sharpness: PointSharpness;
   /** In the picture, 0 to 1 from its top left corner; null where it is not in front of the camera. */
   readonly screen: readonly [number, number] | null;

@@ -139,7 +139,8 @@ export function curveOf(keys: readonly Key[], steps: number): Place[] {
   return places;
 }
 
-function isCurved({ interpolation }: Key): boolean {
+/** Whether the curve from a key to the next is curved. */
+export function isCurved({ interpolation }: Key): boolean {
   return interpolation === "auto" || interpolation === "bezier";
 }
 

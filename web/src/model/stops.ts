@@ -77,3 +77,9 @@ export function sayStop(stop: number, letter: Marking): string {
   const digits = Number.isFinite(stop) ? Number(stop.toFixed(2)).toString() : "∞";
   return letter === "t" ? `T ${digits}` : `f/${digits}`;
 }
+
+/** The stop by which the light goes, with its letter: a T-stop where the barrel has those or the glass takes light. */
+export function statedStop(number: number, marking: Marking, transmittance: number): string {
+  const letter = marking === "t" || transmittance < 1 ? "t" : "f";
+  return sayStop(number === 0 ? 0 : stopsOf(number, marking, transmittance)[letter], letter);
+}

@@ -3,8 +3,9 @@
 import { FAR_AWAY_M } from "./changes";
 import { axisFraction, distanceAxis, formatMark, inverse, type LengthUnit } from "./distance";
 import {
+  hasValue,
   isSameOwner,
-  isSwitch,
+  isPlain,
   labelOf,
   sliderOf,
   valued,
@@ -13,6 +14,7 @@ import {
   type KeyOwner,
   type KeyStack,
   type OwnedKey,
+  type ValueOwner,
 } from "./key_lanes";
 import type { Key } from "./keys";
 import type { SliderRange } from "./settings.gen";
@@ -31,13 +33,13 @@ export interface CurveKey {
 export interface ValueCurve {
   readonly id: string;
   readonly label: string;
-  readonly owner: KeyOwner;
+  readonly owner: ValueOwner;
   /** In the order of the time at which they are shown. */
   readonly keys: readonly CurveKey[];
 }
 
 /**
- * The curves of lanes, in their order; switches have none.
+ * The curves of lanes, in their order; switches and places have none.
  *
  * @param shownAs a stack as it is shown; by default as it is.
  */
@@ -47,9 +49,11 @@ export function curvesOf(
 ): ValueCurve[] {
   return lanes.flatMap((lane) => {
     const shown = lane.stacks.map((stack) => ({ stack, keys: shownAs(stack).keys }));
-    const owners = new Map(lane.stacks.flatMap(({ keys }) => keys.map(({ owner }) => [nameOf(owner), owner] as const)));
+    const owners = new Map(
+      lane.stacks.flatMap(({ keys }) => keys.filter(hasValue).map(({ owner }) => [nameOf(owner), owner] as const)),
+    );
     return [...owners]
-      .filter(([, owner]) => !isSwitch(owner))
+      .filter(([, owner]) => !isPlain(owner))
       .map(([name, owner]): ValueCurve => {
         const label = lane.point === null ? lane.label : `${lane.label}: ${labelOf(owner)}`;
         const keys = shown
@@ -63,6 +67,7 @@ export function curvesOf(
 }
 
 function nameOf(owner: KeyOwner): string {
+  if ("place" in owner) return "place";
   return "setting" in owner ? owner.setting : owner.attribute;
 }
 

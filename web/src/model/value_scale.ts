@@ -3,7 +3,7 @@
 import { FAR_AWAY_M } from "./changes";
 import {
   isSameOwner,
-  isSwitch,
+  isPlain,
   mapKeys,
   sliderOf,
   valued,
@@ -46,7 +46,7 @@ export function valueSpanOf(stacks: readonly KeyStack[]): ValueSpan | null {
   const owned = stacks.flatMap(({ keys }) => keys);
   const [first] = owned;
   const isOne = owned.every(({ owner }) => first && isSameOwner(owner, first.owner));
-  if (!first || owned.length < 2 || !isOne || isSwitch(first.owner)) return null;
+  if (!first || owned.length < 2 || !isOne || isPlain(first.owner)) return null;
   const values = owned.map(({ key }) => key.value);
   return { owner: first.owner, least: Math.min(...values), most: Math.max(...values) };
 }

@@ -1,5 +1,6 @@
 /** From JSON to the model: `null` distances are infinite, keys stay with their points. */
 
+import type { CameraPlace } from "../model/camera_place";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
@@ -18,6 +19,7 @@ import {
   type Shot,
   type ShotSummary,
 } from "../model/shot";
+import type { CutPlace, TopView } from "../model/top_view";
 import type { components } from "./schema";
 import type { EditResult } from "./service";
 
@@ -50,7 +52,9 @@ function toCamera(json: Json["CameraState"]): CameraSummary[] {
 
 export function toReadout(json: Json["Readout"], points: readonly Json["PointSharpness"][] | null = null): Readout {
   const { focusMode, note, tiltDeg, swingDeg, lensName, lensModel, cocLimitMm } = json;
-  const lens = { ...toLensSample(json), focusMode, note, tiltDeg, swingDeg, lensName, lensModel, cocLimitMm };
+  const { closeFocusM, pupilToFilmMm } = json;
+  const ring = { closeFocusM, pupilToFilmMm: [pupilToFilmMm[0] ?? 0, pupilToFilmMm[1] ?? 0] as const };
+  const lens = { ...toLensSample(json), focusMode, note, tiltDeg, swingDeg, lensName, lensModel, cocLimitMm, ...ring };
   return { ...lens, pointSharpness: points && new Map(points.map((point) => [point.name, toSharpness(point)])) };
 }
 
@@ -138,13 +142,14 @@ export function toPoint(json: Json["FocusPoint"]): FocusPoint {
     keys: Object.fromEntries(KEYED_ATTRIBUTES.map((attribute) => [attribute, toKeys(json.keys[attribute])])),
     share: json.share,
     depthM: json.depthM,
+    positionM: json.positionM,
     sharpness: toSharpness(json),
     screen: json.screen,
   };
 }
 
 export function toHistory(json: Json["EditHistory"]): EditHistory {
-  const { revision, now, steps, undo, redo, cameras } = json;
+  const { revision, now, steps, undo, redo, cameras, notesTag } = json;
   return {
     revision,
     before: undo === null ? null : (steps[now - 1]?.revision ?? null),
@@ -152,6 +157,7 @@ export function toHistory(json: Json["EditHistory"]): EditHistory {
     undo: undo ?? "",
     redo: redo ?? "",
     cameras,
+    notesTag,
   };
 }
 
@@ -173,6 +179,30 @@ export function toPick(json: Json["Pick"]): Pick | null {
   return json.hit && json.anchor && typeof json.depthM === "number"
     ? { anchor: toAnchor(json.anchor), depthM: json.depthM }
     : null;
+}
+
+export function toCameraPlace({ keys, edited, inShot }: Json["CameraPlace"]): CameraPlace {
+  return {
+    keys: keys.map((key) => ({ time: key.time, value: Number(key.edited), interpolation: "linear" })),
+    isEdited: edited,
+    isInShot: inShot,
+  };
+}
+
+export function toTopView(json: Json["TopView"]): TopView {
+  const { positionM, right, ahead, setBackM, gateMm, edges, axis, cut } = json;
+  const [left = 0, rightmost = 0] = edges;
+  return {
+    ...{ positionM, right, ahead, setBackM, gateMm },
+    edges: [left, rightmost],
+    axis: toCutPlace(axis),
+    cut: cut.map(toCutPlace),
+  };
+}
+
+/** The limits of a pinhole are infinite. */
+function toCutPlace({ slope, nearW, focusW, farW }: Json["CutPlace"]): CutPlace {
+  return { slope, nearW: nearW ?? Infinity, focusW, farW: farW ?? -Infinity };
 }
 
 /** Without those that the shot says no finite value for. */

@@ -93,7 +93,7 @@ export function complaintOf(error: unknown): Complaint {
     return { message: error.message, advice: "Check that “pullfocus serve” is running.", remedy: "retry" };
   }
   if (error instanceof ServiceError) {
-    const remedy = error.status >= 500 || error.status === 429 ? "retry" : null;
+    const remedy = error.status >= 500 || MAY_PASS.includes(error.status) ? "retry" : null;
     return { message: sentence(error.message), advice: adviceFor(error), remedy };
   }
   if (error instanceof HintError) return { message: error.message, advice: error.advice, remedy: null };
@@ -104,11 +104,14 @@ export function complaintOf(error: unknown): Complaint {
   };
 }
 
+/** Refusals that may be over soon: what is missing may come back, as by an undo of somebody else. */
+const MAY_PASS = [404, 409, 429];
+
 /** Another editor changed the same resource: the page was out of date, so nothing is changed. */
 const CHANGED_MEANWHILE: Complaint = {
   message: "Somebody else changed this meanwhile.",
-  advice: "It is shown as it is now; repeat your edit if you still want it.",
-  remedy: null,
+  advice: "It is shown as it is now, without your edit.",
+  remedy: "retry",
 };
 
 /** The service's own sentence tells programs how to send a key. */
@@ -123,7 +126,7 @@ function adviceFor(error: ServiceError): string {
     case 403:
       return "Nothing was changed. Whoever gave you the key can give you one that may.";
     case 404:
-      return "It may have been removed: reload the page.";
+      return "Somebody may have removed it meanwhile.";
     case 413:
       return "Send a smaller file, or one that leaves out what the shot does not use.";
     case 415:

@@ -2,12 +2,10 @@
 
 import type { FocusMap } from "../model/focus_map";
 import type { Json } from "./convert";
+import { openMap } from "./encoded_map";
 
 export async function decodeFocusMap(data: ArrayBuffer): Promise<FocusMap> {
-  const end = 4 + new DataView(data).getUint32(0);
-  const head = JSON.parse(new TextDecoder().decode(data.slice(4, end))) as Json["FocusMapHead"];
-  const inflated = new Blob([data.slice(end)]).stream().pipeThrough(new DecompressionStream("deflate"));
-  const bytes = new Uint8Array(await new Response(inflated).arrayBuffer());
+  const { head, bytes } = await openMap<Json["FocusMapHead"]>(data);
   const { width, height, filmMmPerPx } = head;
   const half = 4 * width * height;
   const [cocPx, depthM] = [bytes.subarray(0, half), bytes.subarray(half)].map((part) => floats(part, width, height));

@@ -1,12 +1,14 @@
 /** The service over REST, by its OpenAPI document: `npm run types` writes `schema.d.ts` from it. */
 
 import createClient, { type Client } from "openapi-fetch";
+import type { Choices } from "../model/choices";
 import type { Curve } from "../model/curve";
+import type { NoteList } from "../model/frame_notes";
 import type { EditHistory } from "../model/history";
 import type { Who } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
-import type { CacheEngine, Quality } from "../model/quality";
+import type { CacheEngine, PictureSize, Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary, TrashedShot } from "../model/shot";
 import { done, refusalIn, REFUSED_FOR_NOW, result } from "./answers";
 import {
@@ -25,6 +27,7 @@ import {
   toSummary,
   type Json,
 } from "./convert";
+import { HttpFromAbove } from "./from_above";
 import { LiveSocket, liveAddress } from "./live";
 import type { LiveListener, LiveLink } from "./live_link";
 import { Patience, type PatienceListener } from "./patience";
@@ -42,24 +45,27 @@ import type {
   Sending,
   Service,
 } from "./service";
-import { abortable, at, ifStill, pictureOf, type PictureQuery } from "./queries";
-import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
+import { abortable, at, ifStill, meterOf, pictureOf, type PictureQuery } from "./queries";
+import { CAMERA, noteAddress, pointAddress, POINTS, TagBooks } from "./tags";
+import { ShotEvents, shotEventsAddress, type EditsListener, type EventLink } from "./shot_events";
 import { sendFile } from "./upload";
 import { cameraOf, type View } from "./view";
 
 export class HttpService implements Service {
   readonly renders: HttpRenders;
+  readonly fromAbove: HttpFromAbove;
   readonly #base: string;
   readonly #client: Client<paths>;
   readonly #patience = new Patience();
   /** By shot and camera. */
-  readonly #tags = new Map<string, TagBook>();
+  readonly #tags = new TagBooks();
 
   /** @param base address of the service, without a slash at its end; empty for where the page came from. */
   constructor(base = "") {
     this.#base = base;
     this.#client = createClient<paths>({ baseUrl: base, fetch: (request) => this.#send(request) });
     this.renders = new HttpRenders(this.#client, base);
+    this.fromAbove = new HttpFromAbove(this.#client);
   }
 
   listen(listener: PatienceListener): void {
@@ -118,6 +124,17 @@ export class HttpService implements Service {
     return toShot(json, await result(this.#client.GET("/v1/shots/{shot}/cameras", { params, ...giveUp })));
   }
 
+  choices(shot: string, signal?: AbortSignal): Promise<Choices> {
+    return result(this.#client.GET("/v1/shots/{shot}/choices", { params: { path: { shot } }, ...abortable(signal) }));
+  }
+
+  async frameNotes(view: View, signal?: AbortSignal): Promise<NoteList> {
+    const [read, path] = [this.#tags.of(view).reading(), { shot: view.shot }];
+    const list = await result(this.#client.GET("/v1/shots/{shot}/notes", { params: { path }, ...abortable(signal) }));
+    for (const note of list.notes) read(noteAddress(note.id), note.etag);
+    return list;
+  }
+
   async lenses(): Promise<readonly LensSummary[]> {
     const { lenses } = await result(this.#client.GET("/v1/lenses"));
     return lenses.map((lens) => toLens(lens, this.#base));
@@ -132,7 +149,7 @@ export class HttpService implements Service {
   }
 
   async photography(view: View, time: number, signal?: AbortSignal): Promise<Photography> {
-    const read = this.#tagsOf(view).reading();
+    const read = this.#tags.of(view).reading();
     const options = { ...at(view, { time }), ...abortable(signal) };
     const [exposure, film, readout] = await Promise.all([
       result(this.#client.GET("/v1/shots/{shot}/camera/exposure", options)),
@@ -144,13 +161,8 @@ export class HttpService implements Service {
   }
 
   async meter(view: View, time: number, request: MeterRequest | null, signal?: AbortSignal): Promise<MeterReading> {
-    const query = {
-      time,
-      ...(request && { mode: request.mode, ...(request.point !== null && { point: request.point }) }),
-    };
-    return toReading(
-      await result(this.#client.GET("/v1/shots/{shot}/meter", { ...at(view, query), ...abortable(signal) })),
-    );
+    const options = { ...at(view, meterOf(time, request)), ...abortable(signal) };
+    return toReading(await result(this.#client.GET("/v1/shots/{shot}/meter", options)));
   }
 
   async grades(view: View, time: number): Promise<GradeChoices> {
@@ -164,12 +176,12 @@ export class HttpService implements Service {
 
   async undo(shot: string, revision: string): Promise<EditHistory> {
     const answer = this.#client.POST("/v1/shots/{shot}/edits/undo", ifStill(shot, revision));
-    return this.#asWhole(shot, async () => toHistory(await result(answer)));
+    return this.#tags.asWhole(shot, async () => toHistory(await result(answer)));
   }
 
   async redo(shot: string, revision: string): Promise<EditHistory> {
     const answer = this.#client.POST("/v1/shots/{shot}/edits/redo", ifStill(shot, revision));
-    return this.#asWhole(shot, async () => toHistory(await result(answer)));
+    return this.#tags.asWhole(shot, async () => toHistory(await result(answer)));
   }
 
   async notes(shot: string): Promise<readonly Note[]> {
@@ -178,8 +190,13 @@ export class HttpService implements Service {
   }
 
   live(view: View, listener: LiveListener): LiveLink {
-    const address = liveAddress(this.#base || location.origin, view.shot);
+    const address = liveAddress(this.#base || location.origin, view.shot, listener.onOthers !== undefined);
     return new LiveSocket(address, view, listener, { admitted: () => this.whoAmI() });
+  }
+
+  edits(shot: string, listener: EditsListener): EventLink {
+    const address = shotEventsAddress(this.#base || location.origin, shot);
+    return new ShotEvents(address, listener, { admitted: () => this.whoAmI() });
   }
 
   async frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob> {
@@ -207,6 +224,11 @@ export class HttpService implements Service {
     return { data, revision: answer.response.headers.get("Pullfocus-Revision") ?? "" };
   }
 
+  async exposureMap(view: View, time: number, size: PictureSize, signal?: AbortSignal): Promise<ArrayBuffer> {
+    const options = { ...at(view, { time, ...size }), ...abortable(signal), parseAs: "arrayBuffer" as const };
+    return result<ArrayBuffer>(this.#client.GET("/v1/shots/{shot}/exposure-map", options));
+  }
+
   async pictureStates(view: View, start: number, end: number, signal?: AbortSignal): Promise<PictureStates> {
     const frames = `${start}:${end}`;
     const answer = this.#client.GET("/v1/shots/{shot}/picture-states", {
@@ -218,7 +240,7 @@ export class HttpService implements Service {
   }
 
   async focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]> {
-    const read = this.#tagsOf(view).reading();
+    const read = this.#tags.of(view).reading();
     const answer = this.#client.GET("/v1/shots/{shot}/focus-points", { ...at(view, { time }), ...abortable(signal) });
     const { focusPoints, etag } = await result(answer);
     read(POINTS, etag);
@@ -227,7 +249,7 @@ export class HttpService implements Service {
   }
 
   async focusSettings(view: View, time: number, signal?: AbortSignal): Promise<FocusSettings> {
-    const read = this.#tagsOf(view).reading();
+    const read = this.#tags.of(view).reading();
     const answer = this.#client.GET("/v1/shots/{shot}/camera/focus", { ...at(view, { time }), ...abortable(signal) });
     const settings = await result(answer);
     read(CAMERA, settings.etag);
@@ -260,7 +282,7 @@ export class HttpService implements Service {
   }
 
   async edit(view: View, { label, gesture, changes, time, withCurve }: Edit): Promise<EditResult> {
-    const tags = this.#tagsOf(view);
+    const tags = this.#tags.of(view);
     const ifMatch = tags.ifMatch(changes);
     const params = { path: { shot: view.shot }, header: ifMatch === null ? {} : { "if-match": ifMatch } };
     const body = {
@@ -284,23 +306,7 @@ export class HttpService implements Service {
   }
 
   forget(shot: string): void {
-    for (const [view, tags] of this.#tags) if (view.startsWith(`${shot} `)) tags.turn();
-  }
-
-  /** Acts on all edits of a shot, which makes its tags invalid. */
-  async #asWhole<Value>(shot: string, act: () => Promise<Value>): Promise<Value> {
-    try {
-      return await act();
-    } finally {
-      for (const [view, tags] of this.#tags) if (view.startsWith(`${shot} `)) tags.clear();
-    }
-  }
-
-  #tagsOf(view: View): TagBook {
-    const name = `${view.shot} ${view.camera ?? ""}`;
-    const tags = this.#tags.get(name) ?? new TagBook();
-    this.#tags.set(name, tags);
-    return tags;
+    this.#tags.turn(shot);
   }
 
   async downloadFrame(

@@ -3,6 +3,7 @@
  * is on screen, so that no more pictures are sent than are shown.
  */
 
+import { othersOf } from "../model/viewers";
 import { toReadout, type Json } from "./convert";
 import { errorOf, ServiceError } from "./errors";
 import type { LiveLink, LiveListener, LivePicture, PictureRequest } from "./live_link";
@@ -15,6 +16,8 @@ export type Socket = Pick<WebSocket, "send" | "close" | "binaryType" | "onopen" 
 const RETRY_MS = { first: 500, most: 15_000 };
 /** Close of a connection whose place another client has taken (1013, try again later, in the registry of IANA). */
 const PLACE_TAKEN = 1013;
+/** Least time between two times that the others are told where this one looks, ms. */
+const LOOK_MS = 250;
 /** Requests without an answer that may be sent before the link is busy. */
 const MOST_UNANSWERED = 2;
 
@@ -40,6 +43,9 @@ export class LiveSocket implements LiveLink {
   #newest = 0;
   /** Id of the newest request with an answer. */
   #answered = 0;
+  /** Where this one looks, which is still to be told. */
+  #look: number | null = null;
+  #lookTimer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(address: string, view: View, listener: LiveListener, options: LiveSocketOptions) {
     [this.#address, this.#view, this.#listener, this.#options] = [address, view, listener, options];
@@ -53,7 +59,26 @@ export class LiveSocket implements LiveLink {
   request(request: PictureRequest): void {
     this.#newest += 1;
     this.#requests.set(this.#newest, request);
+    this.#look = null; // the request tells it
     if (this.#isOpen) this.#send(this.#newest, request);
+  }
+
+  look(time: number): void {
+    this.#look = time;
+    if (this.#lookTimer === undefined) this.#tellLook();
+  }
+
+  /** Tells where this one looks, and later again where that has changed. */
+  #tellLook(): void {
+    const time = this.#look;
+    if (time === null || !this.#isOpen) return;
+    this.#look = null;
+    const message: Json["LiveHere"] = { here: { camera: this.#view.camera, time } };
+    this.#socket?.send(JSON.stringify(message));
+    this.#lookTimer = setTimeout(() => {
+      this.#lookTimer = undefined;
+      this.#tellLook();
+    }, LOOK_MS);
   }
 
   cancel(): void {
@@ -66,6 +91,7 @@ export class LiveSocket implements LiveLink {
   close(): void {
     this.#isClosed = true;
     clearTimeout(this.#retry);
+    clearTimeout(this.#lookTimer);
     this.#requests.clear();
     this.#socket?.close();
   }
@@ -79,6 +105,7 @@ export class LiveSocket implements LiveLink {
       this.#waitMs = RETRY_MS.first;
       const newest = this.#requests.get(this.#newest);
       if (newest) this.#send(this.#newest, newest);
+      if (this.#lookTimer === undefined) this.#tellLook();
       this.#listener.onOpen(true);
     };
     socket.onmessage = ({ data }) => {
@@ -89,6 +116,7 @@ export class LiveSocket implements LiveLink {
       if (this.#isClosed) return;
       this.#requests.clear();
       this.#answered = this.#newest;
+      this.#listener.onOthers?.([]);
       if (code === PLACE_TAKEN) this.#listener.onError(placeTaken());
       this.#listener.onOpen(false);
       this.#openLater();
@@ -127,7 +155,11 @@ export class LiveSocket implements LiveLink {
       this.#receivePicture(data);
       return;
     }
-    const message = JSON.parse(String(data)) as Json["LiveReadout"] | Json["LiveProblem"];
+    const message = JSON.parse(String(data)) as Json["LiveReadout"] | Json["LiveProblem"] | Json["LiveViewers"];
+    if ("viewers" in message) {
+      this.#listener.onOthers?.(othersOf(message));
+      return;
+    }
     const request = this.#answer(message.id);
     if (!("problem" in message)) {
       if (request) this.#listener.onReadout(toReadout(message.readout, message.points), request);
@@ -174,9 +206,14 @@ function splitMessage(message: ArrayBuffer): [Json["LivePictureHead"], ArrayBuff
   return [JSON.parse(head) as Json["LivePictureHead"], message.slice(end)];
 }
 
-/** Address of the live pictures of a shot. */
-export function liveAddress(base: string, shot: string): string {
+/**
+ * Address of the live pictures of a shot.
+ *
+ * @param isSeen whether the others who look at the shot are seen, and see this one.
+ */
+export function liveAddress(base: string, shot: string, isSeen: boolean): string {
   const address = new URL(`/v1/shots/${encodeURIComponent(shot)}/live`, base);
+  if (isSeen) address.searchParams.set("viewers", "true");
   address.protocol = address.protocol.replace("http", "ws");
   return address.href;
 }

@@ -3,6 +3,7 @@
 import type { Changes } from "../model/changes";
 import type { Quality } from "../model/quality";
 import type { Readout } from "../model/shot";
+import type { Other } from "../model/viewers";
 
 export interface PictureRequest {
   readonly time: number;
@@ -38,6 +39,8 @@ export interface LiveListener {
   onError(error: unknown): void;
   /** Takes whether there is a connection; a lost one is opened again by the link. */
   onOpen(isOpen: boolean): void;
+  /** Takes who else looks at the shot; left out, this connection sees nobody and is seen by nobody. */
+  onOthers?(others: readonly Other[]): void;
 }
 
 export interface LiveLink {
@@ -45,6 +48,8 @@ export interface LiveLink {
   readonly free: boolean;
   /** Requests a picture in place of the one before. Without a connection the newest request is sent once there is one. */
   request(request: PictureRequest): void;
+  /** Tells the others where this one looks, where no picture is requested. */
+  look(time: number): void;
   /** Cancels the requests, here and at the service; nothing arrives for them. */
   cancel(): void;
   close(): void;

@@ -1,5 +1,6 @@
 /** Parts of requests that many of them have. */
 
+import type { MeterRequest } from "../model/photography";
 import type { Quality } from "../model/quality";
 import type { paths } from "./schema";
 import { cameraOf, type View } from "./view";
@@ -19,6 +20,13 @@ export function pictureOf(
   { width, height, rays, layers, supersample, motion, motionBy }: Quality,
 ): PictureQuery {
   return { time, width, height, rays, layers, supersample, motion, motionBy };
+}
+
+export function meterOf(
+  time: number,
+  request: MeterRequest | null,
+): { time: number; mode?: MeterRequest["mode"]; point?: string } {
+  return { time, ...(request && { mode: request.mode, ...(request.point !== null && { point: request.point }) }) };
 }
 
 export function at<Query extends object>(

@@ -6,7 +6,7 @@ import { done, result } from "./answers";
 import { abortable } from "./queries";
 import type { paths } from "./schema";
 
-export type ReportFormat = "csv" | "json";
+export type ReportFormat = "csv" | "json" | "html";
 
 /** Log of an attempt at a frame. */
 export interface FrameLogText {
@@ -34,8 +34,8 @@ export interface RenderService {
   thumbnailAddress(render: string, frame: number): string;
   /** Follows what the service tells of renders and their frames. */
   changes(): EventSource;
-  /** Address of the movie or the contact sheet of a render that has ended. */
-  productAddress(render: string, product: "movie" | "contact-sheet"): string;
+  /** Address of a product of a render, such as "movie.mp4". */
+  productAddress(render: string, product: string): string;
   /** Address of the report of how sharp each focus point is in each frame. */
   reportAddress(render: string, format: ReportFormat): string;
 }
@@ -99,8 +99,10 @@ export class HttpRenders implements RenderService {
     return new EventSource(`${this.#base}/v1/events?topic=renders&topic=tasks`);
   }
 
-  productAddress(render: string, product: "movie" | "contact-sheet"): string {
-    return `${this.#base}/v1/renders/${encodeURIComponent(render)}/${product}`;
+  productAddress(render: string, product: string): string {
+    const [kind = "", format = ""] = product.split(".");
+    const query = kind === "contact-sheet" ? "" : `?format=${format}`; // which is a PNG always
+    return `${this.#base}/v1/renders/${encodeURIComponent(render)}/${kind}${query}`;
   }
 
   reportAddress(render: string, format: ReportFormat): string {

@@ -450,6 +450,26 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/renders/{render}/focus-curve": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Render Focus Curve
+         * @description Focus curve of the frames of a render, with the edits that the render keeps. It needs no picture.
+         */
+        readonly get: operations["getRenderFocusCurve"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/renders/{render}/focus-report": {
         readonly parameters: {
             readonly query?: never;
@@ -628,7 +648,8 @@ export interface paths {
         readonly put?: never;
         /**
          * Retry Render
-         * @description Draw those frames of a render again that have failed, were given up, or whose files are gone.
+         * @description Draw those frames of a render again that have failed, were given up, or whose files are gone. Of its products those are
+         *     made again that have failed or were given up.
          */
         readonly post: operations["retryRender"];
         readonly delete?: never;
@@ -963,6 +984,26 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/camera/place": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Camera Place
+         * @description Read where a camera is in the world at one time, and the keys of its place. The `ETag` is the camera's.
+         */
+        readonly get: operations["getCameraPlace"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/cameras": {
         readonly parameters: {
             readonly query?: never;
@@ -975,6 +1016,26 @@ export interface paths {
          * @description The cameras of a shot at one time, focus points solved in.
          */
         readonly get: operations["listCameras"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/choices": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Choices
+         * @description List the variant sets and payloads of a shot. The changes `chooseVariant` and `showPayload` of an edit choose.
+         */
+        readonly get: operations["getChoices"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -1005,8 +1066,9 @@ export interface paths {
          * @description Apply changes to a camera: all of them or none, as one entry of the history.
          *
          *     `If-Match` takes the tag of all edits, or the tags, with commas between, of each resource that is changed: the camera, the
-         *     list of focus points (to add one, or to rack) and each focus point. The answer has their new tags, and where `answer` asks for
-         *     it the state of the camera, so that nothing has to be read again. Its own `ETag` is that of all edits.
+         *     list of focus points (to add one, or to rack), each focus point, the list of notes (to add one) and each note. The answer has
+         *     their new tags, and where `answer` asks for it the state of the camera, so that nothing has to be read again. Its own `ETag`
+         *     is that of all edits.
          */
         readonly post: operations["edit"];
         readonly delete?: never;
@@ -1069,6 +1131,33 @@ export interface paths {
          * @description Take back the last edit, whoever made it: with the revision in `If-Match`, only if nobody edited since.
          */
         readonly post: operations["undoEdit"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/exposure-map": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Exposure Map
+         * @description Measure how bright each pixel of a frame is: in stops from a grey of 18 %, on the film and before film and grade.
+         *
+         *     It is the luminance of the scene-linear light of `getFrame` with `format=exr`, times the exposure of the camera.
+         *
+         *     The answer is binary: the length of the head as four bytes, big-endian; the head, an `ExposureMapHead` as JSON; then,
+         *     compressed by zlib, a number for each pixel: its stops times `stepsPerStop`, to the nearest whole number of 16 bits; -32768
+         *     where there is no light. The low bytes of all pixels come first, row by row from the top, then the high ones. The two bytes
+         *     of a pixel are the difference from those of the pixel on its left, modulo 2^16.
+         */
+        readonly get: operations["getExposureMap"];
+        readonly put?: never;
+        readonly post?: never;
         readonly delete?: never;
         readonly options?: never;
         readonly head?: never;
@@ -1259,12 +1348,16 @@ export interface paths {
          *     `budgetMs`; without, further pictures follow up to the `final` one, whose bytes are those of `getFrame` and `pullfocus record`.
          *     Its `changes`, as in an edit, apply to these pictures only: send them while a slider is dragged, and send an edit when it is
          *     released. A `LiveAck` acknowledges a picture. At most two pictures are unacknowledged; of those that wait, only the newest is
-         *     kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives.
+         *     kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives. A `LiveHere` tells where the client looks
+         *     while it asks for nothing.
          *
          *     **The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
          *     `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final; its focus map, where the request's `focusMaps` asks
          *     for that. It sends text for a `LiveReadout`, the lens readout of pictures with changes and the sharpness of their focus points,
-         *     and a `LiveProblem`, the reason why there is no picture.
+         *     and a `LiveProblem`, the reason why there is no picture. With `viewers=true` in the address the connection sees, and is seen by,
+         *     the others of the shot that have it: the service sends `LiveViewers`, at which frame each of them is, again whenever that changes.
+         *     A place is that of the newest request or `LiveHere`. Whoever moves how often, the viewers of a shot get at most 4 such messages a
+         *     second each, and 50 all together.
          *
          *     When the key or the session of the client ends, the service closes the connection with the code 1008. The connections that may be
          *     open at a time are shared by keys or, where there are none, by addresses (/64 networks of IPv6): once all are open, a client with
@@ -1347,6 +1440,48 @@ export interface paths {
          * @description Meter the light on a camera at one time: EV, lux, and stops over or under middle grey.
          */
         readonly get: operations["meter"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/notes": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Notes
+         * @description List the notes of a shot: texts and drawings at frames, kept in its edits.
+         *
+         *     The changes `addNote`, `editNote` and `deleteNote` of an edit write them, and its `changed` names them as `notes/{id}`.
+         */
+        readonly get: operations["listNotes"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/paths": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Paths
+         * @description The places of a camera and its focus points over the shot, frame by frame; 481 times at most, fewer for many points.
+         */
+        readonly get: operations["getPaths"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -1492,6 +1627,26 @@ export interface paths {
          * @description Compute depth of field and circle of confusion at a focus point or at a point of the picture.
          */
         readonly get: operations["getPlaceReadout"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/top-view": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Top View
+         * @description The camera from above at one time: where it is, how it is turned, and a level cut through what it holds sharp.
+         */
+        readonly get: operations["getTopView"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -1671,6 +1826,41 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * AddNote
+         * @description Add a note at a frame. The sender is its author, where senders are known by name.
+         * @example {
+         *       "note": {
+         *         "strokes": [
+         *           {
+         *             "colour": "red",
+         *             "points": [
+         *               [
+         *                 0.41,
+         *                 0.32
+         *               ],
+         *               [
+         *                 0.44,
+         *                 0.35
+         *               ]
+         *             ],
+         *             "width": 0.006
+         *           }
+         *         ],
+         *         "text": "Hold on Mara until she turns.",
+         *         "time": 24
+         *       },
+         *       "type": "addNote"
+         *     }
+         */
+        readonly AddNote: {
+            readonly note: components["schemas"]["NoteCreate"];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "addNote";
+        };
+        /**
          * AddPoint
          * @description Add a focus point. Where the camera is focused by hand, its points focus it from then on.
          * @example {
@@ -1763,7 +1953,7 @@ export interface components {
             ];
             /**
              * Face
-             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it.
+             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it; of Gaussian splats, the splat.
              * @default -1
              */
             readonly face?: number;
@@ -2121,6 +2311,26 @@ export interface components {
             readonly time?: number | null;
         };
         /**
+         * CameraKeyMove
+         * @description A key of the camera's place, and where it moves to in time.
+         * @example {
+         *       "newTime": 30,
+         *       "time": 24
+         *     }
+         */
+        readonly CameraKeyMove: {
+            /**
+             * Newtime
+             * @description USD time code that it comes to.
+             */
+            readonly newTime: number;
+            /**
+             * Time
+             * @description USD time code of the key.
+             */
+            readonly time: number;
+        };
+        /**
          * CameraList
          * @description The cameras of a shot at one time.
          * @example {
@@ -2159,6 +2369,97 @@ export interface components {
              * @description Cameras whose numbers make no picture, and why.
              */
             readonly unusable: readonly components["schemas"]["Finding"][];
+        };
+        /**
+         * CameraPlace
+         * @description The place of a camera in the world at one time, and the keys of its own transform; what it is below may move it too.
+         * @example {
+         *       "ahead": [
+         *         0,
+         *         0,
+         *         -1
+         *       ],
+         *       "camera": "/World/main_cam",
+         *       "edited": true,
+         *       "etag": "\"92c4bf18a0860070\"",
+         *       "inShot": true,
+         *       "keys": [
+         *         {
+         *           "edited": true,
+         *           "time": 24
+         *         }
+         *       ],
+         *       "positionM": [
+         *         0,
+         *         1.6,
+         *         0.5
+         *       ],
+         *       "time": 24,
+         *       "up": [
+         *         0,
+         *         1,
+         *         0
+         *       ]
+         *     }
+         */
+        readonly CameraPlace: {
+            /**
+             * Ahead
+             * @description Unit vector of the optical axis, in the world.
+             */
+            readonly ahead: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Camera
+             * @description Prim path; null for the camera that frames a shot which has none.
+             */
+            readonly camera: string | null;
+            /**
+             * Edited
+             * @description Whether the edits have any part in the place.
+             */
+            readonly edited: boolean;
+            /**
+             * Etag
+             * @description The camera's `ETag`: for `If-Match`.
+             */
+            readonly etag: string;
+            /**
+             * Inshot
+             * @description Whether the shot itself has the camera, so that `resetCameraPlace` can take it back to the shot's place.
+             */
+            readonly inShot: boolean;
+            /**
+             * Keys
+             * @description In order of time; the first 20 000 of a camera that has more.
+             */
+            readonly keys: readonly components["schemas"]["PlaceKey"][];
+            /**
+             * Positionm
+             * @description Of its origin in the world: metres, +Y up.
+             */
+            readonly positionM: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+            /**
+             * Up
+             * @description Unit vector that is up in the picture, in the world.
+             */
+            readonly up: readonly [
+                number,
+                number,
+                number
+            ];
         };
         /**
          * CameraState
@@ -2259,14 +2560,86 @@ export interface components {
         readonly ChangedResource: {
             /**
              * Etag
-             * @description Its new `ETag`; null for a focus point that was removed.
+             * @description Its new `ETag`; null for a focus point or a note that was removed.
              */
             readonly etag: string | null;
             /**
              * Resource
-             * @description Its address below the shot: `camera`, `focus-points` (the list) or `focus-points/{name}`.
+             * @description Its address below the shot: `camera`, `focus-points` (the list), `focus-points/{name}`, `notes` (the list) or `notes/{id}`.
              */
             readonly resource: string;
+        };
+        /**
+         * Choices
+         * @description Choices that a shot leaves open, outer prims first. What lies in an instance is chosen at the instance.
+         * @example {
+         *       "complete": true,
+         *       "payloads": [
+         *         {
+         *           "edited": false,
+         *           "prim": "/World/Tram",
+         *           "shown": true
+         *         }
+         *       ],
+         *       "variantSets": [
+         *         {
+         *           "edited": false,
+         *           "name": "livery",
+         *           "prim": "/World/Tram",
+         *           "selection": "night",
+         *           "variants": [
+         *             "night",
+         *             "day"
+         *           ]
+         *         }
+         *       ]
+         *     }
+         */
+        readonly Choices: {
+            /**
+             * Complete
+             * @description Whether all of them are listed.
+             */
+            readonly complete: boolean;
+            /**
+             * Payloads
+             * @description 2,000 at most.
+             */
+            readonly payloads: readonly components["schemas"]["Payload"][];
+            /**
+             * Variantsets
+             * @description 2,000 at most, with 20,000 variants in all at most.
+             */
+            readonly variantSets: readonly components["schemas"]["VariantSet"][];
+        };
+        /**
+         * ChooseVariant
+         * @description Choose a variant of a prim's variant set.
+         * @example {
+         *       "prim": "/World/Tram",
+         *       "type": "chooseVariant",
+         *       "variant": "day",
+         *       "variantSet": "livery"
+         *     }
+         */
+        readonly ChooseVariant: {
+            /** Prim */
+            readonly prim: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "chooseVariant";
+            /**
+             * Variant
+             * @description Name of the variant; empty for none of them; null takes the edit back, for what the shot itself chooses.
+             */
+            readonly variant: string | "" | null;
+            /**
+             * Variantset
+             * @description Name of the variant set.
+             */
+            readonly variantSet: string;
         };
         /**
          * CreateCamera
@@ -2406,6 +2779,55 @@ export interface components {
             readonly timeCode: number;
         };
         /**
+         * CutPlace
+         * @description Sharpness in one direction of the plan. Inverse depths count from the pupil; lines in the plan are linear in them.
+         * @example {
+         *       "farW": 0.279,
+         *       "focusW": 0.292,
+         *       "nearW": 0.305,
+         *       "slope": 0
+         *     }
+         */
+        readonly CutPlace: {
+            /**
+             * Farw
+             * @description Of the far limit, 1/m; 0 or below, it lies at infinity; null is without end, of a pinhole.
+             */
+            readonly farW: number | null;
+            /**
+             * Focusw
+             * @description Of the focus, 1/m; 0 is infinity, below 0 there is none in front of the camera.
+             */
+            readonly focusW: number;
+            /**
+             * Nearw
+             * @description Of the near limit of sharpness, 1/m; null is infinite, the pupil of a pinhole.
+             */
+            readonly nearW: number | null;
+            /**
+             * Slope
+             * @description Metres to the right for each metre of depth, from the pupil.
+             */
+            readonly slope: number;
+        };
+        /**
+         * DeleteNote
+         * @description Delete a note.
+         * @example {
+         *       "id": "note_4c7e12ab90d3",
+         *       "type": "deleteNote"
+         *     }
+         */
+        readonly DeleteNote: {
+            /** Id */
+            readonly id: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "deleteNote";
+        };
+        /**
          * DisplayChoice
          * @description A display of an OpenColorIO configuration.
          * @example {
@@ -2426,12 +2848,34 @@ export interface components {
             readonly views: readonly string[];
         };
         /**
+         * DuplicateCamera
+         * @description Copy the camera beside itself, with its lens, body, focus points, film and keys; the changes after it are made to the copy.
+         *
+         *     Lights and other prims below the camera are not copied.
+         * @example {
+         *       "type": "duplicateCamera"
+         *     }
+         */
+        readonly DuplicateCamera: {
+            /**
+             * Name
+             * @description Of its prim. Left out: the camera's own, with the next free number behind it.
+             */
+            readonly name?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "duplicateCamera";
+        };
+        /**
          * EditHistory
          * @description The states of the edits, oldest first, and the cameras that there are in the present one.
          * @example {
          *       "cameras": [
          *         "/World/main_cam"
          *       ],
+         *       "notesTag": "f00dbf18a0860070",
          *       "now": 1,
          *       "revision": "e3b0c44298fc1c14",
          *       "steps": [
@@ -2456,6 +2900,11 @@ export interface components {
              */
             readonly cameras: readonly string[];
             /**
+             * Notestag
+             * @description Another one whenever a note of the shot is another: `notesTag` of the history tells so whether the list has to be read again.
+             */
+            readonly notesTag: string;
+            /**
              * Now
              * @description Index of the present state in `steps`; those behind it were undone.
              */
@@ -2477,6 +2926,27 @@ export interface components {
              * @description Label of the edit that an undo takes back; null for none.
              */
             readonly undo: string | null;
+        };
+        /**
+         * EditNote
+         * @description Alter a note, such as to resolve it. Its author stays.
+         * @example {
+         *       "id": "note_4c7e12ab90d3",
+         *       "type": "editNote",
+         *       "values": {
+         *         "resolved": true
+         *       }
+         *     }
+         */
+        readonly EditNote: {
+            /** Id */
+            readonly id: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "editNote";
+            readonly values: components["schemas"]["NoteEdit"];
         };
         /**
          * EditRequest
@@ -2527,7 +2997,7 @@ export interface components {
              */
             readonly camera?: string | null;
             /** Changes */
-            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["FollowPart"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["FollowPart"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["DuplicateCamera"] | components["schemas"]["MoveCamera"] | components["schemas"]["FrameSubject"] | components["schemas"]["UnkeyCamera"] | components["schemas"]["MoveCameraKeys"] | components["schemas"]["ResetCameraPlace"] | components["schemas"]["ChooseVariant"] | components["schemas"]["ShowPayload"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"] | components["schemas"]["AddNote"] | components["schemas"]["EditNote"] | components["schemas"]["DeleteNote"])[];
             /**
              * Gesture
              * @description Names one drag of a hand: its edits, one after the other, are one step of undo.
@@ -2561,9 +3031,11 @@ export interface components {
          *       ],
          *       "history": {
          *         "before": "e3b0c44298fc1c14",
+         *         "notesTag": "f00dbf18a0860070",
          *         "revision": "e3b0c44298fc1c14",
          *         "undo": "Focus on driver"
          *       },
+         *       "notes": [],
          *       "racks": [],
          *       "simplified": [],
          *       "state": {
@@ -2843,6 +3315,7 @@ export interface components {
          *         },
          *         "readout": {
          *           "camera": "/World/main_cam",
+         *           "closeFocusM": 0.41,
          *           "cocLimitMm": 0.019,
          *           "fStop": 2,
          *           "farM": 3.58,
@@ -2854,6 +3327,10 @@ export interface components {
          *           "lensName": "Planar 50 mm f/1.4",
          *           "nearM": 3.28,
          *           "note": "",
+         *           "pupilToFilmMm": [
+         *             74.2,
+         *             82.4
+         *           ],
          *           "reason": "focused by driver",
          *           "source": "points",
          *           "swingDeg": 0,
@@ -2883,6 +3360,11 @@ export interface components {
             readonly history: components["schemas"]["HistoryPosition"];
             /** @description Result of the import of a curve, the last if there are several. */
             readonly imported: components["schemas"]["ImportedCurve"] | null;
+            /**
+             * Notes
+             * @description Ids of the added notes, in order.
+             */
+            readonly notes: readonly string[];
             /**
              * Racks
              * @description The racks as authored, in order.
@@ -2969,7 +3451,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            readonly kind: "shot-added" | "shot-deleted" | "shot-restored" | "edits-changed" | "render-sent" | "render-changed" | "render-removed" | "task-changed" | "presence-changed";
+            readonly kind: "shot-added" | "shot-deleted" | "shot-restored" | "edits-changed" | "render-sent" | "render-changed" | "render-removed" | "product-changed" | "task-changed" | "presence-changed";
             /**
              * Number
              * @description Rises with each event of the service; numbers in between may be missing.
@@ -3000,7 +3482,7 @@ export interface components {
         readonly EventData: {
             /**
              * Attempt
-             * @description Number of the attempt at the task.
+             * @description Number of the attempt at the task or product.
              * @default null
              */
             readonly attempt?: number | null;
@@ -3047,6 +3529,12 @@ export interface components {
              */
             readonly name?: string | null;
             /**
+             * Product
+             * @description Product of the render.
+             * @default null
+             */
+            readonly product?: ("movie.mp4" | "movie.mov" | "movie.webm" | "contact-sheet.png" | "focus-report.html" | "focus-report.csv" | "focus-report.json" | "focus-curve.json" | "focus-curve.csv" | "focus-curve.usda" | "focus-curve.otio" | "focus-curve.opentrackio") | null;
+            /**
              * Ready
              * @description Those that wait.
              * @default null
@@ -3066,10 +3554,10 @@ export interface components {
             readonly running?: number | null;
             /**
              * State
-             * @description State that the render or task has now.
+             * @description State that the render, task or product has now.
              * @default null
              */
-            readonly state?: ("queued" | "running" | "pause-requested" | "paused" | "cancel-requested" | "canceled" | "failed" | "done") | ("ready" | "running" | "done" | "failed" | "canceled") | null;
+            readonly state?: ("queued" | "running" | "pause-requested" | "paused" | "cancel-requested" | "canceled" | "failed" | "done") | ("ready" | "running" | "done" | "failed" | "canceled") | ("waiting" | "running" | "done" | "failed" | "canceled") | null;
             /**
              * Viewers
              * @description Names of those who look at the shot.
@@ -3102,6 +3590,32 @@ export interface components {
              * @description Number of the oldest event that is kept.
              */
             readonly oldest: number;
+        };
+        /**
+         * ExposureMapHead
+         * @description Head of an exposure map.
+         * @example {
+         *       "height": 270,
+         *       "stepsPerStop": 256,
+         *       "width": 480
+         *     }
+         */
+        readonly ExposureMapHead: {
+            /**
+             * Height
+             * @description px
+             */
+            readonly height: number;
+            /**
+             * Stepsperstop
+             * @description Steps of the map's numbers to a stop.
+             */
+            readonly stepsPerStop: number;
+            /**
+             * Width
+             * @description px
+             */
+            readonly width: number;
         };
         /**
          * ExposureReadout
@@ -4776,7 +5290,7 @@ export interface components {
             readonly extent: number;
             /**
              * Face
-             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it.
+             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it; of Gaussian splats, the splat.
              */
             readonly face: number;
             /**
@@ -4966,7 +5480,7 @@ export interface components {
             readonly extent?: number;
             /**
              * Face
-             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it.
+             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it; of Gaussian splats, the splat.
              * @default -1
              */
             readonly face?: number;
@@ -5093,7 +5607,7 @@ export interface components {
             readonly extent?: number | null;
             /**
              * Face
-             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it.
+             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it; of Gaussian splats, the splat.
              */
             readonly face?: number | null;
             /**
@@ -5691,6 +6205,53 @@ export interface components {
             readonly start: number;
         };
         /**
+         * FrameSubject
+         * @description Place the camera so that the subject of a focus point fills a share of the picture; it keeps its direction.
+         *
+         *     The subject is the bounds of what the point follows: of its part, or of the prim that it is on; of a ball these are framed
+         *     exactly. Where there are none, the picture is 0.6 m high at the point. An orthographic camera keeps its depth.
+         * @example {
+         *       "keyed": true,
+         *       "point": "pip",
+         *       "time": 24,
+         *       "type": "frameSubject"
+         *     }
+         */
+        readonly FrameSubject: {
+            /**
+             * Aspect
+             * @description Width over height of the picture; the film gate's when left out.
+             */
+            readonly aspect?: number | null;
+            /**
+             * Keyed
+             * @description Whether the camera gets a key at the time. Else all of its way is moved along, and keeps its shape.
+             * @default false
+             */
+            readonly keyed?: boolean;
+            /**
+             * Point
+             * @description Name of the focus point.
+             */
+            readonly point: string;
+            /**
+             * Share
+             * @description Of the picture's width or height that the subject fills, whichever is filled first.
+             * @default 0.6666666666666666
+             */
+            readonly share?: number;
+            /**
+             * Time
+             * @description USD time code at which it is framed.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "frameSubject";
+        };
+        /**
          * FramingGuide
          * @description The largest centred picture of an aspect ratio within the gate.
          * @example {
@@ -5794,6 +6355,11 @@ export interface components {
              * @description Revision that an undo goes back to; null for none.
              */
             readonly before: string | null;
+            /**
+             * Notestag
+             * @description Another one whenever a note of the shot is another: `notesTag` of the history tells so whether the list has to be read again.
+             */
+            readonly notesTag: string;
             /**
              * Redo
              * @description Label of the edit that a redo does again.
@@ -5936,6 +6502,7 @@ export interface components {
          *       "readouts": [
          *         {
          *           "camera": "/World/main_cam",
+         *           "closeFocusM": 0.41,
          *           "cocLimitMm": 0.019,
          *           "fStop": 2,
          *           "farM": 3.58,
@@ -5947,6 +6514,10 @@ export interface components {
          *           "lensName": "Planar 50 mm f/1.4",
          *           "nearM": 3.28,
          *           "note": "",
+         *           "pupilToFilmMm": [
+         *             74.2,
+         *             82.4
+         *           ],
          *           "reason": "focused by driver",
          *           "source": "points",
          *           "swingDeg": 0,
@@ -6753,6 +7324,19 @@ export interface components {
             readonly ack: number;
         };
         /**
+         * LiveHere
+         * @description Tells where the client looks while it asks for no picture, such as where it plays pictures that it has kept.
+         * @example {
+         *       "here": {
+         *         "camera": "/World/main_cam",
+         *         "time": 40
+         *       }
+         *     }
+         */
+        readonly LiveHere: {
+            readonly here: components["schemas"]["LivePlace"];
+        };
+        /**
          * LivePictureHead
          * @description Head of a picture message.
          * @example {
@@ -6824,6 +7408,23 @@ export interface components {
             readonly width: number;
         };
         /**
+         * LivePlace
+         * @description A place of a shot that somebody looks at.
+         */
+        readonly LivePlace: {
+            /**
+             * Camera
+             * @description Prim path; null for the default camera.
+             * @default null
+             */
+            readonly camera?: string | null;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+        };
+        /**
          * LiveProblem
          * @description Reason why a request has no picture, or no further one.
          */
@@ -6888,7 +7489,7 @@ export interface components {
              * @description Changes that are tried in these pictures and not kept: those that an edit takes.
              * @default []
              */
-            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["FollowPart"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["FollowPart"] | components["schemas"]["AlterPoint"] | components["schemas"]["RenamePoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["CreateCamera"] | components["schemas"]["DuplicateCamera"] | components["schemas"]["MoveCamera"] | components["schemas"]["FrameSubject"] | components["schemas"]["UnkeyCamera"] | components["schemas"]["MoveCameraKeys"] | components["schemas"]["ResetCameraPlace"] | components["schemas"]["ChooseVariant"] | components["schemas"]["ShowPayload"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["SimplifySetting"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"] | components["schemas"]["AddNote"] | components["schemas"]["EditNote"] | components["schemas"]["DeleteNote"])[];
             /**
              * Connections
              * @description Carries small bright things to the pixels of their blurred images, which leaves less noise.
@@ -7119,6 +7720,72 @@ export interface components {
              * @description Time from the begin of the work to this picture.
              */
             readonly totalMs: number;
+        };
+        /**
+         * LiveViewer
+         * @description A live connection of the shot that sees the others, and is seen.
+         */
+        readonly LiveViewer: {
+            /**
+             * Camera
+             * @description Prim path; null for the default camera, or where no picture was asked for yet.
+             */
+            readonly camera: string | null;
+            /**
+             * Id
+             * @description Of the connection, as long as it is open: a person may have several.
+             */
+            readonly id: string;
+            /**
+             * Name
+             * @description Name for people; `anyone` where senders are not known by name.
+             */
+            readonly name: string;
+            /**
+             * Number
+             * @description From 1, another one for each viewer of the shot; free again once the viewer is gone.
+             */
+            readonly number: number;
+            /**
+             * Time
+             * @description USD time code; null where no picture was asked for yet.
+             */
+            readonly time: number | null;
+        };
+        /**
+         * LiveViewers
+         * @description Those who look at the shot, and where. It is sent where `viewers` asks for it, when it has changed.
+         * @example {
+         *       "viewers": [
+         *         {
+         *           "camera": "/World/main_cam",
+         *           "id": "5f0c1d2e3a4b",
+         *           "name": "Ines",
+         *           "number": 1,
+         *           "time": 40
+         *         },
+         *         {
+         *           "camera": "/World/main_cam",
+         *           "id": "77aebf18a086",
+         *           "name": "Jon",
+         *           "number": 2,
+         *           "time": 64
+         *         }
+         *       ],
+         *       "you": "5f0c1d2e3a4b"
+         *     }
+         */
+        readonly LiveViewers: {
+            /**
+             * Viewers
+             * @description In the order in which they came, this connection among them.
+             */
+            readonly viewers: readonly components["schemas"]["LiveViewer"][];
+            /**
+             * You
+             * @description Id of this connection.
+             */
+            readonly you: string;
         };
         /**
          * LongExposureBegin
@@ -7476,11 +8143,113 @@ export interface components {
             readonly type: "mountLensFile";
         };
         /**
+         * MoveCamera
+         * @description Place the camera in the world. It goes on to move with what it is below.
+         *
+         *     A key leaves the keys at other times as they are; the first one of a camera that stands still holds for all time. A camera
+         *     that turns between its keys gets a key at each frame first, so that it goes on to turn as it did.
+         * @example {
+         *       "ahead": [
+         *         0,
+         *         0,
+         *         -1
+         *       ],
+         *       "keyed": true,
+         *       "positionM": [
+         *         0,
+         *         1.6,
+         *         0.5
+         *       ],
+         *       "time": 24,
+         *       "type": "moveCamera",
+         *       "up": [
+         *         0,
+         *         1,
+         *         0
+         *       ]
+         *     }
+         */
+        readonly MoveCamera: {
+            /**
+             * Ahead
+             * @description Direction of the optical axis in the world, of any length above 0.
+             */
+            readonly ahead: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Keyed
+             * @description Whether it gets a key at the time. Else all of its way is moved along with it, and keeps its shape.
+             * @default false
+             */
+            readonly keyed?: boolean;
+            /**
+             * Positionm
+             * @description Of its origin in the world, metres, +Y up, as in `top-view`.
+             */
+            readonly positionM: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Time
+             * @description USD time code at which it is there.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "moveCamera";
+            /**
+             * Up
+             * @description Direction that is up in the picture, of any length above 0; what of it lies along the axis does not count.
+             * @default [
+             *       0,
+             *       1,
+             *       0
+             *     ]
+             */
+            readonly up?: readonly [
+                number,
+                number,
+                number
+            ];
+        };
+        /**
+         * MoveCameraKeys
+         * @description Move keys of the camera's place in time, all at once. Other keys that stand where one arrives are replaced.
+         * @example {
+         *       "moves": [
+         *         {
+         *           "newTime": 30,
+         *           "time": 24
+         *         }
+         *       ],
+         *       "type": "moveCameraKeys"
+         *     }
+         */
+        readonly MoveCameraKeys: {
+            /**
+             * Moves
+             * @description A key moves once, and no two of them come to one time.
+             */
+            readonly moves: readonly components["schemas"]["CameraKeyMove"][];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "moveCameraKeys";
+        };
+        /**
          * MovePoint
-         * @description Move a focus point to an anchor, or to the surface that is seen at a place of the picture.
+         * @description Move a focus point to an anchor, to the surface that is seen at a place of the picture, or to a position in the world.
          *
          *     A point that follows the bounds of a part goes on to follow them where the new target is at or below the part, and follows the
-         *     new surface elsewhere.
+         *     new surface elsewhere. A point that is moved to a position stays with what it is on, at another `offset` from it.
          * @example {
          *       "name": "pip",
          *       "place": [
@@ -7504,6 +8273,15 @@ export interface components {
              * @description In place of an anchor: from (0, 0) in the picture's top left corner to (1, 1) in the bottom right one, in the picture before the edit. Where nothing is seen, an edit is refused, and a live picture leaves the point.
              */
             readonly place?: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Positionm
+             * @description In place of an anchor: where to in the world at the time, metres, +Y up.
+             */
+            readonly positionM?: readonly [
+                number,
                 number,
                 number
             ] | null;
@@ -7677,6 +8455,220 @@ export interface components {
             readonly path: string;
         };
         /**
+         * NoteCreate
+         * @description A note to add. It has text, a drawing, or both.
+         */
+        readonly NoteCreate: {
+            /**
+             * Camera
+             * @description Prim path of the camera through whose picture it is seen; null for any.
+             */
+            readonly camera?: string | null;
+            /**
+             * Id
+             * @description A name that no other note has; left out, a free one.
+             */
+            readonly id?: string | null;
+            /**
+             * Strokes
+             * @description With 4,000 points in all at most; all notes of a shot together have 100,000.
+             * @default []
+             */
+            readonly strokes?: readonly components["schemas"]["NoteStroke"][];
+            /**
+             * Text
+             * @description Plain text; of the control characters, line breaks alone are taken.
+             * @default
+             */
+            readonly text?: string;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+        };
+        /**
+         * NoteEdit
+         * @description Values of a note to alter; what is left out or null stays.
+         */
+        readonly NoteEdit: {
+            /** Resolved */
+            readonly resolved?: boolean | null;
+            /**
+             * Strokes
+             * @description All of its strokes. With 4,000 points in all at most; all notes of a shot together have 100,000.
+             */
+            readonly strokes?: readonly components["schemas"]["NoteStroke"][] | null;
+            /**
+             * Text
+             * @description Plain text; of the control characters, line breaks alone are taken.
+             */
+            readonly text?: string | null;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time?: number | null;
+        };
+        /**
+         * NoteList
+         * @description Notes of a shot, in order of time.
+         * @example {
+         *       "etag": "\"77aebf18a0860070\"",
+         *       "notes": [
+         *         {
+         *           "author": "Ines",
+         *           "camera": "/World/main_cam",
+         *           "created": "2026-11-28T09:41:00Z",
+         *           "etag": "\"0b64bf18a0860070\"",
+         *           "id": "note_4c7e12ab90d3",
+         *           "modified": "2026-11-28T09:41:00Z",
+         *           "resolved": false,
+         *           "strokes": [
+         *             {
+         *               "colour": "red",
+         *               "points": [
+         *                 [
+         *                   0.41,
+         *                   0.32
+         *                 ],
+         *                 [
+         *                   0.44,
+         *                   0.35
+         *                 ]
+         *               ],
+         *               "width": 0.006
+         *             }
+         *           ],
+         *           "text": "Hold on Mara until she turns.",
+         *           "time": 24
+         *         }
+         *       ],
+         *       "notesTag": "f00dbf18a0860070",
+         *       "skipped": []
+         *     }
+         */
+        readonly NoteList: {
+            /**
+             * Etag
+             * @description Tag of all edits, for `If-Match`.
+             */
+            readonly etag: string;
+            /**
+             * Notes
+             * @description 500 at most.
+             */
+            readonly notes: readonly components["schemas"]["ShotNote"][];
+            /**
+             * Notestag
+             * @description Another one whenever a note of the shot is another: `notesTag` of the history tells so whether the list has to be read again.
+             */
+            readonly notesTag: string;
+            /**
+             * Skipped
+             * @description Prim paths below `/PullfocusNotes` that hold no note that can be read, 100 at most.
+             */
+            readonly skipped: readonly string[];
+        };
+        /**
+         * NoteStroke
+         * @description A line that is drawn over the picture; one point alone is a dot.
+         */
+        readonly NoteStroke: {
+            /**
+             * Colour
+             * @enum {string}
+             */
+            readonly colour: "red" | "yellow" | "cyan" | "white";
+            /**
+             * Points
+             * @description From (0, 0) in the picture's top left corner to (1, 1) in the bottom right one.
+             */
+            readonly points: readonly (readonly number[])[];
+            /**
+             * Width
+             * @description Share of the picture's height.
+             */
+            readonly width: number;
+        };
+        /**
+         * Paths
+         * @description The ways of a camera and its focus points over a shot.
+         * @example {
+         *       "camera": "/World/main_cam",
+         *       "cameraM": [
+         *         [
+         *           0,
+         *           1.6,
+         *           0.5
+         *         ],
+         *         [
+         *           0,
+         *           1.6,
+         *           0.4
+         *         ]
+         *       ],
+         *       "points": [
+         *         {
+         *           "name": "pip",
+         *           "positionsM": [
+         *             [
+         *               0.4,
+         *               1.6,
+         *               -3.1
+         *             ],
+         *             null
+         *           ]
+         *         }
+         *       ],
+         *       "times": [
+         *         1,
+         *         2
+         *       ]
+         *     }
+         */
+        readonly Paths: {
+            /**
+             * Camera
+             * @description Prim path; null for the camera that frames a shot which has none.
+             */
+            readonly camera: string | null;
+            /**
+             * Cameram
+             * @description Origin of the camera at each of the times, in the world: metres, +Y up.
+             */
+            readonly cameraM: readonly (readonly [
+                number,
+                number,
+                number
+            ])[];
+            /** Points */
+            readonly points: readonly components["schemas"]["PointPath"][];
+            /**
+             * Times
+             * @description USD time codes, from the shot's first frame to its last.
+             */
+            readonly times: readonly number[];
+        };
+        /**
+         * Payload
+         * @description A prim with a payload.
+         */
+        readonly Payload: {
+            /**
+             * Edited
+             * @description Whether an edit of the shot says so.
+             */
+            readonly edited: boolean;
+            /** Prim */
+            readonly prim: string;
+            /**
+             * Shown
+             * @description Whether the prim, with its payload, is part of the shot.
+             */
+            readonly shown: boolean;
+        };
+        /**
          * Pick
          * @description The surface under a pixel.
          * @example {
@@ -7808,6 +8800,26 @@ export interface components {
             readonly revision: string;
             /** States */
             readonly states: readonly components["schemas"]["PictureState"][];
+        };
+        /**
+         * PlaceKey
+         * @description A key of a camera's place.
+         * @example {
+         *       "edited": true,
+         *       "time": 24
+         *     }
+         */
+        readonly PlaceKey: {
+            /**
+             * Edited
+             * @description Whether it is of the edits; else the shot's own.
+             */
+            readonly edited: boolean;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
         };
         /**
          * PlaceReadout
@@ -7986,6 +8998,23 @@ export interface components {
              * @description px
              */
             readonly width: number;
+        };
+        /**
+         * PointPath
+         * @description The way of a focus point.
+         */
+        readonly PointPath: {
+            /** Name */
+            readonly name: string;
+            /**
+             * Positionsm
+             * @description In the world at each of the times; null without a place.
+             */
+            readonly positionsM: readonly (readonly [
+                number,
+                number,
+                number
+            ] | null)[];
         };
         /**
          * PointSharpness
@@ -8194,6 +9223,7 @@ export interface components {
          * @description Readout of the lens at one time: the numbers that a focus puller reads off.
          * @example {
          *       "camera": "/World/main_cam",
+         *       "closeFocusM": 0.41,
          *       "cocLimitMm": 0.019,
          *       "fStop": 2,
          *       "farM": 3.58,
@@ -8205,6 +9235,10 @@ export interface components {
          *       "lensName": "Planar 50 mm f/1.4",
          *       "nearM": 3.28,
          *       "note": "",
+         *       "pupilToFilmMm": [
+         *         74.2,
+         *         82.4
+         *       ],
          *       "reason": "focused by driver",
          *       "source": "points",
          *       "swingDeg": 0,
@@ -8215,6 +9249,11 @@ export interface components {
         readonly Readout: {
             /** Camera */
             readonly camera: string | null;
+            /**
+             * Closefocusm
+             * @description Depth of the nearest focus on the ring of the lens, from the entrance pupil: the one engraved on it, or that at a tenth of life size.
+             */
+            readonly closeFocusM: number;
             /**
              * Coclimitmm
              * @description Largest circle of confusion, as a diameter on the film, that is sharp.
@@ -8262,6 +9301,11 @@ export interface components {
              * @description Sentence about a setting that the lens cannot follow; or empty.
              */
             readonly note: string;
+            /**
+             * Pupiltofilmmm
+             * @description Distance from the entrance pupil to the film, focused at infinity and at the close focus.
+             */
+            readonly pupilToFilmMm: readonly number[];
             /**
              * Reason
              * @description Reason, one sentence.
@@ -8340,6 +9384,7 @@ export interface components {
          *         "depth",
          *         "coc"
          *       ],
+         *       "burnIn": [],
          *       "canceled": 0,
          *       "count": 96,
          *       "createdAt": "2026-11-27T08:00:00Z",
@@ -8354,6 +9399,12 @@ export interface components {
          *       "name": "night tram, dailies",
          *       "owner": "Mara's laptop",
          *       "priority": 50,
+         *       "products": [
+         *         {
+         *           "name": "movie.mp4",
+         *           "state": "waiting"
+         *         }
+         *       ],
          *       "project": "default",
          *       "rays": 16,
          *       "ready": 70,
@@ -8379,13 +9430,18 @@ export interface components {
              */
             readonly aovs: readonly string[];
             /**
+             * Burnin
+             * @description Facts in the corners of the graded pictures.
+             */
+            readonly burnIn?: readonly ("shot" | "camera" | "lens" | "focal" | "stop" | "focus" | "focusFt" | "film" | "revision" | "date" | "frame" | "timecode")[];
+            /**
              * Canceled
              * @description Frames that were given up.
              */
             readonly canceled: number;
             /**
              * Count
-             * @description Number of frames.
+             * @description Number of frames that are drawn; 0 for a render without formats.
              */
             readonly count: number;
             /**
@@ -8435,6 +9491,11 @@ export interface components {
             /** Priority */
             readonly priority: number;
             /**
+             * Products
+             * @description What is made beside the frames.
+             */
+            readonly products?: readonly components["schemas"]["RenderProduct"][];
+            /**
              * Project
              * @description Project of the shot.
              */
@@ -8461,7 +9522,7 @@ export interface components {
             readonly running: number;
             /**
              * Secondsleft
-             * @description Expected time until it ends, s, if no other render is drawn; null before the first frame and after the end.
+             * @description Expected time until its frames are drawn, s, if no other render is; null before the first frame and after the last one.
              */
             readonly secondsLeft: number | null;
             /**
@@ -8471,7 +9532,7 @@ export interface components {
             readonly shot: string;
             /**
              * Startedat
-             * @description Time at which the first frame was begun.
+             * @description Time at which the first frame or product was begun.
              */
             readonly startedAt: string | null;
             /**
@@ -8523,6 +9584,7 @@ export interface components {
          *             "depth",
          *             "coc"
          *           ],
+         *           "burnIn": [],
          *           "canceled": 0,
          *           "count": 96,
          *           "createdAt": "2026-11-27T08:00:00Z",
@@ -8537,6 +9599,12 @@ export interface components {
          *           "name": "night tram, dailies",
          *           "owner": "Mara's laptop",
          *           "priority": 50,
+         *           "products": [
+         *             {
+         *               "name": "movie.mp4",
+         *               "state": "waiting"
+         *             }
+         *           ],
          *           "project": "default",
          *           "rays": 16,
          *           "ready": 70,
@@ -8602,7 +9670,7 @@ export interface components {
         readonly RenderPlan: {
             /**
              * Count
-             * @description Number of frames.
+             * @description Number of frames that would be drawn.
              */
             readonly count: number;
             /**
@@ -8625,6 +9693,33 @@ export interface components {
             readonly settings?: components["schemas"]["PlannedSettings"] | null;
         };
         /**
+         * RenderProduct
+         * @description A product of a render and how far it is.
+         */
+        readonly RenderProduct: {
+            /**
+             * Error
+             * @description What went wrong; null where nothing has.
+             */
+            readonly error: string | null;
+            /**
+             * Name
+             * @enum {string}
+             */
+            readonly name: "movie.mp4" | "movie.mov" | "movie.webm" | "contact-sheet.png" | "focus-report.html" | "focus-report.csv" | "focus-report.json" | "focus-curve.json" | "focus-curve.csv" | "focus-curve.usda" | "focus-curve.otio" | "focus-curve.opentrackio";
+            /**
+             * Sizebytes
+             * @description Size of its file, bytes; null before it is made.
+             */
+            readonly sizeBytes: number | null;
+            /**
+             * State
+             * @description `waiting`: for the frames, or its turn. `canceled`: it was given up with the render.
+             * @enum {string}
+             */
+            readonly state: "waiting" | "running" | "done" | "failed" | "canceled";
+        };
+        /**
          * RenderRequest
          * @description A render: which frames of a shot, how, and into what files. It keeps the edits that the shot has when it is sent.
          * @example {
@@ -8638,6 +9733,9 @@ export interface components {
          *       ],
          *       "frames": "1-96:2",
          *       "name": "night tram, dailies",
+         *       "products": [
+         *         "movie.mp4"
+         *       ],
          *       "rays": 16,
          *       "shot": "demo",
          *       "width": 480
@@ -8663,6 +9761,12 @@ export interface components {
              * @default []
              */
             readonly aovs?: readonly string[];
+            /**
+             * Burnin
+             * @description Facts written into the corners of the graded pictures, and so of movies; EXR files have them as metadata.
+             * @default []
+             */
+            readonly burnIn?: readonly ("shot" | "camera" | "lens" | "focal" | "stop" | "focus" | "focusFt" | "film" | "revision" | "date" | "frame" | "timecode")[];
             /**
              * Camera
              * @description Prim path; the shot's default camera when left out.
@@ -8697,7 +9801,7 @@ export interface components {
             readonly film?: string | null;
             /**
              * Formats
-             * @description Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture.
+             * @description Files of each frame, all of one drawing: `exr` is scene-linear light, the others the graded picture. None where every product needs no picture: then no frame is drawn.
              * @default [
              *       "exr"
              *     ]
@@ -8765,6 +9869,12 @@ export interface components {
              * @default 50
              */
             readonly priority?: number;
+            /**
+             * Products
+             * @description What is made as the last part of the job. Movies and contact sheets are made of the stored graded pictures.
+             * @default []
+             */
+            readonly products?: readonly ("movie.mp4" | "movie.mov" | "movie.webm" | "contact-sheet.png" | "focus-report.html" | "focus-report.csv" | "focus-report.json" | "focus-curve.json" | "focus-curve.csv" | "focus-curve.usda" | "focus-curve.otio" | "focus-curve.opentrackio")[];
             /**
              * Rays
              * @description Lens rays for each pixel.
@@ -9037,6 +10147,20 @@ export interface components {
              * @description Frames in which a point has to be sharp and is not.
              */
             readonly softFrames: readonly number[];
+        };
+        /**
+         * ResetCameraPlace
+         * @description Take the camera back to where the shot itself has it over all of its time; the edits of its place go, with their keys.
+         * @example {
+         *       "type": "resetCameraPlace"
+         *     }
+         */
+        readonly ResetCameraPlace: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "resetCameraPlace";
         };
         /**
          * Restore
@@ -9313,6 +10437,53 @@ export interface components {
             readonly shots: readonly components["schemas"]["ShotSummary"][];
         };
         /**
+         * ShotNote
+         * @description A note at a frame.
+         */
+        readonly ShotNote: {
+            /**
+             * Author
+             * @description Name for people; empty where nobody is known by name.
+             */
+            readonly author: string;
+            /**
+             * Camera
+             * @description Prim path of the camera through whose picture it is seen; null for any.
+             */
+            readonly camera: string | null;
+            /**
+             * Created
+             * @description Time of the clock, ISO 8601.
+             */
+            readonly created: string;
+            /**
+             * Etag
+             * @description Tag of the note, for `If-Match`.
+             */
+            readonly etag: string;
+            /** Id */
+            readonly id: string;
+            /**
+             * Modified
+             * @description Time of its last change.
+             */
+            readonly modified: string;
+            /** Resolved */
+            readonly resolved: boolean;
+            /** Strokes */
+            readonly strokes: readonly components["schemas"]["NoteStroke"][];
+            /**
+             * Text
+             * @description Plain text, with line breaks.
+             */
+            readonly text: string;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+        };
+        /**
          * ShotSummary
          * @description A stored shot.
          * @example {
@@ -9363,6 +10534,29 @@ export interface components {
              * @description Size of all files of the shot, unpacked.
              */
             readonly sizeBytes: number;
+        };
+        /**
+         * ShowPayload
+         * @description Make a prim with a payload part of the shot or not, by its activation.
+         * @example {
+         *       "prim": "/World/Tram",
+         *       "shown": false,
+         *       "type": "showPayload"
+         *     }
+         */
+        readonly ShowPayload: {
+            /** Prim */
+            readonly prim: string;
+            /**
+             * Shown
+             * @description null takes the edit back, for what the shot itself says.
+             */
+            readonly shown: boolean | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "showPayload";
         };
         /**
          * SignIn
@@ -9577,6 +10771,125 @@ export interface components {
             readonly [key: string]: unknown;
         };
         /**
+         * TopView
+         * @description A camera from above at one time: the plane of its right vector and its optical axis.
+         *
+         *     A place in the world is in this plan where its way from `positionM` goes along `right` (to the right) and along `ahead` (its
+         *     depth, as in all readouts).
+         * @example {
+         *       "ahead": [
+         *         0,
+         *         0,
+         *         -1
+         *       ],
+         *       "axis": {
+         *         "farW": 0.279,
+         *         "focusW": 0.292,
+         *         "nearW": 0.305,
+         *         "slope": 0
+         *       },
+         *       "camera": "/World/main_cam",
+         *       "cut": [
+         *         {
+         *           "farW": 0.279,
+         *           "focusW": 0.292,
+         *           "nearW": 0.305,
+         *           "slope": -0.249
+         *         },
+         *         {
+         *           "farW": 0.279,
+         *           "focusW": 0.292,
+         *           "nearW": 0.305,
+         *           "slope": 0
+         *         },
+         *         {
+         *           "farW": 0.279,
+         *           "focusW": 0.292,
+         *           "nearW": 0.305,
+         *           "slope": 0.249
+         *         }
+         *       ],
+         *       "edges": [
+         *         -0.249,
+         *         0.249
+         *       ],
+         *       "gateMm": 24.89,
+         *       "positionM": [
+         *         0,
+         *         1.6,
+         *         0.5
+         *       ],
+         *       "right": [
+         *         1,
+         *         0,
+         *         0
+         *       ],
+         *       "setBackM": 0,
+         *       "time": 24
+         *     }
+         */
+        readonly TopView: {
+            /**
+             * Ahead
+             * @description Unit vector of the optical axis, in the world.
+             */
+            readonly ahead: readonly [
+                number,
+                number,
+                number
+            ];
+            /** @description On the view axis, as `readout` has it. */
+            readonly axis: components["schemas"]["CutPlace"];
+            /**
+             * Camera
+             * @description Prim path; null for the camera that frames a shot which has none.
+             */
+            readonly camera: string | null;
+            /**
+             * Cut
+             * @description Over the width of the picture, from left to right, on the level of the axis.
+             */
+            readonly cut: readonly components["schemas"]["CutPlace"][];
+            /**
+             * Edges
+             * @description Slopes of the left and the right edge of the picture, on the level of the axis.
+             */
+            readonly edges: readonly number[];
+            /**
+             * Gatemm
+             * @description Width of the film gate.
+             */
+            readonly gateMm: number;
+            /**
+             * Positionm
+             * @description Origin of the camera in the world: metres, +Y up.
+             */
+            readonly positionM: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Right
+             * @description Unit vector to the right of the picture, in the world.
+             */
+            readonly right: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Setbackm
+             * @description How far the pupil lies behind `positionM`, from where depths count; 0 but for an orthographic camera.
+             */
+            readonly setBackM: number;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+        };
+        /**
          * TrackingProtocol
          * @description Protocol of a tracking sample.
          */
@@ -9679,6 +10992,26 @@ export interface components {
             readonly shots: readonly components["schemas"]["TrashedShot"][];
         };
         /**
+         * UnkeyCamera
+         * @description Remove a key of the camera's place, of the edits or of the shot; after the last one its place there stays for all time.
+         * @example {
+         *       "time": 24,
+         *       "type": "unkeyCamera"
+         *     }
+         */
+        readonly UnkeyCamera: {
+            /**
+             * Time
+             * @description USD time code of the key.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "unkeyCamera";
+        };
+        /**
          * UnkeyPoint
          * @description Remove a key of a focus point's attribute; after the last one its value stays for all time.
          * @example {
@@ -9775,6 +11108,31 @@ export interface components {
              * @enum {string}
              */
             readonly severity: "error" | "warning";
+        };
+        /**
+         * VariantSet
+         * @description A variant set of a prim.
+         */
+        readonly VariantSet: {
+            /**
+             * Edited
+             * @description Whether an edit of the shot chooses it.
+             */
+            readonly edited: boolean;
+            /** Name */
+            readonly name: string;
+            /** Prim */
+            readonly prim: string;
+            /**
+             * Selection
+             * @description The variant that is chosen; empty for none.
+             */
+            readonly selection: string;
+            /**
+             * Variants
+             * @description Names of its variants, as USD orders them.
+             */
+            readonly variants: readonly string[];
         };
         /**
          * Version
@@ -11691,11 +13049,159 @@ export interface operations {
             };
         };
     };
+    readonly getRenderFocusCurve: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description As of `getFocusCurve`, without `baked`. */
+                readonly format?: "json" | "csv" | "usda" | "otio" | "opentrackio";
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A render's id. */
+                readonly render: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example {
+                     *       "camera": "/World/main_cam",
+                     *       "format": "pullfocus.focusCurve",
+                     *       "framesPerSecond": 24,
+                     *       "gateMm": [
+                     *         24.89,
+                     *         14
+                     *       ],
+                     *       "lens": "Planar 50 mm f/1.4",
+                     *       "samples": [
+                     *         {
+                     *           "cocLimitMm": 0.019,
+                     *           "fStop": 2,
+                     *           "farM": 3.58,
+                     *           "focalLengthMm": 50,
+                     *           "focusDistanceM": 3.42,
+                     *           "frame": 24,
+                     *           "hyperfocalM": 65.7,
+                     *           "limited": false,
+                     *           "nearM": 3.28,
+                     *           "points": [
+                     *             {
+                     *               "cocMm": 0,
+                     *               "depthM": 3.42,
+                     *               "name": "pip",
+                     *               "share": 1,
+                     *               "state": "used",
+                     *               "weight": 1
+                     *             }
+                     *           ],
+                     *           "reason": "focused by driver",
+                     *           "seconds": 1,
+                     *           "sharp": [
+                     *             "pip"
+                     *           ],
+                     *           "source": "points",
+                     *           "swingDeg": 0,
+                     *           "tiltDeg": 0,
+                     *           "timeCode": 24
+                     *         }
+                     *       ],
+                     *       "timeCodesPerSecond": 24,
+                     *       "version": 2
+                     *     }
+                     */
+                    readonly "application/json": components["schemas"]["FocusCurve"] | components["schemas"]["Timeline"] | readonly components["schemas"]["TrackingSample"][];
+                    /** @example frame,time_code,seconds,focus_distance_m */
+                    readonly "text/csv": string;
+                    /** @example #usda 1.0 */
+                    readonly "text/plain": string;
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly getRenderFocusReport: {
         readonly parameters: {
             readonly query?: {
-                /** @description `json`, or `csv` for spreadsheets, with a row for each focus point of each frame and no summary. */
-                readonly format?: "json" | "csv";
+                /** @description `json`; `csv` for spreadsheets, with a row for each focus point of each frame and no summary; or `html`, a page to read and print, with a chart, who is sharp when, and the keys. */
+                readonly format?: "json" | "csv" | "html";
                 /** @description Frames of the render, as a range such as `1-10:2,15`; all of them when left out. */
                 readonly frames?: string | null;
             };
@@ -11717,6 +13223,8 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusReport"];
                     /** @example frame,focus_distance_m,f_stop,t_stop,focal_length_mm */
                     readonly "text/csv": string;
+                    /** @example <!doctype html> */
+                    readonly "text/html": string;
                 };
             };
             /** @description A key or token is missing, wrong or expired. */
@@ -14719,6 +16227,97 @@ export interface operations {
             };
         };
     };
+    readonly getCameraPlace: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["CameraPlace"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly listCameras: {
         readonly parameters: {
             readonly query: {
@@ -14741,6 +16340,92 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["CameraList"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getChoices: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Choices"];
                 };
             };
             /** @description A key or token is missing, wrong or expired. */
@@ -15363,6 +17048,110 @@ export interface operations {
             };
             /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getExposureMap: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description px; from the camera's film gate when left out. */
+                readonly height?: number | null;
+                /** @description USD time code. */
+                readonly time: number;
+                /** @description px */
+                readonly width?: number;
+            };
+            readonly header?: {
+                readonly "if-none-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The exposure map. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/octet-stream": string;
+                };
+            };
+            /** @description The map is the one that `If-None-Match` names. */
+            readonly 304: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -16749,7 +18538,10 @@ export interface operations {
     };
     readonly watch: {
         readonly parameters: {
-            readonly query?: never;
+            readonly query?: {
+                /** @description Whether to see the others who look at the shot, and be seen. */
+                readonly viewers?: boolean;
+            };
             readonly header?: never;
             readonly path: {
                 /** @description A shot's id. */
@@ -17274,6 +19066,188 @@ export interface operations {
             };
             /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. `shot_exists`: there is a shot of this id again. `too_many_webhooks`. */
             readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly listNotes: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path: notes of other cameras are left out. */
+                readonly camera?: string | null;
+                /** @description First USD time code, left out for no limit. */
+                readonly first?: number | null;
+                /** @description Last USD time code, left out for no limit. */
+                readonly last?: number | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["NoteList"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getPaths: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Paths"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -17889,6 +19863,97 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["PlaceReadout"];
+                };
+            };
+            /** @description A key or token is missing, wrong or expired. */
+            readonly 401: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The key or token lacks the scope that this needs, or a page of another site sends the request. */
+            readonly 403: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key, webhook or revision, or nothing of this id in the trash. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request or the stage is invalid, or takes more than a worker has; `detail` says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The shot is in quarantine, because it has ended worker processes; `releaseShot` lets it be opened again. */
+            readonly 423: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests, or a quota is used up; try again after `Retry-After`. */
+            readonly 429: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getTopView: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["TopView"];
                 };
             };
             /** @description A key or token is missing, wrong or expired. */

@@ -1,17 +1,22 @@
 /** The service as the page uses it, in the model's terms. `net/http.ts` implements it over REST; tests have a fake. */
 
+import type { CameraPlace } from "../model/camera_place";
 import type { Changes } from "../model/changes";
+import type { Choices } from "../model/choices";
 import type { Curve } from "../model/curve";
+import type { NoteList } from "../model/frame_notes";
 import type { EditHistory } from "../model/history";
 import type { Who } from "../model/identity";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
-import type { CacheEngine, Quality } from "../model/quality";
+import type { CacheEngine, PictureSize, Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary, TrashedShot } from "../model/shot";
+import type { Paths, TopView } from "../model/top_view";
 import type { LiveListener, LiveLink } from "./live_link";
 import type { components } from "./schema";
 import type { PatienceListener } from "./patience";
 import type { RenderService } from "./renders";
+import type { EditsListener, EventLink } from "./shot_events";
 import type { View } from "./view";
 
 /** An edit to be made. */
@@ -76,9 +81,20 @@ export interface Sending {
   readonly root: string | null;
 }
 
+/** The set from above, and the place of the camera. */
+export interface FromAbove {
+  cameraPlace(view: View, time: number, signal?: AbortSignal): Promise<CameraPlace>;
+  /** The camera. */
+  topView(view: View, time: number, signal?: AbortSignal): Promise<TopView>;
+  /** The ways of a camera and its focus points over the shot. */
+  paths(view: View, signal?: AbortSignal): Promise<Paths>;
+}
+
 export interface Service {
   /** Jobs of many frames. */
   readonly renders: RenderService;
+  /** The set from above. */
+  readonly fromAbove: FromAbove;
   /** Sets who is asked for a key, and told of waits; until then requests that are refused fail. */
   listen(listener: PatienceListener): void;
   /** Who sends the requests. */
@@ -102,6 +118,10 @@ export interface Service {
   lenses(): Promise<readonly LensSummary[]>;
   /** The libraries of films and bodies. */
   libraries(): Promise<Libraries>;
+  /** What the shot leaves open. */
+  choices(shot: string, signal?: AbortSignal): Promise<Choices>;
+  /** The notes at its frames. */
+  frameNotes(view: View, signal?: AbortSignal): Promise<NoteList>;
   /** The history of the shot's edits. */
   history(shot: string): Promise<EditHistory>;
   /** Undoes the last edit if it led to `revision`, else fails. */
@@ -111,6 +131,8 @@ export interface Service {
   notes(shot: string): Promise<readonly Note[]>;
   /** Opens live pictures of a view. */
   live(view: View, listener: LiveListener): LiveLink;
+  /** Tells of the edits of a shot, whoever makes them, until it is closed. */
+  edits(shot: string, listener: EditsListener): EventLink;
   /** A graded picture. */
   frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob>;
   /** A graded picture for playing, by an engine. */
@@ -123,6 +145,8 @@ export interface Service {
   ): Promise<PictureOfEdits>;
   /** The focus map of a picture. */
   focusMap(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<MapOfEdits>;
+  /** The exposure map of a picture, encoded. */
+  exposureMap(view: View, time: number, size: PictureSize, signal?: AbortSignal): Promise<ArrayBuffer>;
   /** What the pictures of the frames from one time to another depend on. */
   pictureStates(view: View, start: number, end: number, signal?: AbortSignal): Promise<PictureStates>;
   focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]>;

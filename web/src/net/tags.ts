@@ -4,17 +4,25 @@
  */
 
 import type { Change, Changes } from "../model/changes";
+import type { View } from "./view";
 
 export const [CAMERA, POINTS] = ["camera", "focus-points"];
+const NOTES = "notes";
 
 export function pointAddress(name: string): string {
   return `${POINTS}/${name}`;
 }
 
+export function noteAddress(id: string): string {
+  return `${NOTES}/${id}`;
+}
+
 /** Address of the resource that a change needs unchanged. */
 export function addressOf(change: Change): string {
   if (change.type === "addPoint" || change.type === "rack") return POINTS;
-  if (change.type === "createCamera") return CAMERA;
+  if (change.type === "createCamera" || change.type === "duplicateCamera") return CAMERA;
+  if (change.type === "addNote") return NOTES;
+  if (change.type === "editNote" || change.type === "deleteNote") return noteAddress(change.id);
   return "name" in change ? pointAddress(change.name) : CAMERA;
 }
 
@@ -37,12 +45,15 @@ export class TagBook {
     };
   }
 
-  /** The `If-Match` header of an edit; null where the tag of a resource is not known. */
+  /**
+   * The `If-Match` header of an edit; null where the tag of a resource is not known. A note is added whatever others have added: it
+   * is in nobody's way.
+   */
   ifMatch(changes: Changes): string | null {
-    const added = changes.map((change) => (change.type === "addPoint" ? pointAddress(change.point.name ?? "") : ""));
+    const added = changes.map((change) => (change.type === "addPoint" ? pointAddress(change.point.name ?? "") : NOTES));
     const addresses = new Set(changes.map(addressOf).filter((address) => !added.includes(address)));
     const tags = [...addresses].map((address) => this.#tags.get(address)?.tag);
-    return tags.every((tag) => tag !== undefined) ? tags.join(", ") : null;
+    return tags.length > 0 && tags.every((tag) => tag !== undefined) ? tags.join(", ") : null;
   }
 
   /** Makes tags that are read from now on newer than all known ones. */
@@ -62,8 +73,39 @@ export class TagBook {
     for (const change of changes) this.#tags.delete(addressOf(change));
   }
 
+  /** Forgets all but the tags of notes: these are read anew where the history says that notes have changed. */
   clear(): void {
-    this.#tags.clear();
+    for (const address of [...this.#tags.keys()]) if (!address.startsWith(`${NOTES}/`)) this.#tags.delete(address);
     this.turn();
+  }
+}
+
+/** Tags of all views that were read. */
+export class TagBooks {
+  readonly #books = new Map<string, TagBook>();
+
+  of(view: View): TagBook {
+    const name = `${view.shot} ${view.camera ?? ""}`;
+    const book = this.#books.get(name) ?? new TagBook();
+    this.#books.set(name, book);
+    return book;
+  }
+
+  /** Makes tags of a shot that are read from now on newer than all known ones. */
+  turn(shot: string): void {
+    for (const book of this.#ofShot(shot)) book.turn();
+  }
+
+  /** Acts on all edits of a shot, which makes its tags invalid. */
+  async asWhole<Value>(shot: string, act: () => Promise<Value>): Promise<Value> {
+    try {
+      return await act();
+    } finally {
+      for (const book of this.#ofShot(shot)) book.clear();
+    }
+  }
+
+  #ofShot(shot: string): TagBook[] {
+    return [...this.#books].filter(([view]) => view.startsWith(`${shot} `)).map(([, book]) => book);
   }
 }

@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { Session } from "@/editor/session";
 import type { Drag } from "@/editor/drag";
-import { setKey, type KeyOwner } from "@/model/key_lanes";
+import { setKey, type ValueOwner } from "@/model/key_lanes";
 import type { Key } from "@/model/keys";
 import type { FilmSettings } from "@/model/photography";
 import type { FocusSettings } from "@/model/shot";
@@ -82,7 +82,7 @@ it("a correction that is refused leaves nothing to widen", async () => {
   expect(fake.made).toEqual([]);
 });
 
-it.each<[string, KeyOwner, (session: Session) => Drag<number>]>([
+it.each<[string, ValueOwner, (session: Session) => Drag<number>]>([
   [
     "a tilt",
     { setting: "tiltDeg" },

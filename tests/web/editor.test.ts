@@ -1,5 +1,5 @@
 import { Editor } from "@/editor/editor";
-import type { Shot } from "@/model/shot";
+import type { Shot, TrashedShot } from "@/model/shot";
 import { errorOf } from "@/net/errors";
 import type { Download } from "@/net/service";
 import { FakeService, SHOT, turn } from "./fake_service";
@@ -186,4 +186,41 @@ describe("a shot without a camera", () => {
     await turn();
     expect([editor.session.value?.camera, editor.complaint.value?.message]).toEqual([null, "No createCamera."]);
   });
+});
+
+it("takes and marks go with a shot that is deleted, and come back with it", async () => {
+  const kept = new Map<string, string>();
+  vi.stubGlobal("localStorage", {
+    getItem: (key: string) => kept.get(key) ?? null,
+    setItem: (key: string, value: string) => void kept.set(key, value),
+    removeItem: (key: string) => void kept.delete(key),
+  });
+  const fake = new FakeService();
+  const gone = { removeShot: () => Promise.resolve(), restore: () => Promise.resolve() };
+  const editor = new Editor(Object.assign(fake, gone).service, () => undefined);
+  const punch = (): number | null | undefined => editor.session.value?.desk.notes.value.punchIn;
+  await editor.open(SHOT.id);
+  editor.session.value?.desk.punch({ punchIn: 7 });
+  await editor.open(SHOT.id);
+  expect(punch()).toBe(7);
+  await editor.remove(SHOT.id);
+  await editor.open(SHOT.id);
+  expect(punch()).toBeNull();
+  const entry = { id: "t", shot: SHOT.id } as TrashedShot;
+  await editor.restore(entry);
+  expect(punch()).toBe(7);
+});
+
+it("a note that is written goes on where its session is replaced", async () => {
+  const { editor, fake } = await framed();
+  const notes = editor.session.value?.frameNotes;
+  notes?.begin();
+  notes?.write("hold");
+  editor.createCamera();
+  await turn();
+  await turn();
+  expect(fake.made).toHaveLength(1);
+  expect(editor.session.value?.frameNotes).not.toBe(notes);
+  expect(editor.session.value?.frameNotes.draft.value?.text).toBe("hold");
+  expect(editor.session.value?.frameNotes.isShown.value).toBe(true);
 });

@@ -21,6 +21,8 @@ const readout: Readout = {
   lensName: "",
   lensModel: "thin",
   cocLimitMm: 0.03,
+  closeFocusM: 0.5,
+  pupilToFilmMm: [50, 55],
   pointSharpness: null,
 };
 

@@ -1,7 +1,10 @@
 /** A service whose answers a test sets, and which records what it is sent. */
 
+import type { CameraPlace } from "@/model/camera_place";
 import type { Change, Changes } from "@/model/changes";
+import type { Choices } from "@/model/choices";
 import type { Curve } from "@/model/curve";
+import { withChanges, type NoteList } from "@/model/frame_notes";
 import type { EditHistory } from "@/model/history";
 import type { Who } from "@/model/identity";
 import type { Keyed } from "@/model/keys";
@@ -11,7 +14,8 @@ import type { CacheEngine, Quality } from "@/model/quality";
 import type { FocusPoint, FocusSettings, Pick, Readout, Shot, ShotSummary } from "@/model/shot";
 import { errorOf } from "@/net/errors";
 import type { LiveListener, LiveLink, LivePicture, PictureRequest } from "@/net/live_link";
-import type { Edit, EditResult, MapOfEdits, PictureOfEdits, PictureStates, Service } from "@/net/service";
+import type { Edit, EditResult, FromAbove, MapOfEdits, PictureOfEdits, PictureStates, Service } from "@/net/service";
+import type { EditsListener, EventLink } from "@/net/shot_events";
 import type { View } from "@/net/view";
 import { point } from "./points";
 
@@ -43,6 +47,8 @@ const READOUT: Readout = {
   lensName: "",
   lensModel: "thin",
   cocLimitMm: 0.03,
+  closeFocusM: 0.5,
+  pupilToFilmMm: [50, 55],
   pointSharpness: null,
 };
 
@@ -72,6 +78,10 @@ export class FakeService implements Partial<Service> {
   /** Requests for live pictures, and the listener that waits for them. */
   readonly requests: PictureRequest[] = [];
   listener: LiveListener | null = null;
+  /** Times that others were told of without a request. */
+  readonly looks: number[] = [];
+  /** Who is told of edits. */
+  editsListener: EditsListener | null = null;
   /** How often live pictures were given up. */
   cancelled = 0;
   /** Edits with a change of this type fail, as a whole. */
@@ -124,6 +134,11 @@ export class FakeService implements Partial<Service> {
     return { ...answer, history: { ...(await this.history()), cameras: null } };
   }
 
+  edits(_: string, listener: EditsListener): EventLink {
+    this.editsListener = listener;
+    return { close: () => (this.editsListener = null) };
+  }
+
   /** Somebody else makes a change. */
   othersDo(change: Change): void {
     this.#comeTo([...this.done, change], "what the other did");
@@ -146,6 +161,7 @@ export class FakeService implements Partial<Service> {
       undo: this.#states[this.#now]?.label ?? "",
       redo: this.#states[this.#now + 1]?.label ?? "",
       cameras: [...this.shot.cameraPaths, ...created(this.done)],
+      notesTag: this.#notes().notesTag,
     });
   }
 
@@ -179,6 +195,10 @@ export class FakeService implements Partial<Service> {
     return Promise.resolve([]);
   }
 
+  choices(): Promise<Choices> {
+    return Promise.resolve({ variantSets: [], payloads: [], complete: true });
+  }
+
   lenses(): Promise<readonly LensSummary[]> {
     return Promise.resolve([{ name: "fifty" } as LensSummary]);
   }
@@ -203,6 +223,7 @@ export class FakeService implements Partial<Service> {
     return {
       free: true,
       request: (request) => void this.requests.push(request),
+      look: (time) => void this.looks.push(time),
       cancel: () => (this.cancelled += 1),
       close: () => (this.listener = null),
     };
@@ -251,6 +272,11 @@ export class FakeService implements Partial<Service> {
     return Promise.resolve({ keys: this.keyed } as unknown as FocusSettings);
   }
 
+  /** Keys of the camera's place, and what else is told of that. */
+  place: CameraPlace = { keys: [], isEdited: false, isInShot: true };
+
+  fromAbove = { cameraPlace: (): Promise<CameraPlace> => Promise.resolve(this.place) } as unknown as FromAbove;
+
   focusPoints(): Promise<FocusPoint[]> {
     return Promise.resolve(this.points);
   }
@@ -258,6 +284,15 @@ export class FakeService implements Partial<Service> {
   async pick(_: View, _time: number, at: readonly [number, number]): Promise<Pick | null> {
     await this.pickGate();
     return this.hits ? { anchor: { ...point("thing").anchor, barycentric: [...at, 0] }, depthM: 2 } : null;
+  }
+
+  frameNotes(): Promise<NoteList> {
+    return Promise.resolve(this.#notes());
+  }
+
+  #notes(): NoteList {
+    const notes = withChanges([], this.done);
+    return { notes, notesTag: notes.length > 0 ? JSON.stringify(notes) : "" };
   }
 
   notes(): Promise<[]> {

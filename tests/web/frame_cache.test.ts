@@ -217,7 +217,7 @@ describe("a frame", () => {
   it("of edits that are not known here is not kept, and they are read", async () => {
     const { fake, document, cache, filler, run } = stand();
     fake.pictureRevision = () => "of somebody else";
-    const catchUp = vi.spyOn(document, "catchUp").mockResolvedValue(undefined);
+    const catchUp = vi.spyOn(document, "catchUp").mockResolvedValue(true);
     filler.ask(true);
     await run();
     filler.ask(false);

@@ -17,6 +17,8 @@ const READOUT = toReadout({
   farM: null,
   hyperfocalM: null,
   cocLimitMm: 0.03,
+  closeFocusM: 0.5,
+  pupilToFilmMm: [50, 55],
   source: "camera",
   reason: "",
   note: "",

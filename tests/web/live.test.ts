@@ -2,6 +2,7 @@ import { restQuality } from "@/model/quality";
 import type { Changes } from "@/model/changes";
 import { LiveSocket, liveAddress, type Socket } from "@/net/live";
 import { errorOf, UnreachableError } from "@/net/errors";
+import type { Other } from "@/model/viewers";
 import type { LivePicture, PictureRequest } from "@/net/live_link";
 
 const QUALITY = restQuality(800, 400);
@@ -58,16 +59,19 @@ interface Heard {
   readonly pictures: { readonly picture: LivePicture; readonly time: number; readonly looked: () => void }[];
   readonly said: unknown[];
   readonly states: boolean[];
+  readonly company: unknown[];
 }
 
 function connected(admitted: () => Promise<unknown> = () => Promise.resolve()): Heard & { socket: FakeSocket } {
   const [sockets, pictures, said, states]: [FakeSocket[], Heard["pictures"], unknown[], boolean[]] = [[], [], [], []];
+  const company: unknown[] = [];
   const listener = {
     onPicture: (picture: LivePicture, { time }: PictureRequest): Promise<void> =>
       new Promise((looked) => pictures.push({ picture, time, looked })),
     onReadout: (readout: unknown): void => void said.push(readout),
     onError: (error: unknown): void => void said.push(error),
     onOpen: (isOpen: boolean): void => void states.push(isOpen),
+    onOthers: (others: readonly Other[]): void => void company.push(others.map(({ label, time }) => [label, time])),
   };
   const connect = (): FakeSocket => {
     const socket = new FakeSocket();
@@ -77,7 +81,7 @@ function connected(admitted: () => Promise<unknown> = () => Promise.resolve()): 
   const live = new LiveSocket("ws://here", { shot: "demo", camera: "/cam" }, listener, { connect, admitted });
   const [socket] = sockets;
   if (!socket) throw new Error("It does not connect.");
-  return { sockets, live, pictures, said, states, socket };
+  return { sockets, live, pictures, said, states, company, socket };
 }
 
 function request(time: number, unsaved: Changes = [], moving = true): PictureRequest {
@@ -285,6 +289,43 @@ describe("a lost live connection", () => {
   });
 });
 
+describe("others who look at the shot", () => {
+  it("are told of, but for this page, and are gone with the connection", () => {
+    const { socket, company } = connected();
+    socket.open();
+    const [name, camera] = ["anyone", "/cam"];
+    const viewers = [1, 2].map((number) => ({ id: `v${number}`, name, number, camera, time: 10 * number }));
+    socket.say(JSON.stringify({ you: "v1", viewers }));
+    expect(company).toEqual([[["Guest 2", 20]]]);
+    socket.lose();
+    expect(company.at(-1)).toEqual([]);
+  });
+
+  it("hear of looks that need no picture a few times a second, the last one always", () => {
+    const { socket, live } = connected();
+    live.look(3);
+    expect(socket.sent).toEqual([]);
+    socket.open();
+    for (let time = 4; time < 64; time += 1) {
+      live.look(time);
+      vi.advanceTimersByTime(1000 / 60);
+    }
+    vi.advanceTimersByTime(1000);
+    expect(socket.sent.length).toBeLessThanOrEqual(6);
+    expect([socket.sent[0], socket.sent.at(-1)]).toEqual([3, 63].map((time) => ({ here: { camera: "/cam", time } })));
+  });
+
+  it("hear of a request by itself", () => {
+    const { socket, live } = connected();
+    socket.open();
+    for (const time of [3, 4]) live.look(time);
+    live.request(request(5));
+    vi.advanceTimersByTime(1000);
+    expect(socket.sent.map(({ here, time }) => here ?? time)).toEqual([{ camera: "/cam", time: 3 }, 5]);
+  });
+});
+
 it("live pictures are where the service is", () => {
-  expect(liveAddress("https://there:8000", "a b")).toBe("wss://there:8000/v1/shots/a%20b/live");
+  expect(liveAddress("https://there:8000", "a b", false)).toBe("wss://there:8000/v1/shots/a%20b/live");
+  expect(liveAddress("https://there:8000", "a b", true)).toBe("wss://there:8000/v1/shots/a%20b/live?viewers=true");
 });

@@ -37,6 +37,8 @@ describe("what the service says", () => {
       source: "camera",
       reason: "",
       focusMode: "manual",
+      closeFocusM: null,
+      pupilToFilmMm: [50, 55],
     });
     const readout = await new HttpService("http://host").readout(view, 3);
     expect([readout.focusDistanceM, readout.farM, readout.hyperfocalM]).toEqual([Infinity, Infinity, Infinity]);

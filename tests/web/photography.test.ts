@@ -5,7 +5,6 @@ import {
   formatStops,
   formatTime,
   groupedFilms,
-  guideIn,
   matchShutter,
   parseShutter,
   setExposureStop,
@@ -107,16 +106,6 @@ describe("words", () => {
     const dial = [100, 125, 160, 200, 250, 320, 400, 500, 640, 800, 1000];
     for (const [at, speed] of dial.slice(0, -1).entries()) expect(ISOS.step(speed, 1)).toBe(dial[at + 1]);
     expect(ISOS.toValue(ISOS.toPosition(800))).toBe(800);
-  });
-});
-
-describe("framing", () => {
-  it("guides are as large as fits, in the middle", () => {
-    const scope = guideIn(16 / 9, 2.39);
-    expect(scope).toMatchObject({ left: 0, width: 1 });
-    expect((16 / 9) * (scope.width / scope.height)).toBeCloseTo(2.39);
-    expect(scope.top).toBeCloseTo((1 - scope.height) / 2);
-    expect(guideIn(16 / 9, 1)).toMatchObject({ top: 0, height: 1, width: 9 / 16 });
   });
 });
 

@@ -28,6 +28,7 @@ export function point(name: string, keys: Keys = {}, settings: Partial<FocusPoin
     keys: Object.fromEntries(rows) as FocusPoint["keys"],
     share: 0,
     depthM: 2,
+    positionM: [0, 0, -2],
     sharpness: { depthM: 2, cocMm: 0, focusDistanceM: 2 },
     screen: [0.5, 0.5],
   };

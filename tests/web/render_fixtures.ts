@@ -18,6 +18,7 @@ const RENDER: Render = {
   formats: ["png"],
   aovs: [],
   lens: null,
+  products: [],
   count: 4,
   ready: 4,
   running: 0,

@@ -11,9 +11,11 @@ interface Typed {
   readonly source: { revision: number; edits: Promise<void> };
   /** AOVs that are remembered. */
   readonly aovs: Signal<string>;
+  /** What the last render made. */
+  readonly delivered: Signal<string>;
 }
 
-function typed(remembered = ""): Typed {
+function typed(remembered = "", made = ""): Typed {
   const service = new FakeRenders();
   const state = { revision: 0, edits: Promise.resolve() };
   const source: RenderSource = {
@@ -23,10 +25,11 @@ function typed(remembered = ""): Typed {
     idle: () => state.edits,
     document: { revision: { peek: () => state.revision } },
     motion: { peek: () => 1 },
-    playhead: { played: { peek: () => ({ ...SHOT.range, start: 10, end: 20 }) } },
+    playhead: { played: { peek: () => ({ ...SHOT.range, start: 10, end: 20 }) }, time: { peek: () => 12.4 } },
   };
-  const aovs = signal(remembered);
-  return { form: new RenderForm(service, source, "1920", aovs), service, source: state, aovs };
+  const [aovs, delivered] = [signal(remembered), signal(made)];
+  const form = new RenderForm(service, source, "1920", { aovs, delivered });
+  return { form, service, source: state, aovs, delivered };
 }
 
 beforeEach(() => {
@@ -103,6 +106,30 @@ describe("AOVs of a render", () => {
     form.type({ formats: "both" });
     await form.send();
     expect([service.sent.at(-1)?.request.aovs, aovs.value]).toEqual([["normal"], "normal"]);
+  });
+});
+
+describe("what a render makes", () => {
+  it("is what the last one made, and remembered where it was taken", async () => {
+    const { form, service, delivered } = typed("", "frames.png,movie.webm");
+    expect(form.draft.value).toMatchObject({ made: ["frames", "movie"], formats: "png" });
+    form.type({ made: ["focus-report"] });
+    service.failing = { send: new UnreachableError() };
+    await form.send();
+    expect(delivered.value).toBe("frames.png,movie.webm");
+    await form.send();
+    expect(service.sent.at(-1)?.request).toMatchObject({ formats: [], products: ["focus-report.html"] });
+    expect(delivered.value).toBe("focus-report.html");
+  });
+
+  it("is of frames that one press chooses", () => {
+    const { form } = typed();
+    const { start, end } = SHOT.range;
+    expect((["this", "range", "whole"] as const).map((quick) => form.framesOf(quick))).toEqual([
+      "12",
+      "10-20",
+      `${start}-${end}`,
+    ]);
   });
 });
 

@@ -1,3 +1,4 @@
+import { chosenProducts } from "@/model/deliverables";
 import { faultsIn, fieldOf, framesOf, requestOf, type RenderDraft } from "@/model/render_draft";
 import {
   durationInWords,
@@ -152,7 +153,7 @@ const draft: RenderDraft = {
   frames: "1-9:2",
   width: "640",
   rays: "16",
-  formats: "png",
+  ...chosenProducts("frames.png"),
   priority: "50",
   aovs: [],
   primvars: "",

@@ -11,8 +11,14 @@ import "./view/style/layout.css";
 import "./view/style/controls.css";
 import "./view/style/menus.css";
 import "./view/style/camera.css";
+import "./view/style/guides.css";
 import "./view/style/viewer.css";
+import "./view/style/plan.css";
+import "./view/style/scopes.css";
+import "./view/style/notes.css";
 import "./view/style/timeline.css";
+import "./view/style/company.css";
+import "./view/style/ring.css";
 import "./view/style/narrow.css";
 import "./view/style/touch.css";
 

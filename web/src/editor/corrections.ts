@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
 import { correct, isDense, recorrect, type Correction } from "../model/correction";
-import type { KeyOwner } from "../model/key_lanes";
+import type { ValueOwner } from "../model/key_lanes";
 import type { Key } from "../model/keys";
 import { followOwner, type ReadKeys } from "./current_keys";
 import type { ShotDocument } from "./document";
@@ -13,7 +13,7 @@ import type { PointNames } from "./point_names";
 
 /** A curve, and where a value of it is set. */
 export interface CurvePlace {
-  readonly owner: KeyOwner;
+  readonly owner: ValueOwner;
   readonly keys: readonly Key[];
   /** USD time code. */
   readonly time: number;

@@ -2,6 +2,7 @@
 
 import { batch, computed, signal, type ReadonlySignal } from "@preact/signals";
 import { setFocusMode, type Changes } from "../model/changes";
+import { mayChangeCameras } from "../model/choices";
 import { sampleAt, type Curve } from "../model/curve";
 import { NO_HISTORY, redoLabel, undoLabel, type EditHistory } from "../model/history";
 import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
@@ -30,7 +31,7 @@ export interface At {
   readonly revision: number;
 }
 
-type TimedResult = EditResult & { readonly time: number };
+type TimedResult = EditResult & { readonly time: number; readonly changes: Changes };
 
 export class ShotDocument {
   readonly shot: Shot;
@@ -67,7 +68,7 @@ export class ShotDocument {
   readonly #service: Service;
   readonly #fail: Fail;
   /** Result of the last edit. */
-  #lastEdit: (EditResult & At) | null = null;
+  #lastEdit: (TimedResult & At) | null = null;
   /** The focus points at other times, in the present revision. */
   readonly pointsByTime: PointsByTime;
   readonly #followPoints: NewestWins<number, readonly FocusPoint[]>;
@@ -83,12 +84,8 @@ export class ShotDocument {
     fail: Fail,
     noEdits: ReadonlySignal<string | null> = signal(null),
   ) {
-    this.#service = service;
-    this.noEdits = noEdits;
-    this.shot = shot;
+    [this.#service, this.shot, this.#time, this.#fail, this.noEdits] = [service, shot, time, fail, noEdits];
     this.view = { shot: shot.id, camera };
-    this.#time = time;
-    this.#fail = fail;
     this.pointsByTime = new PointsByTime((at) => service.focusPoints(this.view, at));
     const onError = (error: unknown): void => {
       fail(error, () => {
@@ -129,8 +126,7 @@ export class ShotDocument {
 
   /** Readout of the lens now: with the unsaved changes, else of the present revision, else from the curve, else as last read. */
   readonly readout = computed<Readout | null>(() => {
-    const saved = this.#readout.value;
-    const preview = this.#previewReadout.value;
+    const [saved, preview] = [this.#readout.value, this.#previewReadout.value];
     if (preview && sameTime(preview.time, this.#time.value)) return preview.value;
     if (saved?.revision === this.revision.value && sameTime(saved.time, this.#time.value)) return saved.value;
     const sample =
@@ -182,6 +178,10 @@ export class ShotDocument {
     return this.#lastEdit?.revision === revision && sameTime(this.#lastEdit.time, time) ? this.#lastEdit : null;
   }
 
+  /** Changes of the edit that led to a revision; null where something else did. */
+  readonly changesOf = (revision: number): Changes | null =>
+    this.#lastEdit?.revision === revision ? this.#lastEdit.changes : null;
+
   /** The focus points at a time, read once in each revision. */
   pointsAt(time: number): Promise<readonly FocusPoint[]> {
     if (!this.hasLens) return Promise.resolve([]);
@@ -224,10 +224,10 @@ export class ShotDocument {
       const result = await this.#service.edit(this.view, edit);
       onMade?.();
       this.history.value = result.history;
-      const created = result.cameras.at(-1);
-      if (created !== undefined) this.successor.value = { ...this.view, camera: created };
+      if (known.some(mayChangeCameras)) this.#takeHistory(await this.#service.history(this.shot.id));
+      for (const created of result.cameras.slice(-1)) this.successor.value = { ...this.view, camera: created };
       this.simplified.value = result.simplified[0] ?? null;
-      return { ...result, time };
+      return { ...result, time, changes: known };
     };
     return this.#inTurn(label, task, () => void this.edit(label, changes, undefined, gesture, onMade), unsaved);
   }
@@ -259,18 +259,29 @@ export class ShotDocument {
     await this.#queue;
   }
 
-  /** Reads the history, and the shot again if another editor has changed it. */
-  async catchUp(): Promise<void> {
+  /** Whether nothing is edited here, so that the edits of others can be shown. */
+  readonly resting = computed(() => this.pending.value === 0 && !this.dragging.value);
+
+  /**
+   * Reads the history, and the shot again if another editor has changed it. Resolves to false where an edit here came between,
+   * after which there may still be something to read.
+   *
+   * @param told revision that the shot is said to have, whose state is then read beside its history; null for none.
+   */
+  async catchUp(told: string | null = null): Promise<boolean> {
     const known = this.history.peek();
-    try {
-      const history = await this.#service.history(this.shot.id);
-      const isEditing = this.pending.peek() > 0 || this.dragging.peek() || this.history.peek() !== known;
-      if (isEditing || history.revision === known.revision) return;
-      this.#takeHistory(history);
-      if (known !== NO_HISTORY) this.refresh();
-    } catch (error) {
+    const reading = this.#service.history(this.shot.id);
+    const isTold = told !== null && told !== known.revision && known !== NO_HISTORY && this.resting.peek();
+    if (isTold) this.refresh();
+    const history = await reading.catch((error: unknown) => {
       this.#fail(error, () => void this.catchUp());
-    }
+      return known;
+    });
+    const isBetween = !this.resting.peek() || this.history.peek() !== known;
+    if (isBetween || history.revision === known.revision) return !isBetween;
+    this.#takeHistory(history);
+    if (known !== NO_HISTORY && !(isTold && history.revision === told)) this.refresh();
+    return true;
   }
 
   /**
@@ -348,8 +359,7 @@ export class ShotDocument {
   /** Takes a history that was read; where the shot has other cameras by now, the view is to be opened again. */
   #takeHistory(history: EditHistory): void {
     this.history.value = history;
-    const { cameras } = history;
-    if (cameras && cameras.join() !== this.shot.cameraPaths.join()) this.successor.value = this.view;
+    if (history.cameras && history.cameras.join() !== this.shot.cameraPaths.join()) this.successor.value = this.view;
   }
 
   #takeReadout(value: Readout, at: At): void {
@@ -382,7 +392,7 @@ export class ShotDocument {
       } catch (error) {
         if (!isAbort(error)) this.#fail(error, again);
         this.#previewReadout.value = null;
-        this.history.value = await this.#service.history(this.shot.id).catch(() => this.history.peek());
+        this.#takeHistory(await this.#service.history(this.shot.id).catch(() => this.history.peek()));
         return false;
       } finally {
         batch(() => {

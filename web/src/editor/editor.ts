@@ -10,6 +10,7 @@ import type { Download, Service } from "../net/service";
 import type { View } from "../net/view";
 import type { Fail } from "./fail";
 import { Identity } from "./identity";
+import { KeptPulls } from "./kept_pulls";
 import { Layout } from "./layout";
 import { Library, type Upload } from "./library";
 import { Posters, type Poster } from "./posters";
@@ -54,8 +55,14 @@ export class Editor {
   readonly helpOpen = signal(false);
   /** Whether the list of all commands is open. */
   readonly paletteOpen = signal(false);
+  /** Whether the dialog of variants and payloads is open. */
+  readonly choicesOpen = signal(false);
+  /** Whether the dialog of what the cameras see is open. */
+  readonly camerasOpen = signal(false);
   /** Part of the dialog of renders that is open; null where it is closed. */
   readonly rendersView = signal<RendersView | null>(null);
+  /** Whether the list of who else is here is to have the keyboard. */
+  readonly companyCalled = signal(false);
   /** How often a file of a shot was asked for; the page opens the browser's dialog then. */
   readonly fileRequests = signal(0);
 
@@ -63,6 +70,8 @@ export class Editor {
   /** Does once more what the complaint is about. */
   #again = (): void => undefined;
   readonly #posters = new Posters(localStore());
+  /** Puts back the pulls of deleted shots, by their ids. */
+  readonly #forgotten = new Map<string, () => void>();
   #librariesRead: Promise<void> | null = null;
 
   /** @param reload loads the page anew, at its present address. */
@@ -158,8 +167,9 @@ export class Editor {
       if (this.opening.value !== opening) return; // another one was requested meanwhile
       const known = opened.cameras.some((candidate) => candidate.path === camera);
       const view = known ? camera : opened.defaultCamera;
-      this.session.value?.close();
-      this.session.value = new Session(
+      const before = this.session.value;
+      before?.close();
+      const session = new Session(
         this.service,
         opened,
         view,
@@ -168,12 +178,20 @@ export class Editor {
         this.identity,
         this.remembered.pull,
         this.waits,
+        { ...this.remembered.ring, kept: this.#keptPulls },
       );
+      if (before?.shot.id === shot) session.frameNotes.follow(before.frameNotes);
+      this.session.value = session;
     } catch (error) {
       if (this.opening.value === opening) this.fail(error, () => void this.open(shot, camera, time));
     } finally {
       if (this.opening.value === opening) this.opening.value = null;
     }
+  }
+
+  /** The pulls of whoever is signed in. */
+  get #keptPulls(): KeptPulls {
+    return new KeptPulls(localStore(), this.identity.who.peek()?.id ?? "");
   }
 
   /** How a shot looked when it was open here last; null where it was not. */
@@ -200,6 +218,14 @@ export class Editor {
     session.playhead.pause();
     const time = session.playhead.time.value;
     void session.document.edit("Create a camera", [{ type: "createCamera", time }]);
+  }
+
+  /** Copies the camera that the shot is seen through, and looks through the copy. */
+  duplicateCamera(): void {
+    const session = this.session.value;
+    if (!session) return;
+    session.playhead.pause();
+    void session.document.edit("Duplicate the camera", [{ type: "duplicateCamera" }]);
   }
 
   /** Opens a view in place of the open session, which reads nothing from then on: its camera may be gone. */
@@ -232,9 +258,11 @@ export class Editor {
   async remove(shot: string): Promise<void> {
     await this.attempt(async () => {
       await this.library.remove(shot);
+      const isOpen = this.session.value?.shot.id === shot;
+      if (isOpen) this.session.value?.close(); // what is recorded becomes a take
       this.#posters.forget(shot);
-      if (this.session.value?.shot.id !== shot) return;
-      this.session.value.close();
+      this.#forgotten.set(shot, this.#keptPulls.forget(shot));
+      if (!isOpen) return;
       this.session.value = null;
       const next = this.library.shots.value?.[0];
       if (next) await this.open(next.id);
@@ -245,6 +273,8 @@ export class Editor {
   async restore(entry: TrashedShot): Promise<void> {
     await this.attempt(async () => {
       await this.library.restore(entry);
+      this.#forgotten.get(entry.shot)?.();
+      this.#forgotten.delete(entry.shot);
       await this.open(entry.shot);
     });
   }

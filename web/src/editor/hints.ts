@@ -1,7 +1,7 @@
 /** Reasons why a gesture does nothing, with what to do about it. */
 
 import type { Changes } from "../model/changes";
-import { MOST_CHANGES, type KeyOwner } from "../model/key_lanes";
+import { labelOf, MOST_CHANGES, type KeyOwner } from "../model/key_lanes";
 import { beyondLimits, MOST_TIME, MOST_VALUE, MOST_WIDTH, type Beyond } from "../model/key_limits";
 import type { Shot } from "../model/shot";
 import { HintError } from "../net/errors";
@@ -37,7 +37,7 @@ function inDigits(value: number): string {
 
 /** Where the focus point is gone whose keys are edited. */
 export function goneHint(owner: KeyOwner): HintError {
-  const name = "point" in owner ? owner.point : owner.setting;
+  const name = "point" in owner ? owner.point : labelOf(owner).toLowerCase();
   return new HintError(`There is no ${name} any more.`, "Its keys went with it.");
 }
 
@@ -56,4 +56,27 @@ export function noCameraHint(shot: Shot): HintError {
   const hasOthers = shot.cameras.length > 0;
   const advice = hasOthers ? "Choose one above, or create one from this view." : "Create one from this view.";
   return new HintError("There is no camera to focus.", advice);
+}
+
+/** Where a take cannot be made the focus. */
+export function noTakeHint(isTooLong: boolean): HintError {
+  return isTooLong
+    ? new HintError("The take would be too many keys.", "Let it be farther off the distances that were recorded.")
+    : new HintError("The focus before the take is not there yet.", "Try again once the focus curve is drawn.");
+}
+
+/** Where no frame from the punch-in to the punch-out is played. */
+export function noPunchHint(): HintError {
+  return new HintError(
+    "None of the frames to record is played.",
+    "Move the punch-in and the punch-out, or play other frames.",
+  );
+}
+
+/** Where the browser cannot keep the takes of a shot. */
+export function noRoomHint(): HintError {
+  return new HintError(
+    "The browser has no room to keep takes and marks.",
+    "They last as long as the shot is open: apply the take, or delete takes that are not needed.",
+  );
 }

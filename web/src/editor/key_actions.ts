@@ -1,6 +1,6 @@
 /** What can be done with the selected keys. */
 
-import type { KeyShape } from "../model/key_lanes";
+import { hasValue, type KeyShape } from "../model/key_lanes";
 import type { KeyEditing } from "./key_editing";
 
 export interface KeyAction {
@@ -29,7 +29,11 @@ const mayEditSome = (keys: KeyEditing): string | null => keys.noEdits ?? needsSo
 const COPY: KeyAction = {
   label: "Copy",
   keys: ["Ctrl C"],
-  refusal: needsSome,
+  refusal: (keys) =>
+    needsSome(keys) ??
+    (keys.selectedStacks.value.some((stack) => stack.keys.some(hasValue))
+      ? null
+      : "Keys of the camera's place are set where it stands (Alt K), not copied."),
   act: (keys) => {
     keys.copy();
   },

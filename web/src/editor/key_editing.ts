@@ -4,12 +4,12 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import type { Changes } from "../model/changes";
 import {
   holdAll,
-  lanesOf,
   mapKeys,
   mirrored,
   pasteKeys,
   labelOf,
   firstTime,
+  hasValue,
   lengthOf,
   keepMode,
   laneOf,
@@ -21,10 +21,10 @@ import {
   stretched,
   valued,
   wholeSetting,
-  type KeyOwner,
   type KeyShape,
   type KeyStack,
-  type OwnedKey,
+  type ValueKey,
+  type ValueOwner,
 } from "../model/key_lanes";
 import type { Key, KeyedSetting } from "../model/keys";
 import type { FocusMode } from "../model/shot";
@@ -32,7 +32,8 @@ import { formatFrame } from "../model/time";
 import { insertion } from "../model/spline";
 import { curvesOf } from "../model/value_curves";
 import { respanned } from "../model/value_scale";
-import { follow, followKeys, withOwners, withoutGone, type ReadKeys } from "./current_keys";
+import type { CameraPlaceReader } from "./camera_place";
+import { follow, followKeys, lanesNow, withOwners, withoutGone, type ReadKeys } from "./current_keys";
 import type { ShotDocument } from "./document";
 import type { Fail } from "./fail";
 import { nothingToPasteHint, refusedKeysHint } from "./hints";
@@ -49,6 +50,7 @@ interface KeyedParts {
   readonly photography: CameraPhotography;
   readonly playhead: Playhead;
   readonly pointNames: PointNames;
+  readonly cameraPlace: CameraPlaceReader;
 }
 
 const ALL_AS_SAVED: ReadonlyMap<string, KeyStack> = new Map();
@@ -71,19 +73,11 @@ export class KeyEditing {
     });
   }
 
-  readonly lanes = computed(() => {
-    const { document, photography } = this.#parts;
-    const current = photography.current.value;
-    const keyed = [document.focusSettings.value?.keys, current?.exposure.keys, current?.film.keys];
-    return lanesOf(
-      keyed.filter((keys) => keys !== undefined),
-      document.points.value,
-    );
-  });
+  readonly lanes = computed(() => lanesNow(this.#parts));
 
   /** What `paste` sets. */
-  readonly copied = signal<readonly OwnedKey[]>([]);
-  #copiedNow: () => readonly OwnedKey[] = () => [];
+  readonly copied = signal<readonly ValueKey[]>([]);
+  #copiedNow: () => readonly ValueKey[] = () => [];
   /** How far a curve may be off that is simplified, as a share. */
   readonly tolerance = signal(0.02);
   /** Id of the curve that is drawn in place of the focus curve; null for none. */
@@ -209,7 +203,7 @@ export class KeyEditing {
   }
 
   /** Adds a key to a curve, which stays as it is, and selects it. */
-  async add(owner: KeyOwner, keys: readonly Key[], time: number): Promise<void> {
+  async add(owner: ValueOwner, keys: readonly Key[], time: number): Promise<void> {
     this.clear();
     const changes = insertion(keys, time).map((key) => setKey(owner, key));
     const isMade = await this.#edit(`Add the key at ${formatFrame(time)}`, keepMode(changes, [owner], this.#mode));
@@ -218,9 +212,9 @@ export class KeyEditing {
 
   /** Keeps the selected keys for `paste`. */
   copy(): void {
-    const { stacks } = this.#base();
-    if (stacks.length === 0) return;
-    this.copied.value = stacks.flatMap(({ keys }) => keys);
+    const copied = this.#base().stacks.flatMap(({ keys }) => keys.filter(hasValue));
+    if (copied.length === 0) return;
+    this.copied.value = copied;
     this.#copiedNow = followKeys(this.copied.peek(), this.#parts.pointNames);
   }
 
@@ -366,7 +360,7 @@ export class KeyEditing {
    * @param base what it edits, as the edit before it leaves that: without that one, it is not made either.
    */
   async #edit(label: string, changes: Changes, base?: Pending): Promise<boolean> {
-    const { document, playhead, photography, pointNames } = this.#parts;
+    const { document, playhead, photography, pointNames, cameraPlace } = this.#parts;
     const hint = refusedKeysHint(changes);
     if (hint) {
       document.endPreview();
@@ -377,7 +371,7 @@ export class KeyEditing {
     document.unsaved.value = changes;
     // What was read may change by edits under way.
     const isSettled = document.pending.peek() === 0 && !base?.isMade && document.hasFreshPoints;
-    const isRead = isSettled && document.fresh.peek() && photography.fresh.peek();
+    const isRead = isSettled && document.fresh.peek() && photography.fresh.peek() && cameraPlace.fresh.peek();
     const renamed = follow(changes, pointNames);
     const now = async (): Promise<Changes> =>
       (await base?.isMade) === false ? [] : withoutGone(renamed(), this.#read);

@@ -1,6 +1,6 @@
 /** The drag of a focus point's marker: the picture previews the focus at the pointer. */
 
-import type { Changes } from "../model/changes";
+import { moveOnto, type Changes } from "../model/changes";
 import type { FocusPoint } from "../model/shot";
 import type { Place } from "./picks";
 import type { Session } from "./session";
@@ -15,11 +15,10 @@ export class MarkerDrag {
   }
 
   move(at: Place): void {
-    const { name } = this.#point;
     const { document, playhead, selected } = this.#session;
-    const unsaved: Changes = [{ type: "movePoint", name, place: at, time: playhead.time.peek() }];
+    const unsaved = moveOnto(this.#point, { place: at }, playhead.time.peek());
     this.#last = { at, unsaved };
-    selected.value = name;
+    selected.value = this.#point.name;
     document.preview(unsaved);
   }
 

@@ -9,6 +9,7 @@ import type { FocusMap } from "../model/focus_map";
 import { draftQuality, type Quality } from "../model/quality";
 import type { FocusPoint } from "../model/shot";
 import { sameTime } from "../model/time";
+import type { Other } from "../model/viewers";
 import { ServiceError } from "../net/errors";
 import { decodeFocusMap } from "../net/focus_map";
 import type { LiveLink, LiveListener, LivePicture, PictureRequest } from "../net/live_link";
@@ -30,12 +31,11 @@ const SETTLE_MS = 400;
 const NO_CACHE: Pick<FrameCache, "find"> = { find: () => null };
 
 /** In place of live pictures that may not be drawn. */
-const NO_LINK: LiveLink = {
-  free: true,
-  request: () => undefined,
-  cancel: () => undefined,
-  close: () => undefined,
-};
+const NO_LINK: LiveLink = { free: true, request: ignore, look: ignore, cancel: ignore, close: ignore };
+
+function ignore(): void {
+  // Nobody is asked for anything.
+}
 
 /** A picture on screen, with the points where they were at its time. */
 export interface Displayed extends Omit<LivePicture, "blob" | "focusMap"> {
@@ -81,6 +81,8 @@ export class Pictures {
     return revision === this.#document.revision.value ? times : [];
   });
 
+  /** Who else looks at the shot; nobody where there are no live pictures. */
+  readonly others = signal<readonly Other[]>([]);
   /** Reason why no pictures may be drawn; null where they may. */
   readonly refusal: string | null;
 
@@ -143,6 +145,7 @@ export class Pictures {
         if (isOpen) this.#fetcher.clear();
         if (was !== isOpen && this.#current) this.#send(this.#current);
       },
+      onOthers: (others) => (this.others.value = others),
     };
     this.#link = refusal === null ? service.live(document.view, listener) : NO_LINK;
     this.#fetcher = new NewestWins({
@@ -152,8 +155,7 @@ export class Pictures {
         const blob = await service.frame(document.view, request.time, quality, signal);
         const { width, height, rays } = quality;
         const [stage, share] = request.moving ? (["preview", 0] as const) : (["final", 1] as const);
-        const tookMs = performance.now() - began;
-        return { blob, stage, width, height, rays, share, tookMs, focusMap: null };
+        return { blob, stage, width, height, rays, share, tookMs: performance.now() - began, focusMap: null };
       },
       onResult: (picture, request) => void this.#take(picture, request),
       onError,
@@ -176,14 +178,14 @@ export class Pictures {
     const isSaved = request.unsaved.length === 0;
     const cached = request.moving && isSaved ? this.#cachedFor(request.time, request.focusMaps) : null;
     if (cached) {
-      this.#sendNothing();
+      this.#sendNothing(request.time);
       void this.#show(cached, request, { readsPoints: false }); // many come in a second
       return;
     }
     const kept = this.#keptFor(request);
     if (kept) void this.#take(kept.picture, { ...request, quality: kept.quality });
     if (kept && (request.moving || kept.picture.stage === "final")) {
-      this.#sendNothing();
+      this.#sendNothing(request.time);
       return;
     }
     this.#send(request);
@@ -233,8 +235,13 @@ export class Pictures {
     return focusMaps && !cached?.focusMap ? null : cached;
   }
 
-  /** Cancels the pictures under way, which belong to the request before. */
-  #sendNothing(): void {
+  /**
+   * Cancels the pictures under way, which belong to the request before.
+   *
+   * @param shown time of the picture that needs no request; null where the picture on screen stays.
+   */
+  #sendNothing(shown: number | null = null): void {
+    if (shown !== null) this.#link.look(shown);
     this.drawing.value = null;
     this.stopped.value = false;
     clearTimeout(this.#timer);

@@ -1,7 +1,7 @@
 /** Where in time the person is, and playing. */
 
 import { computed, signal, type ReadonlySignal, type Signal } from "@preact/signals";
-import { frameDue, NOTHING_SEEN, PlayMeter, shuttled, type Repeat, type Seen } from "../model/playback";
+import { frameDue, NOTHING_SEEN, PlayMeter, shuttled, timeDue, type Repeat, type Seen } from "../model/playback";
 import { snapToFrame, stepFrames, type FrameRange } from "../model/time";
 
 export class Playhead {
@@ -28,6 +28,8 @@ export class Playhead {
   }));
   readonly #isFree: (time: number) => boolean;
   #request = 0;
+  /** The time that is due at a moment of the clock, ms; null where nothing plays. */
+  #due: ((nowMs: number) => number) | null = null;
   #meter = new PlayMeter();
   /** Time of the picture on screen. */
   #onScreen: number | null = null;
@@ -101,7 +103,8 @@ export class Playhead {
     let index = -1;
     let started: number | null = null;
     const tick = (now: number): void => {
-      started ??= now;
+      const began = (started ??= now);
+      this.#due = (nowMs) => timeDue(playing, from, Math.max(nowMs - began, 0) / 1000);
       const due = frameDue(playing, from, (now - started) / 1000);
       if (due.index > index && (due.time === this.time.value || this.#isFree(due.time))) {
         index = due.index;
@@ -110,7 +113,7 @@ export class Playhead {
         this.time.value = due.time;
       }
       this.seen.value = this.#meter.late(due, now) ?? this.seen.peek();
-      if (due.isLast && due.time === this.time.value) this.playing.value = false;
+      if (due.isLast && due.time === this.time.value) this.pause();
       else this.#request = requestAnimationFrame(tick);
     };
     this.#request = requestAnimationFrame(tick);
@@ -118,7 +121,13 @@ export class Playhead {
 
   pause(): void {
     cancelAnimationFrame(this.#request);
+    this.#due = null;
     this.playing.value = false;
+  }
+
+  /** The time that is due by the clock, between frames too; while nothing plays, that of the playhead. */
+  get due(): number {
+    return this.#due?.(performance.now()) ?? this.time.peek();
   }
 
   /** Counts the pictures that come on screen while it plays. */

@@ -1,10 +1,19 @@
 /** Edits of focus points as a whole: their names, what they are, whether they count, and racks between them. */
 
 import type { ReadonlySignal, Signal } from "@preact/signals";
-import { setAttribute, setKind, toggleKey, type Changes, type SimpleAttribute } from "../model/changes";
+import {
+  moveInWorld,
+  moveOnto,
+  setAttribute,
+  setKind,
+  toggleKey,
+  type Changes,
+  type SimpleAttribute,
+} from "../model/changes";
 import { freshName } from "../model/pull";
 import { rackProblem } from "../model/rack";
 import { primName, type Anchor, type Ease, type FocusPoint, type PointColor, type PointSettings } from "../model/shot";
+import type { Vector } from "../model/vector";
 import { HintError } from "../net/errors";
 import type { ShotDocument } from "./document";
 import { noPointHint } from "./hints";
@@ -58,7 +67,13 @@ export class PointEdits {
    */
   move(point: Named, anchor: Anchor, time: number, unsaved?: Changes): Promise<boolean> {
     const label = `Move ${point.name}`;
-    return this.#onPoint(label, point, ({ name }) => [{ type: "movePoint", name, anchor, time }], { time, unsaved });
+    return this.#onPoint(label, point, (now) => moveOnto(now, { anchor }, time), { time, unsaved });
+  }
+
+  /** Moves a point to a place of the world at a time; it stays with what it is on. As `move`. */
+  moveInWorld(point: Named, positionM: Vector, time: number, unsaved?: Changes): Promise<boolean> {
+    const label = `Move ${point.name}`;
+    return this.#onPoint(label, point, ({ name }) => moveInWorld(name, positionM, time), { time, unsaved });
   }
 
   /** Gives a point another name, made of what is typed; resolves to whether it has another one then. */

@@ -2,6 +2,7 @@
 
 import { computed, signal, type Signal } from "@preact/signals";
 import { chosenAovs } from "../model/aovs";
+import { chosenProducts, wordsOf } from "../model/deliverables";
 import { faultsIn, fieldOf, framesOf, requestOf, type DraftFault, type RenderDraft } from "../model/render_draft";
 import type { Render, RenderPlan, RenderRequest } from "../model/renders";
 import { restQuality } from "../model/quality";
@@ -16,8 +17,21 @@ const PAUSE_MS = 300;
 export type RenderSource = Pick<Session, "shot" | "camera" | "aspect" | "idle"> & {
   readonly document: { readonly revision: { peek(): number } };
   readonly motion: { peek(): number };
-  readonly playhead: { readonly played: { peek(): Session["shot"]["range"] } };
+  readonly playhead: {
+    readonly played: { peek(): Session["shot"]["range"] };
+    readonly time: { peek(): number };
+  };
 };
+
+/** What of the render that was sent last is remembered, each as words between commas. */
+export interface RememberedRender {
+  readonly aovs: Signal<string>;
+  /** What was made. */
+  readonly delivered: Signal<string>;
+}
+
+/** Frames that are chosen at once. */
+export type QuickFrames = "this" | "range" | "whole";
 
 export class RenderForm {
   readonly draft;
@@ -30,8 +44,7 @@ export class RenderForm {
 
   readonly #service: RenderService;
   readonly #source: RenderSource;
-  /** AOVs of the render that was sent last, between commas. */
-  readonly #aovs: Signal<string>;
+  readonly #remembered: RememberedRender;
   /** What the service has found in the draft. */
   readonly #refused = signal<readonly DraftFault[]>([]);
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -43,18 +56,18 @@ export class RenderForm {
 
   /**
    * @param width of delivered pictures, px.
-   * @param aovs of the render that was sent last, between commas; written when one is sent.
+   * @param remembered of the render that was sent last; written when one is sent.
    */
-  constructor(service: RenderService, source: RenderSource, width: string, aovs: Signal<string>) {
-    [this.#service, this.#source, this.#aovs] = [service, source, aovs];
+  constructor(service: RenderService, source: RenderSource, width: string, remembered: RememberedRender) {
+    [this.#service, this.#source, this.#remembered] = [service, source, remembered];
     this.draft = signal<RenderDraft>({
       name: "",
       frames: framesOf(source.playhead.played.peek()),
       width,
       rays: "100",
-      formats: "exr",
       priority: "50",
-      ...chosenAovs(aovs.peek()),
+      ...chosenProducts(remembered.delivered.peek()),
+      ...chosenAovs(remembered.aovs.peek()),
       after: [],
     });
     void this.#try();
@@ -71,6 +84,14 @@ export class RenderForm {
     this.#timer = setTimeout(() => void this.#try(), PAUSE_MS);
   }
 
+  /** Frames of a quick choice, as they would be typed. */
+  framesOf(quick: QuickFrames): string {
+    const { shot, playhead } = this.#source;
+    const [range, now] = [shot.range, playhead.time.peek()];
+    if (quick === "this") return framesOf({ ...range, start: Math.round(now), end: Math.round(now) });
+    return framesOf(quick === "range" ? playhead.played.peek() : range);
+  }
+
   /** Sends the render as the shot is once all edits are made; null where it was refused, or is being sent. */
   async send(): Promise<Render | null> {
     if (this.isSending.peek() || faultsIn(this.draft.peek()).length > 0) return null;
@@ -81,7 +102,8 @@ export class RenderForm {
       const request = this.#request();
       if (this.#accepted !== this.#whatOf(request) && !(await this.#isAccepted(request))) return null;
       const render = await this.#service.send(request, this.#keyOf(request));
-      if (request.formats?.includes("exr")) this.#aovs.value = (request.aovs ?? []).join(",");
+      if (request.formats?.includes("exr")) this.#remembered.aovs.value = (request.aovs ?? []).join(",");
+      this.#remembered.delivered.value = wordsOf(this.draft.peek());
       return render;
     } catch (error) {
       this.#refuse(error);

@@ -1,6 +1,6 @@
 /** One open shot: its document, time, pictures and selection, and the gestures on them. */
 
-import { batch, computed, effect, signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import {
   setAttribute,
   setFocus,
@@ -11,8 +11,9 @@ import {
   type SimpleAttribute,
 } from "../model/changes";
 import type { KeyedSetting } from "../model/keys";
-import { restQuality } from "../model/quality";
+import type { PictureBox } from "../model/quality";
 import {
+  FOCUS_MODE_WORDS,
   inFrame,
   KEYED_ATTRIBUTES,
   keysOf,
@@ -31,35 +32,37 @@ import {
 import { sameTime } from "../model/time";
 import type { Service } from "../net/service";
 import { readKeys, type ReadKeys } from "./current_keys";
+import { CameraMoves } from "./camera_moves";
+import { CameraPlaceReader } from "./camera_place";
 import { ShotDocument } from "./document";
 import type { Drag } from "./drag";
+import { Comparison } from "./comparison";
 import { CacheFiller } from "./cache_filler";
 import { Downloads } from "./downloads";
 import { Corrections } from "./corrections";
 import { Crosshair } from "./crosshair";
 import { KeyEditing } from "./key_editing";
 import { CameraPhotography } from "./photography";
+import { ExposureMaps } from "./exposure_maps";
 import type { Fail } from "./fail";
 import { FrameCache } from "./frame_cache";
+import { FrameNotes } from "./frame_notes";
 import type { Identity } from "./identity";
 import { Mounting } from "./mounting";
+import { Others } from "./others";
 import { Picks, type Place } from "./picks";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 import { PointEdits } from "./point_edits";
 import { PointNames } from "./point_names";
 import { Pulls, usualPull, type PullChoice } from "./pulls";
+import { RingDesk, usualDesk, type DeskChoices } from "./ring_desk";
 import { readSetting } from "./setting_state";
-import { followWaits } from "./session_waits";
+import { followSession } from "./session_follow";
 import { TimeView } from "./time_view";
+import { TopViewer } from "./top_view";
 import { Waits } from "./waits";
-
-const MODE_NAMES: Readonly<Record<FocusMode, string>> = {
-  manual: "by hand",
-  points: "by points",
-  tiltPlane: "by a tilted plane",
-  surface: "by a surface",
-};
+import { Zoom } from "./zoom";
 
 export class Session {
   readonly shot: Shot;
@@ -78,6 +81,12 @@ export class Session {
   readonly corrections: Corrections;
   readonly downloads: Downloads;
   readonly mounting: Mounting;
+  readonly topView: TopViewer;
+  readonly frameNotes: FrameNotes;
+  readonly desk: RingDesk;
+  readonly cameraMoves: CameraMoves;
+  readonly cameraPlace: CameraPlaceReader;
+  readonly others: Others;
   /** What is waited for, in the shot and beside it. */
   readonly waits: Waits;
   readonly notes = signal<readonly Note[]>([]);
@@ -88,22 +97,23 @@ export class Session {
   /** Where the pointer is on the picture, 0 to 1 from its top left corner; null where it is elsewhere. */
   readonly pointer = signal<Place | null>(null);
   readonly crosshair = new Crosshair();
+  readonly zoom = new Zoom();
+  readonly comparison: Comparison;
+  readonly exposureMaps: ExposureMaps;
   /** What a finger has in place of Shift and Alt on keys: it selects several, and drags without snapping. */
   readonly touch = { several: signal(false), free: signal(false) };
   /** Where the sharpness of the picture is read: at the crosshair, or without it at the pointer. */
   readonly probed = computed(() => (this.crosshair.isHeld.value ? this.crosshair.at.value : this.pointer.value));
   /** Whether pictures come with focus maps. */
   readonly focusMaps = signal(false);
-  /** Device pixels that the picture has on screen. */
-  readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
+  /** Device pixels that the whole picture has on screen, or those of the delivered one where it is enlarged. */
+  readonly box = signal<PictureBox | null>(null);
 
   /** Names of the groups of points that lists show folded. */
   readonly foldedGroups = signal<ReadonlySet<string>>(new Set());
 
   readonly #service: Service;
-  readonly #fail: Fail;
   readonly #stop: () => void;
-  #hasReadNotes = false;
 
   constructor(
     service: Service,
@@ -114,9 +124,9 @@ export class Session {
     { noEdits, noPictures }: Pick<Identity, "noEdits" | "noPictures">,
     pullChoice: PullChoice = usualPull(),
     waits = new Waits(),
+    deskChoices: DeskChoices = usualDesk(),
   ) {
     this.#service = service;
-    this.#fail = fail;
     this.waits = waits;
     this.shot = shot;
     this.playhead = new Playhead(shot.range, time, (at) => this.pictures.isFreeFor(at));
@@ -136,16 +146,20 @@ export class Session {
     this.pulls = new Pulls(this.document, this.playhead.time, this.pointNames, pullChoice);
     this.pointEdits = new PointEdits(this.document, this.playhead.time, this.selected, this.pointNames);
     this.picks = new Picks(service, this, fail);
+    this.cameraPlace = new CameraPlaceReader(service, this.document, this.playhead.time, fail);
     this.keys = new KeyEditing(this, readNow, fail);
     this.playhead.watch(this.pictures.displayed);
     this.filler = new CacheFiller(service, this, fail);
     this.mounting = new Mounting(this.document);
     this.downloads = new Downloads(service, this);
-    const [unfollow, unwait] = [this.#follow(), followWaits(waits, this)];
-    this.#stop = () => {
-      unfollow();
-      unwait();
-    };
+    this.topView = new TopViewer(service, this.document, this.playhead.time, fail);
+    this.cameraMoves = new CameraMoves(service, this, fail);
+    this.frameNotes = new FrameNotes(service, this.document, this.playhead, fail);
+    this.desk = new RingDesk(this.document, this.playhead, deskChoices, fail);
+    this.comparison = new Comparison(service, this, fail);
+    this.exposureMaps = new ExposureMaps(service, this, fail);
+    this.others = new Others(service, this.document);
+    this.#stop = followSession(this, service, fail);
   }
 
   get camera(): string | null {
@@ -212,7 +226,7 @@ export class Session {
 
   setFocusMode(mode: FocusMode): Promise<boolean> {
     const before = this.document.readout.value?.focusMode ?? mode;
-    return this.document.edit(`Focus ${MODE_NAMES[mode]}`, setFocusMode(mode, before));
+    return this.document.edit(`Focus ${FOCUS_MODE_WORDS[mode]}`, setFocusMode(mode, before));
   }
 
   setFocusSwitch(label: string, name: FocusSwitch, on: boolean, before: FocusSettings): void {
@@ -296,68 +310,19 @@ export class Session {
   }
 
   close(): void {
+    this.desk.close();
+    this.cameraMoves.cancel();
     this.#stop();
     this.playhead.pause();
-    this.document.close();
-    this.photography.close();
-    this.filler.close();
-    this.cache.close();
-    this.pictures.close();
-  }
-
-  /** Reads what the present state needs, whenever it changes. */
-  #follow(): () => void {
-    void this.document.catchUp();
-    const stops = [
-      effect(() => {
-        this.document.follow(this.playhead.time.value, this.moving.value, this.document.revision.value);
-      }),
-      effect(() => {
-        const [box, time, revision] = [this.box.value, this.playhead.time.value, this.document.revision.value];
-        const [unsaved, motion, focusMaps] = [this.document.unsaved.value, this.motion.value, this.focusMaps.value];
-        // While an edit is under way the next request follows soon.
-        const moving = this.moving.value || this.document.pending.value > 0;
-        if (!box) return;
-        const quality = restQuality(box.width, box.height, motion);
-        this.pictures.request({ time, revision, unsaved, moving, focusMaps, quality });
-      }),
-      this.selected.subscribe(() => {
-        this.keys.clear(); // what is removed or moved next is what was selected last
-      }),
-      effect(() => {
-        this.photography.follow(this.playhead.time.value, this.moving.value, this.document.revision.value);
-      }),
-      effect(() => {
-        // Not at each step of a drag: the next step would wait for it.
-        const revision = this.document.revision.value;
-        if (!this.document.dragging.value) this.document.refreshCurve(revision);
-      }),
-      effect(() => {
-        // Last of all, since it reads the whole shot; once.
-        if ((this.settled.value || this.pictures.refusal !== null) && !this.#hasReadNotes) {
-          this.#hasReadNotes = true;
-          void this.#readNotes();
-        }
-      }),
-    ];
-    return () => {
-      for (const stop of stops) stop();
-    };
-  }
-
-  async #readNotes(): Promise<void> {
-    try {
-      this.notes.value = await this.#service.notes(this.shot.id);
-    } catch (error) {
-      this.#fail(error, () => void this.#readNotes());
-    }
+    const { others, document, photography, topView, comparison, exposureMaps, filler, cache, pictures } = this;
+    const parts = [others, document, photography, topView, comparison, exposureMaps, filler, cache, pictures];
+    for (const part of [...parts, this.cameraPlace, this.frameNotes]) part.close();
   }
 
   /** Selects the next point that is in the picture. */
   selectNext(by: 1 | -1): void {
     const names = this.shownPoints.value.filter(inFrame).map((point) => point.name);
     if (names.length === 0) return;
-    const at = names.indexOf(this.selected.value ?? "");
-    batch(() => (this.selected.value = names[(at + by + names.length) % names.length] ?? null));
+    this.selected.value = names.at((names.indexOf(this.selected.value ?? "") + by) % names.length) ?? null;
   }
 }

@@ -6,6 +6,8 @@ import type { Editor } from "../editor/editor";
 import { FOLDABLE, type Layout } from "../editor/layout";
 import { Help } from "./dialogs/Help";
 import { Palette } from "./dialogs/Palette";
+import { CamerasDialog } from "./dialogs/CamerasDialog";
+import { ChoicesDialog } from "./dialogs/ChoicesDialog";
 import { RendersDialog } from "./dialogs/RendersDialog";
 import { Inspector } from "./panels/Inspector";
 import { SignIn } from "./dialogs/SignIn";
@@ -34,6 +36,8 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
       <Palette editor={editor} />
       <ShotFiles editor={editor} />
       <SheetDialog editor={editor} />
+      <ChoicesDialog editor={editor} />
+      <CamerasDialog editor={editor} />
       <RendersDialog editor={editor} />
       <SignIn editor={editor} />
       <Tooltip />

@@ -16,6 +16,7 @@ import { save } from "./hooks";
 import { Icon } from "./icons";
 import { MenuBar } from "./menus/MenuBar";
 import { SharpnessMenu } from "./viewer/SharpnessMenu";
+import { ToolsMenu } from "./viewer/ToolsMenu";
 import { Radios } from "./controls/Radios";
 
 export function TopBar({ editor }: { editor: Editor }): JSX.Element {
@@ -144,8 +145,8 @@ function Panels({ editor: { layout } }: { editor: Editor }): JSX.Element {
 const SURROUND_NAMES: Readonly<Record<Surround, string>> = { grey: "18 % grey", dark: "Dark grey", black: "Black" };
 
 function Appearance({ editor }: { editor: Editor }): JSX.Element {
-  const { unit, surround, markers } = editor.remembered;
-  const shown = markers.value === "on";
+  const { unit, surround, markers, topView } = editor.remembered;
+  const [shown, isSeenFromAbove] = [markers.value === "on", topView.value === "on"];
   return (
     <>
       <button
@@ -158,7 +159,18 @@ function Appearance({ editor }: { editor: Editor }): JSX.Element {
       >
         <Icon name="points" />
       </button>
+      <button
+        type="button"
+        class="button icon-only"
+        aria-pressed={isSeenFromAbove}
+        aria-label="Top view"
+        title="The set from above (V)"
+        onClick={() => (topView.value = isSeenFromAbove ? "off" : "on")}
+      >
+        <Icon name="plan" />
+      </button>
       <SharpnessMenu editor={editor} />
+      {editor.session.value && <ToolsMenu editor={editor} session={editor.session.value} />}
       <div class="group" role="radiogroup" aria-label="Surround of the picture">
         {SURROUNDS.map((name) => (
           <button
@@ -233,7 +245,7 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
               </button>
             </Fragment>
           ))}
-          <p class="menu-heading">Many frames</p>
+          <p class="menu-heading">Frames, movie, reports</p>
           <button
             type="button"
             disabled={session.pictures.refusal !== null}
@@ -243,7 +255,7 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
               editor.rendersView.value = "new";
             }}
           >
-            Render…
+            Deliver…
           </button>
         </>
       )}

@@ -1,7 +1,7 @@
 /** Small helpers of the view. */
 
 import type { RefObject } from "preact";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 
 export interface Size {
   readonly width: number;
@@ -77,4 +77,14 @@ export function followPointer(
   return () => {
     listening.abort();
   };
+}
+
+/** The element of a modal dialog, which is open while it is to be. */
+export function useModal(isOpen: boolean): RefObject<HTMLDialogElement | null> {
+  const ref = useRef<HTMLDialogElement>(null);
+  useEffect(() => {
+    if (isOpen) ref.current?.showModal();
+    else ref.current?.close();
+  }, [isOpen]);
+  return ref;
 }

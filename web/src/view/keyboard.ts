@@ -1,12 +1,24 @@
 /** Keys that work anywhere on the page, except where the focused control has a use of its own for them. */
 
 import type { Editor } from "../editor/editor";
+import type { Command } from "./commands/command";
 import { commandOf, isReserved, placeOf } from "./commands/table";
 import { chooseRadio, controlOf, usesKey } from "./own_keys";
+
+/** Time from which a key is held down, and not pressed, ms. */
+const HELD_MS = 300;
+
+/** A key that is down, and its command. */
+interface Held {
+  readonly command: Command;
+  readonly code: string;
+  readonly since: number;
+}
 
 export function listenToKeys(target: Window, editor: Editor): void {
   const origin = new FocusOrigin(target);
   let isSpaceTaken = false;
+  let held: Held | null = null;
   target.addEventListener("keydown", (event) => {
     if (event.defaultPrevented || document.querySelector("dialog[open]")) return;
     const focused = event.target instanceof Element ? event.target : null;
@@ -18,6 +30,12 @@ export function listenToKeys(target: Window, editor: Editor): void {
     if (!command) return;
     isSpaceTaken = event.key === " ";
     if (!event.repeat || command.repeats) command.act(place);
+    if (!event.repeat) held = command.letGo ? { command, code: event.code, since: event.timeStamp } : null;
+  });
+  target.addEventListener("keyup", ({ code, timeStamp }) => {
+    if (held?.code !== code) return;
+    if (timeStamp - held.since >= HELD_MS) held.command.letGo?.(placeOf(editor));
+    held = null;
   });
   // Some browsers press a button when Space goes up.
   target.addEventListener("keyup", (event) => {

@@ -3,7 +3,7 @@
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 
-export const MENUS = ["Shot", "Edit", "Focus", "Keys", "Play", "View"] as const;
+export const MENUS = ["Shot", "Edit", "Focus", "Keys", "Play", "Picture", "View"] as const;
 export type MenuName = (typeof MENUS)[number];
 
 /** What a command acts on. */
@@ -17,7 +17,7 @@ export interface Place {
 export interface Command {
   readonly name: string;
   readonly menu: MenuName;
-  /** Chords of the keyboard; the first one is shown. */
+  /** Chords of the keyboard; the first one is shown. One without any is in the menus, and in the list of all commands. */
   readonly keys: readonly string[];
   /** Whether it is done again and again while its key is held down. */
   readonly repeats?: boolean;
@@ -28,6 +28,8 @@ export interface Command {
   /** Why it can do nothing now; null where it can. */
   readonly refusal: (place: Place) => string | null;
   readonly act: (place: Place) => void;
+  /** Ends what it began, where its key was held down for a while. */
+  readonly letGo?: (place: Place) => void;
 }
 
 /** A command without what is the same for all of a menu. */
@@ -46,15 +48,21 @@ export interface SessionCommand {
   readonly isOn?: (session: Session, place: Place) => boolean;
   readonly refusal?: (session: Session, place: Place) => string | null;
   readonly act: (session: Session, place: Place) => void;
+  readonly letGo?: (session: Session, place: Place) => void;
 }
 
 /** A command on the open shot. */
-export function onShot(menu: MenuName, { wantsKey, isOn, refusal, act, ...rest }: SessionCommand): Command {
+export function onShot(menu: MenuName, { wantsKey, isOn, refusal, act, letGo, ...rest }: SessionCommand): Command {
   return {
     ...rest,
     menu,
     ...(wantsKey && { wantsKey: (place) => place.session !== null && wantsKey(place.session, place) }),
     ...(isOn && { isOn: (place) => place.session !== null && isOn(place.session, place) }),
+    ...(letGo && {
+      letGo: (place: Place) => {
+        if (place.session) letGo(place.session, place);
+      },
+    }),
     refusal: (place) => (place.session === null ? "No shot is open." : (refusal?.(place.session, place) ?? null)),
     act: (place) => {
       if (place.session) act(place.session, place);

@@ -20,6 +20,28 @@ export const GESTURES: readonly Gesture[] = [
     gesture: "Tab to the picture",
     does: "Take the crosshair: the arrow keys move it, Enter clicks, with Shift or Alt as the pointer does",
   },
+  {
+    gesture: "Drag a point in the top view",
+    does: "Move it at its height; the arrow keys move a focused one by a tenth of a square, with Shift by a whole one",
+  },
+  {
+    gesture: "Drag the handle in the top view",
+    does: "Set the focus distance, where the points do not; so do the arrow keys",
+  },
+  { gesture: "Wheel in the top view", does: "Zoom at the pointer; a drag moves the drawing" },
+  {
+    gesture: "Ctrl wheel on the picture",
+    does: "Enlarge it at the pointer, or make it smaller, as pinching does; the wheel alone moves an enlarged picture",
+  },
+  { gesture: "Drag with Space or the middle button", does: "Move an enlarged picture; on touch screens a finger does" },
+  {
+    gesture: "Alt drag on the picture",
+    does: "Orbit the camera about the selected point, else about the focus; with the middle button pan, with the right one dolly",
+  },
+  {
+    gesture: "Drag while the camera is moved",
+    does: "Orbit; with Shift pan, with Ctrl dolly. The arrow keys orbit, with Shift they pan, PageUp and PageDown dolly",
+  },
   { gesture: "Drag in the timeline", does: "Go through time" },
   {
     gesture: "Wheel in the timeline",

@@ -98,6 +98,22 @@ const SHOTS: readonly Command[] = [
     },
   }),
   onShot("Shot", {
+    name: "Cameras side by side…",
+    keys: ["Alt Shift C"],
+    refusal: ({ shot }) => (shot.cameras.length > 0 ? null : "The shot has no camera."),
+    act: ({ playhead }, { editor }) => {
+      playhead.pause();
+      editor.camerasOpen.value = true;
+    },
+  }),
+  onShot("Shot", {
+    name: "Variants and payloads…",
+    keys: ["Alt V"],
+    act: (_, { editor }) => {
+      editor.choicesOpen.value = true;
+    },
+  }),
+  onShot("Shot", {
     name: "Create a camera from this view",
     keys: ["Shift N"],
     refusal: ({ document, camera }) =>
@@ -134,6 +150,14 @@ const RENDERS: readonly Command[] = [
       editor.rendersView.value = "new";
     },
   }),
+  onShot("Shot", {
+    name: "Deliver: frames, movie, contact sheet, focus report, focus curve…",
+    keys: ["Alt Shift D"],
+    refusal: noPicture,
+    act: (_, { editor }) => {
+      editor.rendersView.value = "new";
+    },
+  }),
 ];
 
 const LEAVING = always("Shot", {
@@ -157,6 +181,7 @@ const UNDO: readonly Command[] = [
   onShot("Edit", {
     name: "Undo",
     keys: ["Ctrl Z"],
+    wantsKey: ({ frameNotes }) => !frameNotes.isDrawing.value, // it is that of strokes then
     refusal: ({ document }) =>
       document.noEdits.value ?? (document.undoLabel.value === null ? "There is nothing to undo." : null),
     act: ({ document }) => void document.undo(),

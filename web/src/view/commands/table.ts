@@ -1,21 +1,32 @@
 /** All commands of the page, and what is told of gestures that are none. */
 
 import type { Editor } from "../../editor/editor";
+import { CAMERA_COMMANDS } from "./camera";
 import { isChord, shownChord, type KeyStroke } from "./chord";
 import { MENUS, type Command, type MenuName, type Place } from "./command";
+import { COMPANY_COMMANDS } from "./company";
 import { FOCUS_COMMANDS } from "./focus";
 import { KEY_COMMANDS } from "./keys";
+import { DRAFT_COMMANDS, NOTE_COMMANDS } from "./notes";
+import { PICTURE_COMMANDS } from "./picture";
 import { PLAY_COMMANDS } from "./play";
+import { RING_COMMANDS } from "./ring";
 import { SHOT_COMMANDS } from "./shot";
 import { VIEW_COMMANDS } from "./view";
 
 /** In the order of the menus. Where several have a key, the first that can do something has it. */
 export const COMMANDS: readonly Command[] = [
+  ...DRAFT_COMMANDS,
   ...SHOT_COMMANDS,
+  ...COMPANY_COMMANDS,
+  ...CAMERA_COMMANDS,
   ...KEY_COMMANDS,
   ...PLAY_COMMANDS,
   ...FOCUS_COMMANDS,
+  ...RING_COMMANDS,
   ...VIEW_COMMANDS,
+  ...PICTURE_COMMANDS,
+  ...NOTE_COMMANDS,
 ];
 
 const BY_MENU: ReadonlyMap<MenuName, readonly Command[]> = new Map(
@@ -49,7 +60,7 @@ export function placeOf(editor: Editor): Place {
   return { editor, session: editor.session.value, isInTimeline };
 }
 
-/** The keys of a command as they are shown. */
+/** The keys of a command as they are shown; empty for one without. */
 export function shownKeys({ keys }: Command): string {
   return shownChord(keys[0] ?? "");
 }

@@ -2,11 +2,12 @@
 
 import type { Signal } from "@preact/signals";
 import { FOLDABLE, type Foldable } from "../../editor/layout";
-import { SURROUNDS, type Remembered } from "../../editor/remembered";
+import { PLAN_UPS, SURROUNDS, type Remembered } from "../../editor/remembered";
+import { nextGuides, nextMask, type GuideMark } from "../../model/guides";
 import { LOOKS, type Look } from "../../model/sharpness";
-import { always, nextOf, onShot, type Command } from "./command";
+import { always, nextOf, onShot, type Command, type Place } from "./command";
 
-type Switch = "markers" | "focusLines" | "probe" | "motion";
+type Switch = "markers" | "focusLines" | "probe" | "motion" | "topView" | "burnInShown";
 
 function toggle(remembered: Remembered, name: Switch): void {
   const choice: Signal<"on" | "off"> = remembered[name];
@@ -79,6 +80,14 @@ const PANELS: readonly Command[] = [
       },
     }),
   ),
+  onSwitch("Top view", ["V"], "topView"),
+  always("View", {
+    name: "Camera or north up in the top view",
+    keys: ["Shift V"],
+    act: ({ editor: { remembered } }) => {
+      remembered.planUp.value = nextOf(PLAN_UPS, remembered.planUp.value);
+    },
+  }),
   onShot("View", {
     name: "Next curve",
     keys: ["T"],
@@ -90,15 +99,44 @@ const PANELS: readonly Command[] = [
   }),
 ];
 
-const LOOKS_OF_THE_PAGE: readonly Command[] = [
+/** A switch of marks: all of them, or none. */
+function marksSwitch(name: string, keys: readonly string[], marks: readonly GuideMark[]): Command {
+  const isOn = ({ editor }: Place): boolean => marks.some((mark) => editor.remembered.marks.has(mark));
+  return always("View", {
+    name,
+    keys,
+    isOn,
+    act: (place) => {
+      const chosen = place.editor.remembered.marks;
+      const others = chosen.names.filter((mark) => !marks.some((one) => one === mark));
+      chosen.names = isOn(place) ? others : [...others, ...marks];
+    },
+  });
+}
+
+const GUIDES: readonly Command[] = [
   always("View", {
     name: "Next framing guide",
     keys: ["G"],
     act: ({ editor }) => {
-      const names = ["", ...editor.libraries.value.shapes.map(({ name }) => name)];
-      editor.remembered.guide.value = nextOf(names, editor.remembered.guide.value);
+      const { guides } = editor.remembered;
+      guides.names = nextGuides(guides.names, editor.libraries.value.shapes);
     },
   }),
+  marksSwitch("Safe areas", ["Alt A"], ["action", "title"]),
+  marksSwitch("Thirds", ["Alt H"], ["thirds"]),
+  marksSwitch("Centre cross", ["Alt X"], ["cross"]),
+  always("View", {
+    name: "Next darkness outside of the smallest guide",
+    keys: ["Shift Q"],
+    act: ({ editor: { remembered } }) => {
+      remembered.mask.value = nextMask(remembered.mask.value);
+    },
+  }),
+  onSwitch("Burn-ins on the picture", ["Alt B"], "burnInShown"),
+];
+
+const LOOKS_OF_THE_PAGE: readonly Command[] = [
   always("View", {
     name: "Next surround of the picture",
     keys: ["Shift B"],
@@ -129,4 +167,4 @@ const LOOKS_OF_THE_PAGE: readonly Command[] = [
   }),
 ];
 
-export const VIEW_COMMANDS: readonly Command[] = [...SHARPNESS, ...PANELS, ...LOOKS_OF_THE_PAGE];
+export const VIEW_COMMANDS: readonly Command[] = [...SHARPNESS, ...PANELS, ...GUIDES, ...LOOKS_OF_THE_PAGE];

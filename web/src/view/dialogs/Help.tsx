@@ -1,19 +1,15 @@
 /** The keys and gestures of the page, in a dialog. */
 
 import type { JSX } from "preact";
-import { useEffect, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import { MENUS } from "../commands/command";
 import { GESTURES } from "../commands/gestures";
 import { commandsOf, shownKeys } from "../commands/table";
+import { useModal } from "../hooks";
 
 export function Help({ editor }: { editor: Editor }): JSX.Element {
-  const ref = useRef<HTMLDialogElement>(null);
   const open = editor.helpOpen.value;
-  useEffect(() => {
-    if (open) ref.current?.showModal();
-    else ref.current?.close();
-  }, [open]);
+  const ref = useModal(open);
   const close = (): void => {
     editor.helpOpen.value = false;
   };
@@ -28,7 +24,9 @@ export function Help({ editor }: { editor: Editor }): JSX.Element {
               <List
                 key={menu}
                 title={menu}
-                rows={commandsOf(menu).map((command) => [shownKeys(command), command.name])}
+                rows={commandsOf(menu)
+                  .filter(({ keys }) => keys.length > 0)
+                  .map((command) => [shownKeys(command), command.name])}
               />
             ))}
           </div>

@@ -85,7 +85,7 @@ function Search({ place, close }: { place: Place; close: () => void }): JSX.Elem
                 {command.isOn?.(place) && " ✓"}
                 {refusal !== null && <small>{refusal}</small>}
               </span>
-              <kbd>{shownKeys(command)}</kbd>
+              {command.keys.length > 0 && <kbd>{shownKeys(command)}</kbd>}
             </li>
           );
         })}

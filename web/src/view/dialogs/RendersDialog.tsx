@@ -1,8 +1,9 @@
 /** The dialog of renders. Its content is a file of its own, which comes when it is opened first. */
 
 import type { FunctionComponent, JSX } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
+import { useModal } from "../hooks";
 
 export interface RendersPanelProps {
   readonly editor: Editor;
@@ -10,13 +11,9 @@ export interface RendersPanelProps {
 }
 
 export function RendersDialog({ editor }: { editor: Editor }): JSX.Element {
-  const ref = useRef<HTMLDialogElement>(null);
   const isOpen = editor.rendersView.value !== null;
   const Panel = usePanel(editor, isOpen);
-  useEffect(() => {
-    if (isOpen) ref.current?.showModal();
-    else ref.current?.close();
-  }, [isOpen]);
+  const ref = useModal(isOpen);
   const close = (): void => {
     editor.rendersView.value = null;
   };

@@ -1,16 +1,13 @@
 /** A sheet about a lens or a film, as large as the window lets it be. */
 
 import type { JSX } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import type { Editor, Sheet } from "../../editor/editor";
+import { useModal } from "../hooks";
 
 export function SheetDialog({ editor }: { editor: Editor }): JSX.Element {
-  const ref = useRef<HTMLDialogElement>(null);
   const sheet = editor.sheet.value;
-  useEffect(() => {
-    if (sheet) ref.current?.showModal();
-    else ref.current?.close();
-  }, [sheet]);
+  const ref = useModal(sheet !== null);
   const close = (): void => {
     editor.sheet.value = null;
   };

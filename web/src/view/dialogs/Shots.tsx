@@ -7,6 +7,7 @@ import type { Editor } from "../../editor/editor";
 import type { Upload } from "../../editor/library";
 import type { Wait } from "../../editor/waits";
 import type { Note, ShotSummary } from "../../model/shot";
+import { Company } from "../company/Company";
 import { Splitter } from "../controls/Splitter";
 import { Waiting } from "../controls/Waiting";
 import { Icon } from "../icons";
@@ -153,6 +154,7 @@ function ShotRow({ editor, shot }: { editor: Editor; shot: ShotSummary }): JSX.E
         </div>
       )}
       {shot.quarantine !== null && <Quarantine editor={editor} shot={shot} reason={shot.quarantine} />}
+      {isOpen && <Company editor={editor} session={session} />}
       {isOpen && session.notes.value.length > 0 && <Notes notes={session.notes.value} />}
     </li>
   );

@@ -4,16 +4,13 @@ import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import { isPerson, keyIdOf } from "../../model/identity";
+import { useModal } from "../hooks";
 
 export function SignIn({ editor }: { editor: Editor }): JSX.Element {
   const { identity } = editor;
-  const ref = useRef<HTMLDialogElement>(null);
   const asking = identity.asking.value;
   const isBack = identity.who.value !== null && isPerson(identity.who.value);
-  useEffect(() => {
-    if (asking) ref.current?.showModal();
-    else ref.current?.close();
-  }, [asking]);
+  const ref = useModal(asking);
   return (
     <dialog
       ref={ref}

@@ -94,7 +94,7 @@ function Item({ command, refusal, isOn, act }: ItemProps): JSX.Element {
         )}
         {command.name}
       </span>
-      <kbd>{shownKeys(command)}</kbd>
+      {command.keys.length > 0 && <kbd>{shownKeys(command)}</kbd>}
     </button>
   );
 }

@@ -43,10 +43,9 @@ export function CameraPanel({ editor, session }: { editor: Editor; session: Sess
 const OTHER = "*";
 
 function Body({ editor, session, film }: { editor: Editor; session: Session; film: FilmSettings }): JSX.Element {
-  const { bodies, shapes } = editor.libraries.value;
+  const { bodies } = editor.libraries.value;
   const mounted = bodies.find(({ title }) => title === film.body);
   const [width, height] = film.gateMm;
-  const { guide } = editor.remembered;
   return (
     <Section
       name="body"
@@ -82,15 +81,6 @@ function Body({ editor, session, film }: { editor: Editor; session: Session; fil
             ))}
           </Choice>
         </Edits>
-        <Choice
-          label="Guides"
-          value={guide.value}
-          hint="The frame of a delivery, drawn on the picture and nowhere else (G)"
-          onChoose={(name) => (guide.value = name)}
-        >
-          <option value="">None</option>
-          <Options values={shapes.map(({ name }) => name)} />
-        </Choice>
       </div>
     </Section>
   );

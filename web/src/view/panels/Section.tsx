@@ -2,10 +2,10 @@
 
 import { createContext, type ComponentChildren, type JSX } from "preact";
 import { useContext } from "preact/hooks";
-import type { Folded } from "../../editor/folded";
+import type { NameSet } from "../../editor/name_set";
 
 /** Which sections are folded. */
-export const FoldedContext = createContext<Folded | null>(null);
+export const FoldedContext = createContext<NameSet | null>(null);
 
 interface SectionProps {
   readonly name: string;

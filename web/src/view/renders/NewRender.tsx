@@ -3,15 +3,16 @@
 import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
-import { RenderForm } from "../../editor/render_form";
+import { RenderForm, type QuickFrames } from "../../editor/render_form";
 import type { Renders } from "../../editor/renders";
 import type { Session } from "../../editor/session";
-import { FILE_CHOICES, holdsAovs, type FileChoice } from "../../model/render_draft";
+import { holdsAovs, holdsFacts } from "../../model/render_draft";
 import { planInWords, plural, settingsInWords, type Render, type RenderPlan } from "../../model/renders";
 import { sentence } from "../../net/errors";
 import { AovChoice } from "./AovChoice";
+import { BurnInChoice, DeliverChoice } from "./DeliverChoice";
+import { Text } from "./DraftFields";
 import { NeedChoice } from "./NeedChoice";
-import { Row, Text } from "./DraftFields";
 
 interface NewRenderProps {
   readonly editor: Editor;
@@ -23,8 +24,7 @@ interface NewRenderProps {
 
 export function NewRender({ editor, session, renders, onSent, onCancel }: NewRenderProps): JSX.Element {
   const [form] = useState(() => {
-    const { delivery, aovs } = editor.remembered;
-    return new RenderForm(editor.service.renders, session, delivery.peek(), aovs);
+    return new RenderForm(editor.service.renders, session, editor.remembered.delivery.peek(), editor.remembered);
   });
   const fields = useRef<HTMLFormElement>(null);
   useEffect(() => {
@@ -55,6 +55,8 @@ export function NewRender({ editor, session, renders, onSent, onCancel }: NewRen
         label="Frames"
         hint="Such as 1-96, 1-96:2 or 1-10,15; empty for the whole shot"
       />
+      <FrameChoice form={form} />
+      <DeliverChoice form={form} />
       <Text
         form={form}
         field="width"
@@ -62,35 +64,44 @@ export function NewRender({ editor, session, renders, onSent, onCancel }: NewRen
         hint="Width of the pictures; their height follows from the film gate"
       />
       <Text form={form} field="rays" label="Rays" hint="Lens rays for each pixel: more of them leave less noise" />
-      <Format form={form} />
       <Text form={form} field="priority" label="Priority" hint="0 to 100: renders of a higher one come first" />
       <Text form={form} field="name" label="Name" hint="For people and files" placeholder={form.shotName} />
       {holdsAovs(form.draft.value) && <AovChoice form={form} />}
+      {holdsFacts(form.draft.value) && <BurnInChoice form={form} />}
       <NeedChoice form={form} renders={renders} />
       <Foot form={form} onCancel={onCancel} />
     </form>
   );
 }
 
-function Format({ form }: { form: RenderForm }): JSX.Element {
+const QUICK_FRAMES: Readonly<Record<QuickFrames, string>> = {
+  this: "This frame",
+  range: "Played range",
+  whole: "Whole shot",
+};
+
+/** The frames that are meant mostly, each by one press. */
+function FrameChoice({ form }: { form: RenderForm }): JSX.Element {
   return (
-    <Row form={form} field="formats" label="Files">
-      {(said) => (
-        <select
-          {...said}
-          value={form.draft.value.formats}
-          onChange={({ currentTarget }) => {
-            form.type({ formats: currentTarget.value as FileChoice });
-          }}
-        >
-          {Object.entries(FILE_CHOICES).map(([choice, { name }]) => (
-            <option key={choice} value={choice}>
-              {name}
-            </option>
-          ))}
-        </select>
-      )}
-    </Row>
+    <div class="quick-frames" role="group" aria-label="Choose frames">
+      {Object.entries(QUICK_FRAMES).map(([quick, name]) => {
+        const frames = form.framesOf(quick as QuickFrames);
+        return (
+          <button
+            key={quick}
+            type="button"
+            class="button small"
+            aria-pressed={form.draft.value.frames.trim() === frames}
+            title={`Frames ${frames}`}
+            onClick={() => {
+              form.type({ frames });
+            }}
+          >
+            {name}
+          </button>
+        );
+      })}
+    </div>
   );
 }
 

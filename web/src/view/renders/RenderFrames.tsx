@@ -12,7 +12,7 @@ import {
   type Render,
   type RenderTask,
 } from "../../model/renders";
-import { shownFormat } from "../../model/render_draft";
+import { shownFormat } from "../../model/frame_files";
 import { sentence } from "../../net/errors";
 import { formatBytes } from "../numbers";
 import { Attempts, type ReadLog } from "./Attempts";

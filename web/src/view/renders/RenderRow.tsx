@@ -3,10 +3,11 @@
 import type { JSX } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { Renders } from "../../editor/renders";
+import { countProducts } from "../../model/deliverables";
 import { formatEnd } from "../../model/identity";
 import {
   durationInWords,
-  hasEnded,
+  hasDrawn,
   isTaken,
   plural,
   progressInWords,
@@ -15,10 +16,11 @@ import {
   type Render,
   type RenderAction,
 } from "../../model/renders";
-import { shownFormat } from "../../model/render_draft";
+import { shownFormat } from "../../model/frame_files";
 import type { ReportFormat } from "../../net/renders";
 import type { ReadLog } from "./Attempts";
 import { RenderFrames } from "./RenderFrames";
+import { RenderProducts } from "./RenderProducts";
 
 interface RenderRowProps {
   readonly renders: Renders;
@@ -27,7 +29,7 @@ interface RenderRowProps {
   readonly refusal: string | null;
   readonly frameAddress: (frame: number, format: string) => string;
   readonly thumbnailAddress: (frame: number) => string;
-  readonly productAddress: (product: "movie" | "contact-sheet") => string;
+  readonly productAddress: (product: string) => string;
   readonly reportAddress: (format: ReportFormat) => string;
   readonly readLog: ReadLog;
 }
@@ -77,7 +79,8 @@ export function RenderRow(props: RenderRowProps): JSX.Element {
           }}
         />
       </div>
-      <Progress render={render} all={renders.all.value ?? []} />
+      <Progress render={render} others={renders.all.value ?? []} />
+      <RenderProducts render={render} address={props.productAddress} />
       {asked && isTaken(asked, render) && (
         <Question
           action={asked}
@@ -100,31 +103,34 @@ function Opened(props: RenderRowProps & { readonly id: string }): JSX.Element {
   return (
     <div id={id} class="render-frames">
       <Products {...props} />
-      <RenderFrames
-        render={render}
-        tasks={renders.tasks.value}
-        address={frameAddress}
-        thumbnail={thumbnailAddress}
-        readLog={readLog}
-      />
+      {render.count > 0 && (
+        <RenderFrames
+          render={render}
+          tasks={renders.tasks.value}
+          address={frameAddress}
+          thumbnail={thumbnailAddress}
+          readLog={readLog}
+        />
+      )}
     </div>
   );
 }
 
-/** What is made of all frames of a render: movie and contact sheet once it has ended, the report of its focus always. */
+/** What else can be made of all frames of a render: movie and contact sheet once they are drawn, the report of its focus always. */
 function Products({ render, productAddress, reportAddress }: RenderRowProps): JSX.Element {
-  const { name, done, formats } = render;
-  const hasPictures = done > 0 && hasEnded(render) && shownFormat(formats) !== null;
+  const { name, done, formats, products = [] } = render;
+  const hasPictures = done > 0 && hasDrawn(render) && shownFormat(formats) !== null;
+  const isTold = (product: string): boolean => products.some((each) => each.name === product);
+  const reports = (["html", "csv", "json"] as const).filter((format) => !isTold(`focus-report.${format}`));
   return (
     <p class="render-products" role="group" aria-label={`Files of all frames of ${name}`}>
-      {hasPictures && (
-        <>
-          <Download address={productAddress("movie")}>Download movie</Download>
-          <Download address={productAddress("contact-sheet")}>Download contact sheet</Download>
-        </>
+      {hasPictures && !isTold("movie.mp4") && <Download address={productAddress("movie.mp4")}>Download movie</Download>}
+      {hasPictures && !isTold("contact-sheet.png") && (
+        <Download address={productAddress("contact-sheet.png")}>Download contact sheet</Download>
       )}
-      <Download address={reportAddress("csv")}>Download focus report (.csv)</Download>
-      <Download address={reportAddress("json")}>Download focus report (.json)</Download>
+      {reports.map((format) => (
+        <Download key={format} address={reportAddress(format)}>{`Download focus report (.${format})`}</Download>
+      ))}
     </p>
   );
 }
@@ -138,14 +144,17 @@ function Download({ address, children }: { address: string; children: string }):
 }
 
 function factsOf({ frames, width, formats, aovs, rays, owner, createdAt }: Render): string {
-  const files = `${width} px .${formats.join(" .")}, ${plural(rays, "ray")}`;
+  const files = formats.length > 0 ? `${width} px .${formats.join(" .")}, ${plural(rays, "ray")}` : "no frame is drawn";
   const parts = aovs.length > 0 ? ` · AOVs ${aovs.join(", ")}` : "";
   return `Frames ${frames} · ${files}${parts} · by ${owner}, ${formatEnd(createdAt, new Date())}`;
 }
 
-function Progress({ render, all }: { render: Render; all: readonly Render[] }): JSX.Element {
-  const { count, done, failed, canceled, name, secondsLeft, state } = render;
-  const share = (frames: number): { width: string } => ({ width: `${(100 * frames) / count}%` });
+function Progress({ render, others }: { render: Render; others: readonly Render[] }): JSX.Element {
+  const { count, done, failed, canceled, name, secondsLeft, state, products = [] } = render;
+  const all = count + products.length;
+  const made = done + countProducts(render, ["done"]);
+  const lacking = failed + countProducts(render, ["failed"]);
+  const share = (part: number): { width: string } => ({ width: `${(100 * part) / all}%` });
   const progress = progressInWords(render);
   return (
     <div class="render-progress">
@@ -154,15 +163,15 @@ function Progress({ render, all }: { render: Render; all: readonly Render[] }): 
         role="progressbar"
         aria-label={`Progress of ${name}`}
         aria-valuemin={0}
-        aria-valuemax={count}
-        aria-valuenow={done + failed + canceled}
+        aria-valuemax={all}
+        aria-valuenow={made + lacking + canceled + countProducts(render, ["canceled"])}
         aria-valuetext={progress}
       >
-        <i class="done" style={share(done)} />
-        <i class="failed" style={share(failed)} />
+        <i class="done" style={share(made)} />
+        <i class="failed" style={share(lacking)} />
       </div>
       <p class="numbers">
-        <b>{stateInWords(render, all)}</b>
+        <b>{stateInWords(render, others)}</b>
         {` · ${progress}`}
         {secondsLeft !== null && state === "running" && ` · about ${durationInWords(secondsLeft)} left`}
       </p>
@@ -182,9 +191,9 @@ const ACTION_NAMES: Readonly<Record<RenderAction, string>> = {
 const ACTION_TITLES: Readonly<Record<RenderAction, string>> = {
   pause: "Begin no more frames; those under way are finished",
   resume: "Go on with the frames that wait",
-  accept: "Take it as it is, without the frames that have failed or were given up",
-  retry: "Draw the frames again that have failed or were given up",
-  cancel: "Give up the frames that are not drawn yet",
+  accept: "Take it as it is, without what has failed or was given up",
+  retry: "Make again what has failed or was given up",
+  cancel: "Give up what is not drawn or made yet",
   remove: "Remove the render and its files",
 };
 
@@ -233,7 +242,7 @@ function Question({ action, name, act, keep }: QuestionProps): JSX.Element {
   const isRemoval = action === "remove";
   return (
     <div class="ask" role="group" aria-label={`${ACTION_NAMES[action]} ${name}?`}>
-      <span>{isRemoval ? "Remove it and its files?" : "Give up the frames that are not drawn yet?"}</span>
+      <span>{isRemoval ? "Remove it and its files?" : "Give up what is not drawn or made yet?"}</span>
       <button
         ref={yes}
         type="button"

@@ -12,8 +12,10 @@ import {
   type DistanceAxis,
   type LengthUnit,
 } from "../../model/distance";
+import { samplesOf } from "../../model/take";
 import { Waiting } from "../controls/Waiting";
 import { useSize } from "../hooks";
+import { TakeLine } from "./TakeLine";
 import type { TimeAxis } from "./time_axis";
 
 interface CurveChartProps {
@@ -34,9 +36,12 @@ export function CurveChart({ session, axis, unit, onScrub }: CurveChartProps): J
   const box = useRef<HTMLDivElement>(null);
   const { height } = useSize(box);
   const curve = session.document.curve.value;
+  const isRingShown = session.desk.choices.shown.value === "on";
+  const take = isRingShown ? session.desk.take.value : null;
+  const ofTake = useMemo(() => (take ? samplesOf(take).map(({ distanceM }) => distanceM) : []), [take]);
   const distances = useMemo(
-    () => distanceAxis(distancesOf(curve), unit, Math.max(2, Math.floor(height / 26))),
-    [curve, unit, height],
+    () => distanceAxis([...distancesOf(curve), ...ofTake], unit, Math.max(2, Math.floor(height / 26))),
+    [curve, ofTake, unit, height],
   );
   const plot = useMemo<Plot>(
     () => ({ x: axis.x, y: (d) => (1 - Math.min(Math.max(axisFraction(distances, d), -1), 2)) * height, height }),
@@ -55,6 +60,7 @@ export function CurveChart({ session, axis, unit, onScrub }: CurveChartProps): J
             <Band curve={curve} plot={plot} />
             <PointTracks session={session} curve={curve} plot={plot} right={axis.right} />
             <FocusLine curve={curve} plot={plot} />
+            {isRingShown && <TakeLine desk={session.desk} axis={axis} y={plot.y} height={height} />}
           </g>
           {axis.has(session.playhead.time.value) && <NowDot session={session} plot={plot} />}
         </svg>

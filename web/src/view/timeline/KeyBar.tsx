@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { SHAPES } from "../../editor/key_actions";
 import type { Session } from "../../editor/session";
 import {
-  isSwitch,
+  isPlain,
   labelOf,
   lengthOf,
   mayBe,
@@ -64,9 +64,9 @@ export function KeyBar({ session, unit }: { session: Session; unit: LengthUnit }
             }}
           />
         )}
-        {owned.length === 1 && only && !isSwitch(only.owner) && <Value session={session} owned={only} unit={unit} />}
+        {owned.length === 1 && only && !isPlain(only.owner) && <Value session={session} owned={only} unit={unit} />}
         {span && <Span session={session} span={span} unit={unit} />}
-        {!owned.every(({ owner }) => isSwitch(owner)) && <ShapeChoice session={session} shape={shapeOfAll(stacks)} />}
+        {!owned.every(({ owner }) => isPlain(owner)) && <ShapeChoice session={session} shape={shapeOfAll(stacks)} />}
         {setting && <Simplify session={session} setting={setting} />}
         {simplified && owned.every(({ owner }) => "setting" in owner && owner.setting === simplified.setting) && (
           <span class="muted simplified" role="status">

@@ -6,10 +6,13 @@
 import type { JSX } from "preact";
 import { useRef, useState } from "preact/hooks";
 import type { Session } from "../../editor/session";
-import { labelOf, stackId, type KeyLane, type KeyStack } from "../../model/key_lanes";
+import { labelOf, type KeyLane, type KeyStack, type OwnedKey } from "../../model/key_lanes";
+import { isOfPlace, runsOf } from "../../model/key_runs";
 import { formatFrame, sameTime } from "../../model/time";
 import { followPointer } from "../hooks";
 import { SNAP_PX, useKeyGestures } from "./key_gestures";
+import { focusMoved, goToNext } from "./key_steps";
+import { KeyRun } from "./KeyRun";
 import type { TimeAxis } from "./time_axis";
 
 interface Box {
@@ -34,7 +37,7 @@ export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }
         const isOnScrollbar =
           event.clientX > (list.current?.getBoundingClientRect().left ?? 0) + event.currentTarget.clientWidth;
         if (event.button !== 0 || isOnButton || isOnScrollbar) return;
-        if (list.current) selectInBox(session, event, list.current, setBox);
+        if (list.current) selectInBox(session, axis, event, list.current, setBox);
       }}
     >
       {lanes.length === 0 && (
@@ -63,6 +66,7 @@ export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }
 /** Selects the keys in the box that a pointer draws; none where it only clicks. */
 function selectInBox(
   session: Session,
+  axis: TimeAxis,
   down: PointerEvent,
   list: HTMLDivElement,
   show: (box: Box | null) => void,
@@ -85,17 +89,23 @@ function selectInBox(
       show(null);
       if (event.type !== "pointerup") return;
       const box = boxTo(event);
-      const inside = new Set(
-        [...list.querySelectorAll<HTMLElement>("[data-stack]:not(.out)")]
-          .filter((key) => {
-            const frame = key.getBoundingClientRect();
-            const [left, top] = [list.getBoundingClientRect().left, list.getBoundingClientRect().top - list.scrollTop];
-            const [x, y] = [(frame.left + frame.right) / 2 - left, (frame.top + frame.bottom) / 2 - top];
-            return x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
+      const top = list.getBoundingClientRect().top - list.scrollTop;
+      const lanes = new Set(
+        [...list.querySelectorAll<HTMLElement>("[data-lane]")]
+          .filter((lane) => {
+            const frame = lane.getBoundingClientRect();
+            const y = (frame.top + frame.bottom) / 2 - top;
+            return y >= box.top && y <= box.bottom;
           })
-          .map((key) => key.dataset.stack),
+          .map((lane) => lane.dataset.lane),
       );
-      const stacks = session.keys.lanes.value.flatMap((lane) => lane.stacks.filter(({ id }) => inside.has(id)));
+      const isInside = (stack: KeyStack): boolean => {
+        const { time } = session.keys.shownAs(stack);
+        return axis.has(time) && axis.x(time) >= box.left && axis.x(time) <= box.right;
+      };
+      const stacks = session.keys.lanes.value
+        .filter(({ id }) => lanes.has(id))
+        .flatMap((lane) => lane.stacks.filter(isInside));
       session.keys.select(stacks, down.shiftKey || session.touch.several.value);
     },
   );
@@ -106,9 +116,14 @@ function Lane({ session, axis, lane }: { session: Session; axis: TimeAxis; lane:
   const selected = session.keys.selected.value;
   const shown = lane.stacks.filter((stack) => axis.has(session.keys.shownAs(stack).time));
   const entry = shown.find(({ id }) => selected.has(id)) ?? shown[0];
+  // A camera is often keyed at each frame, and its keys have no more than their times.
+  const isCamera = isOfPlace(lane);
+  const near = lane.stacks.filter((stack) => axis.has(stack.time) || shown.includes(stack)); // one that is dragged out stays
+  const runs = isCamera ? runsOf(near, ROOM_PX / axis.perFrame) : lane.stacks.map((stack) => [stack]);
   return (
     <div
       class={isSelected ? "lane selected" : "lane"}
+      data-lane={lane.id}
       data-color={lane.point === null ? undefined : session.pointColors.value.get(lane.point)}
     >
       <button
@@ -124,12 +139,19 @@ function Lane({ session, axis, lane }: { session: Session; axis: TimeAxis; lane:
         {lane.label}
       </button>
       <div class="lane-line" style={{ left: `${axis.left}px`, width: `${axis.right - axis.left}px` }} />
-      {lane.stacks.map((stack, place) => (
-        <StackKey key={place} session={session} axis={axis} lane={lane} stack={stack} isEntry={stack === entry} />
-      ))}
+      {runs.map((run, place) => {
+        const [stack] = run;
+        const isEntry = run.some((each) => each === entry);
+        const key = isCamera ? stack?.id : place; // its keys come and go as the timeline is moved
+        if (run.length > 1) return <KeyRun key={key} {...{ session, axis, lane, run, isEntry }} />;
+        return stack && <StackKey key={key} {...{ session, axis, lane, stack, isEntry }} />;
+      })}
     </div>
   );
 }
+
+/** Width of a key, px: where others are closer, a pointer cannot tell them apart. */
+const ROOM_PX = 24;
 
 interface StackKeyProps {
   readonly session: Session;
@@ -153,17 +175,12 @@ function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.E
       if (!adds) playhead.goTo(keys.shownAs(stack).time);
     },
     arrived: (at) => {
-      // Unless something else has been taken up meanwhile.
-      const isOnKey = document.activeElement?.matches("[data-stack]") ?? false;
-      if (isOnKey || document.activeElement === document.body)
-        focusOn(button.current?.closest(".lanes") ?? null, stackId(lane.id, at));
+      focusMoved(button.current, lane, at);
     },
   });
   const isSelected = keys.selected.value.has(stack.id);
   const { time, keys: shown } = keys.shownAs(stack);
-  const says = shown
-    .map(({ owner, key }) => `${labelOf(owner)} ${Number(key.value.toFixed(2)).toString()}, ${key.interpolation}`)
-    .join("; ");
+  const says = shown.map(inWords).join("; ");
   const isZero = stack.keys.every(({ key }) => key.value === 0);
   const isEnabled = stack.keys.every(({ owner }) => "attribute" in owner && owner.attribute === "enabled");
   const classes = ["lane-key", isEnabled && "enabled", isZero && "zero", isSelected && "selected"];
@@ -195,26 +212,7 @@ function StackKey({ session, axis, lane, stack, isEntry }: StackKeyProps): JSX.E
   );
 }
 
-/** Goes to the key before or after in the lane by `,` or `.`. */
-function goToNext({ keys, playhead }: Session, lane: KeyLane, stack: KeyStack, event: KeyboardEvent): boolean {
-  if (event.key !== "," && event.key !== ".") return false;
-  const next = lane.stacks[lane.stacks.indexOf(stack) + (event.key === "." ? 1 : -1)];
-  if (next) {
-    keys.select([next]);
-    playhead.goTo(next.time);
-    const list = (event.currentTarget as HTMLElement).closest(".lanes");
-    if (focusOn(list, next.id)) return true;
-    // It was beyond what the timeline shows.
-    requestAnimationFrame(() => {
-      focusOn(list, next.id);
-    });
-  }
-  return true;
-}
-
-/** Focuses a key; returns whether it could be. */
-function focusOn(lanes: Element | null, stack: string): boolean {
-  const key = lanes?.querySelector<HTMLElement>(`[data-stack="${CSS.escape(stack)}"]`);
-  key?.focus();
-  return key !== undefined && key === document.activeElement;
+function inWords({ owner, key }: OwnedKey): string {
+  if ("place" in owner) return key.value === 1 ? "of the edits" : "of the shot";
+  return `${labelOf(owner)} ${Number(key.value.toFixed(2)).toString()}, ${key.interpolation}`;
 }

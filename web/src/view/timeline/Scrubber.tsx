@@ -3,6 +3,8 @@
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { formatFrame, frameTicks } from "../../model/time";
+import { OtherFlags } from "../company/OtherFlags";
+import { NoteFlags } from "../notes/NoteFlags";
 import type { TimeAxis } from "./time_axis";
 
 const HEIGHT_PX = 26;
@@ -48,6 +50,8 @@ export function Scrubber({ session, axis, onScrub }: ScrubberProps): JSX.Element
           </g>
         ))}
         <KeptFrames session={session} axis={axis} />
+        <NoteFlags session={session} axis={axis} />
+        <OtherFlags session={session} axis={axis} />
         {axis.has(time) && (
           <g class="scrub-head" transform={`translate(${axis.x(time)} 0)`}>
             <path d={`M-5 0H5V${HEIGHT_PX - 12}L0 ${HEIGHT_PX - 6}L-5 ${HEIGHT_PX - 12}Z`} />

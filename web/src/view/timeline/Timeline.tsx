@@ -13,6 +13,7 @@ import { KeyMenu, type MenuPlace } from "./KeyMenu";
 import { Scrubber } from "./Scrubber";
 import { timeAxis, type TimeAxis } from "./time_axis";
 import { Transport } from "./Transport";
+import { RingPanel } from "../ring/RingPanel";
 import { ValueGraph } from "./ValueGraph";
 
 export function Timeline({ editor }: { editor: Editor }): JSX.Element {
@@ -56,6 +57,7 @@ function Tracks({ editor, session, unit }: { editor: Editor; session: Session; u
       {editor.layout.isShown("curve") && (
         <Splitter layout={editor.layout} panel="curve" label="Height of the curve" of={chart} />
       )}
+      <RingPanel session={session} unit={unit} />
       <Transport session={session} unit={unit} />
       <div
         class="tracks"

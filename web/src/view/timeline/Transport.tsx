@@ -67,6 +67,7 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
         {Number(range.framesPerSecond.toFixed(3))} fps
       </span>
       <Playback session={session} />
+      <RingButton session={session} />
       <CurveChoice session={session} />
       <WholeShot session={session} />
       <TouchKeys session={session} />
@@ -89,6 +90,22 @@ function FrameNumber({ playhead }: { playhead: Playhead }): JSX.Element {
         playhead.goTo(typed);
       }}
     />
+  );
+}
+
+function RingButton({ session }: { session: Session }): JSX.Element {
+  const { shown } = session.desk.choices;
+  return (
+    <button
+      type="button"
+      class="button icon-only"
+      aria-pressed={shown.value === "on"}
+      aria-label="Focus ring"
+      title="Focus ring, and record a pull of it (W)"
+      onClick={() => (shown.value = shown.value === "on" ? "off" : "on")}
+    >
+      <Icon name="ring" />
+    </button>
   );
 }
 

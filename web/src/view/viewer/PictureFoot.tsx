@@ -62,8 +62,30 @@ function PictureState({ session }: { session: Session }): JSX.Element {
           Stopped <DrawButton session={session} />
         </span>
       )}
+      {shown && <Scale session={session} />}
       {shown && <PictureFacts shown={shown} />}
     </span>
+  );
+}
+
+/** How much the picture is enlarged, and the way to its pixels and back. */
+function Scale({ session: { zoom } }: { session: Session }): JSX.Element {
+  const scale = zoom.scale.value;
+  const said = scale === null ? "Fit" : `${Math.round(100 * scale)} %`;
+  return (
+    <button
+      type="button"
+      class="button scale"
+      aria-label={
+        scale === null ? "Fit: the whole picture is shown; go to its pixels 1:1" : `${said}: show the whole picture`
+      }
+      title="Whole picture, or the pixels of the delivered one 1:1 (Z)"
+      onClick={() => {
+        zoom.toggle(null);
+      }}
+    >
+      {said}
+    </button>
   );
 }
 

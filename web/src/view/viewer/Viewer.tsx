@@ -2,18 +2,27 @@
 
 import { effect } from "@preact/signals";
 import type { JSX } from "preact";
-import { useCallback, useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Displayed } from "../../editor/pictures";
 import type { Session } from "../../editor/session";
 import { MOTION_MOMENTS } from "../../model/quality";
 import { formatFrame } from "../../model/time";
 import { Aim } from "./Aim";
-import { Frame } from "./Frame";
+import { CameraBar } from "./CameraBar";
+import { BurnIn } from "./BurnIn";
+import { Compare } from "./Compare";
+import { ZoomedFrame } from "./Frame";
 import { Guides, MeterSpot } from "./Guides";
 import { Icon } from "../icons";
+import { Drawings } from "../notes/Drawings";
+import { NotesPanel } from "../notes/NotesPanel";
+import { TopViewPanel } from "../plan/TopViewPanel";
+import { ScopesPanel } from "../scopes/ScopesPanel";
 import { Empty } from "./Empty";
+import { ExposureOverlay } from "./ExposureOverlay";
 import { FocusOverlay, hasOverlay, useFocusMaps } from "./FocusOverlay";
+import { Loupe } from "./Loupe";
 import { Markers, Picking } from "./Markers";
 import { FirstPicture, useKeptPosters } from "./Poster";
 import { Probe } from "./Probe";
@@ -23,9 +32,24 @@ import { isLate, Wanted } from "./Wanted";
 
 export function Viewer({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
+  const isSeenFromAbove = session !== null && editor.remembered.topView.value === "on";
+  const isMeasured = editor.remembered.scopes.value === "on";
+  const hasNotes = session?.frameNotes.isShown.value === true;
+  const shown = { "with-plan": isSeenFromAbove, "with-scopes": session !== null && isMeasured, "with-notes": hasNotes };
+  const parts = Object.entries(shown).filter(([, isShown]) => isShown);
+  const classes = ["viewer", `surround-${editor.remembered.surround.value}`, ...parts.map(([name]) => name)].join(" ");
   return (
-    <main class={`viewer surround-${editor.remembered.surround.value}`} aria-label="Picture">
-      {session ? <Picture editor={editor} session={session} /> : <Empty editor={editor} />}
+    <main class={classes} aria-label="Picture">
+      {session ? (
+        <div class="viewer-parts">
+          <Picture editor={editor} session={session} />
+          <NotesPanel session={session} />
+          {isSeenFromAbove && <TopViewPanel editor={editor} session={session} />}
+        </div>
+      ) : (
+        <Empty editor={editor} />
+      )}
+      {session && isMeasured && <ScopesPanel editor={editor} session={session} />}
       {session && <Waits editor={editor} />}
       <HeldBack editor={editor} />
       <Complaint editor={editor} />
@@ -41,30 +65,37 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
   }, [session, motion]);
   useFocusMaps(editor, session);
   useKeptPosters(editor, session);
-  const onBox = useCallback(
-    (box: { readonly width: number; readonly height: number }) => void (session.box.value = box),
-    [session],
-  );
   return (
-    <Frame
+    <ZoomedFrame
+      session={session}
       aspect={session.aspect}
-      onBox={onBox}
+      deliveredPx={Number(editor.remembered.delivery.value)}
       onPointerMove={(event) => (session.pointer.value = placeOf(event))}
       onPointerLeave={() => (session.pointer.value = null)}
-      beside={<Busy editor={editor} session={session} />}
+      beside={
+        <>
+          <Busy editor={editor} session={session} />
+          <CameraBar session={session} />
+        </>
+      }
     >
       <Canvas session={session} />
       {hasOverlay(editor) && <FocusOverlay editor={editor} session={session} />}
+      <ExposureOverlay editor={editor} session={session} />
+      <Compare editor={editor} session={session} />
       <FirstPicture editor={editor} session={session} />
       <Wanted session={session} />
       {session.pictures.refusal !== null && <p class="no-picture">{session.pictures.refusal}</p>}
       <Guides editor={editor} session={session} />
+      <BurnIn editor={editor} session={session} />
       <MeterSpot editor={editor} session={session} />
       {editor.remembered.markers.value === "on" && <Markers editor={editor} session={session} />}
       <Aim session={session} />
       <Probe editor={editor} session={session} />
       <Picking session={session} />
-    </Frame>
+      <Drawings session={session} />
+      <Loupe session={session} />
+    </ZoomedFrame>
   );
 }
 
@@ -91,6 +122,7 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       data-unsaved={shown !== null && shown.unsaved.length > 0}
       data-time={shown?.time}
       data-revision={shown?.revision}
+      data-edits={session.document.fresh.value ? session.document.history.value.revision : undefined}
       onPointerDown={(event) => {
         const isPull = event.button === 0 && session.picks.toolWith(event) === "pull";
         const canPull = session.document.hasLens && session.document.noEdits.value === null;

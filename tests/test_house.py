@@ -1,4 +1,4 @@
-"""Rules of the house that no linter knows: names of tests, imports between tests, first words of docstrings."""
+"""Rules of the house that no linter knows: names of tests, imports between tests, waits in pages, first words of docstrings."""
 
 from __future__ import annotations
 
@@ -53,6 +53,21 @@ def test_no_test_imports_another_test() -> None:
         if isinstance(node, ast.ImportFrom) and re.match(r"tests\..*\btest_", node.module or "")
     ]
     assert imports == []
+
+
+def test_pages_are_waited_for_by_functions() -> None:
+    """Playwright evaluates an expression anew at each look, which the page's policy of scripts refuses after the first."""
+    found = [
+        f"{path}:{node.lineno}"
+        for path, tree in trees("tests").items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Attribute)
+        and node.func.attr == "wait_for_function"
+        and isinstance(node.args[0], ast.Constant)
+        and "=>" not in str(node.args[0].value)
+    ]
+    assert found == []
 
 
 def test_docstrings_begin_with_a_verb_or_a_noun() -> None:

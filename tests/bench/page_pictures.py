@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page
 
 from service.bench.page.browser import running_browser
+from tests.bench.page_states import STATES
 from tests.e2e.axe import violations
 
 SIZES = {1920: 1080, 1440: 900, 1024: 768, 390: 844}
@@ -19,53 +19,6 @@ SIZES = {1920: 1080, 1440: 900, 1024: 768, 390: 844}
 PHONE = 390
 QUALITY = 76
 PATIENCE_MS = 600_000
-
-
-def show_camera(page: Page) -> None:
-    """Show the settings of camera and film."""
-    page.keyboard.press("c")
-    page.get_by_role("heading", name="Exposure").wait_for()
-
-
-def show_commands(page: Page) -> None:
-    """Open the list of all commands, with something typed."""
-    page.keyboard.press("Control+k")
-    page.get_by_role("combobox", name="Search in all commands").fill("key")
-
-
-def show_sharpness(page: Page) -> None:
-    """Select a point, and colour what is sharp."""
-    page.keyboard.press("]")
-    page.keyboard.press("Shift+Digit3")
-    page.locator(".focus-legend .bar").wait_for()
-    page.locator(".aim").focus()
-    page.keyboard.press("Shift+ArrowRight")
-    page.locator(".probe").wait_for()
-
-
-def show_curve(page: Page) -> None:
-    """Show the curve of a weight, with a key selected."""
-    page.keyboard.press("t")
-    page.locator(".knot").nth(1).click()
-    page.locator(".handle").first.wait_for()
-
-
-def show_groups(page: Page) -> None:
-    """Give both points a colour and a group, which `take` undoes, and select the first one."""
-    for name, color in (("pip", "teal"), ("mara", "orange")):
-        point = page.locator(".point").filter(has=page.get_by_role("button", name=f"Remove {name}"))
-        point.locator(".point-name").click()
-        point.get_by_role("radio", name=color).click()
-        wait_undoable(page, f"Colour {name} {color}")
-        point.get_by_label("Group").fill("cast")
-        point.get_by_label("Group").press("Enter")
-        wait_undoable(page, f"Put {name} in cast")
-    page.locator(".point-group").scroll_into_view_if_needed()
-
-
-def wait_undoable(page: Page, label: str) -> None:
-    """Wait until an edit is the last one; a phone has no button for it that is shown."""
-    page.locator(f'button[aria-label="Undo: {label}"]').wait_for(state="attached")
 
 
 def undo_label(page: Page) -> str | None:
@@ -82,34 +35,17 @@ def undo_to(page: Page, before: str | None) -> None:
         page.locator(f'button[aria-label="{label}"]').wait_for(state="detached")
 
 
-def show_lenses(page: Page) -> None:
-    """Look for a lens."""
-    box = page.get_by_role("combobox", name="Lens on the camera")
-    box.scroll_into_view_if_needed()
-    box.click()
-    box.press_sequentially("planar")
-
-
-STATES: dict[str, Callable[[Page], None]] = {
-    "open": lambda page: None,
-    "camera": show_camera,
-    "commands": show_commands,
-    "sharpness": show_sharpness,
-    "curve": show_curve,
-    "groups": show_groups,
-    "lenses": show_lenses,
-}
-
-
 def main() -> None:
     """Take the pictures of all states in all windows, and tell what axe-core finds in them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("address", help="of a service with the demo shot")
+    parser.add_argument("--state", action="append", choices=STATES, help="only this one; may come again")
+    parser.add_argument("--width", action="append", type=int, choices=SIZES, help="only windows of it; may come again")
     arguments = parser.parse_args()
     with running_browser(None) as browser:
-        for width in SIZES:
-            for state in STATES:
+        for width in arguments.width or SIZES:
+            for state in arguments.state or STATES:
                 for violation in take(browser, arguments.address, width, state, arguments.folder):
                     print(f"{state} at {width} px: {violation}")
 

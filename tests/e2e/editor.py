@@ -12,7 +12,7 @@ import httpx
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Response, expect
 from scipy.ndimage import gaussian_laplace
 
 NEAR, FAR = "pip", "mara"  # the demo's two subjects, and the names of the focus points on them
@@ -40,6 +40,11 @@ def wait_edited(page: Page, revision: int) -> int:
 def revision_of(page: Page) -> int:
     """Return the number of edits that the picture on screen includes."""
     return int(page.locator("canvas").get_attribute("data-revision") or -1)
+
+
+def is_edit(answer: Response) -> bool:
+    """Whether an answer is that to an edit."""
+    return answer.request.method == "POST" and answer.url.endswith("/edits")
 
 
 def shown_picture(page: Page) -> NDArray[np.float64]:
@@ -117,7 +122,7 @@ def choose_file(page: Page, file: Path, button: str) -> None:
 
 def tab_to(page: Page, place: Locator) -> None:
     """Go to an element by the Tab key."""
-    for _ in range(80):
+    for _ in range(160):
         if place.evaluate("place => place === document.activeElement"):
             break
         page.keyboard.press("Tab")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
+from tests.bench.page_states import STATES
 from tests.e2e.axe import violations
 from tests.e2e.conftest import PATIENCE_MS
 from tests.e2e.editor import FAR, wait_settled
@@ -51,6 +52,16 @@ def test_axe_finds_nothing_in_any_state(page: Page) -> None:
         page.get_by_role("button", name=name).click()
         assert violations(page) == []
         page.keyboard.press("Escape")
+
+
+def test_axe_finds_nothing_in_tools_on_a_phone(page: Page) -> None:
+    page.set_viewport_size(PHONE)
+    for state in ("scopes", "guides", "wipe", "top_view", "ring", "moving", "cameras", "renders"):
+        page.evaluate("localStorage.clear()")
+        page.reload()
+        wait_settled(page, time=1)
+        STATES[state](page)
+        assert violations(page) == [], state
 
 
 def test_a_command_is_found_and_done_by_typing(page: Page) -> None:

@@ -89,19 +89,13 @@ def test_a_film_is_loaded_has_a_sheet_and_is_taken_out_again(camera: Page) -> No
     expect(camera.get_by_role("textbox", name="Grain")).to_have_count(0)
 
 
-def test_a_body_gives_the_picture_its_shape_and_guides_lie_on_it(camera: Page) -> None:
+def test_a_body_gives_the_picture_its_shape(camera: Page) -> None:
     revision = revision_of(camera)
     camera.locator(".body").get_by_label("Body").last.select_option("academy_35")
     revision = wait_edited(camera, revision)
     box = camera.locator("canvas").bounding_box()
     assert box is not None
     assert box["width"] / box["height"] == pytest.approx(22.05 / 16.03, rel=0.02)
-    camera.keyboard.press("g")
-    guide = camera.locator(".guide").bounding_box()
-    assert guide is not None
-    assert guide["width"] / guide["height"] == pytest.approx(2.39, rel=0.02)
-    camera.get_by_label("Guides").select_option("")
-    expect(camera.locator(".guide")).to_have_count(0)
     camera.keyboard.press("Control+z")
     wait_edited(camera, revision)
 

@@ -80,9 +80,9 @@ def test_a_dense_curve_is_simplified_and_corrected(page: Page, service: str, imp
 
 
 def test_the_keyboard_alone_imports_simplifies_and_corrects(page: Page, service: str, recorded: Path) -> None:
-    wait_settled(page)
-    revision = revision_of(page)
-    with page.expect_file_chooser() as chooser:
+    with page.expect_file_chooser() as chooser:  # from here on, as the browser takes a moment to pass choosers on
+        wait_settled(page)
+        revision = revision_of(page)
         page.keyboard.press("Alt+i")
     chooser.value.set_files(recorded)
     revision = wait_edited(page, revision)

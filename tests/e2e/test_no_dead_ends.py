@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import re
 import zipfile
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.e2e.conftest import VIEWPORT
 from tests.e2e.editor import click_on, download, revision_of, shown_picture, wait_edited, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
@@ -67,6 +69,17 @@ def sent_shot(service: str) -> dict[str, Any]:
     return shot
 
 
+def check_top_bar(page: Page) -> None:
+    """Check that nothing of the bar on top lies over its neighbour, in windows of several widths."""
+    for width in (390, 640, 768, 900, 1024, 1280, 1366, 1440):
+        page.set_viewport_size({"width": width, "height": VIEWPORT["height"]})
+        boxes = page.evaluate("""() => [...document.querySelectorAll(".topbar :is(button, select, .muted)")]
+          .map((part) => part.getBoundingClientRect()).filter(({ width }) => width > 0)
+          .map(({ left, right }) => [left, right])""")
+        assert all(right <= left + 1 for (_, right), (left, _) in itertools.pairwise(sorted(boxes))), width
+    page.set_viewport_size(VIEWPORT)
+
+
 def test_a_camera_is_created_by_mouse_and_focused(page: Page, service: str, tmp_path: Path) -> None:
     wait_settled(page)
     send(page, "cards.usda", CARDS.encode())
@@ -76,8 +89,10 @@ def test_a_camera_is_created_by_mouse_and_focused(page: Page, service: str, tmp_
     click_on(page, (0.6, 0.5))
     expect(page.get_by_role("alert")).to_contain_text("There is no camera to focus.")
 
+    check_top_bar(page)
     page.get_by_role("button", name="Create a camera from this view").first.click()
     expect(page.get_by_label("Camera", exact=True)).to_have_value("/main_cam")
+    check_top_bar(page)
     expect(page.get_by_role("alert")).to_have_count(0)
     expect(page.get_by_role("textbox", name="f-number")).to_have_value("f/2.8")
     wait_settled(page)

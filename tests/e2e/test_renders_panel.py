@@ -24,7 +24,7 @@ WIDE: ViewportSize = {"width": 1280, "height": 640}  # with room for the button
 def test_a_render_is_sent_followed_and_removed(page: Page, service: str) -> None:
     wait_settled(page, time=1)
     page.get_by_role("button", name="Download").click()
-    page.get_by_role("button", name="Render…").click()
+    page.get_by_role("button", name="Deliver…").click()
     dialog = page.get_by_role("dialog", name="Renders")
     frames = dialog.get_by_role("textbox", name="Frames")
     expect(frames).to_be_focused()
@@ -182,15 +182,17 @@ def choose_aovs(dialog: Locator) -> None:
 
 
 def check_reports(page: Page) -> None:
-    """Check that the focus report is there before the first frame is, in both formats."""
+    """Check that the focus report is there before the first frame is, in each format."""
     files = page.get_by_role("group", name="Files of all frames of second")
-    expect(files.get_by_role("link")).to_have_text(["Download focus report (.csv)", "Download focus report (.json)"])
+    texts = [f"Download focus report (.{kind})" for kind in ("html", "csv", "json")]
+    expect(files.get_by_role("link")).to_have_text(texts)
     contents = []
     for link in files.get_by_role("link").all():
         with page.expect_download() as download:
             link.click()
         contents.append(download.value.path().read_text())
-    table, report = contents
+    shown, table, report = contents
+    assert "Who is sharp when" in shown
     assert table.startswith("frame,focus_distance_m")
     assert json.loads(report)["frames"] == "1-2"
 

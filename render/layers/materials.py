@@ -169,6 +169,8 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
                 self.defines["GRAPH_SHEEN"] = 1
             if material.graph.has_film:
                 self.defines["GRAPH_FILM"] = 1
+            if material.graph.mixed > 1:
+                self.defines["GRAPH_MIXED"] = material.graph.mixed
             self.functions = material.graph.functions
             self.block = np.array(material.graph.numbers, np.float32).tobytes()
             return

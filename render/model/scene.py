@@ -93,6 +93,7 @@ class SurfaceGraph:
         opacity: share of what is behind that it hides, as far as it is known without the device.
         has_sheen: whether it may have a sheen.
         has_film: whether it may have a thin film.
+        mixed: surfaces that it evaluates for each fragment, mixes among them.
     """
 
     functions: str
@@ -102,6 +103,7 @@ class SurfaceGraph:
     opacity: float = 1.0
     has_sheen: bool = False
     has_film: bool = False
+    mixed: int = 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,6 +24,22 @@ vec3 graph_bitangent = vec3(0.0);
 vec3 graph_eye = vec3(0.0);
 float graph_lod_bias = 0.0;
 
+// Linear Rec. 709 in the working space, and back.
+vec3 in_working(vec3 color)
+{
+    return mat3(graph.working_from_rec709[0].xyz, graph.working_from_rec709[1].xyz, graph.working_from_rec709[2].xyz) * color;
+}
+
+vec3 from_working(vec3 color)
+{
+    return mat3(graph.rec709_from_working[0].xyz, graph.rec709_from_working[1].xyz, graph.rec709_from_working[2].xyz) * color;
+}
+
+Surface plain_surface()
+{
+    return Surface(vec3(0.0), vec3(0.0), vec3(0.04), 0.0, 0.5, 1.0, 1.0, 0.0, 0.03, false, graph_normal);
+}
+
 vec4 graph_texture(sampler2D map, vec2 uv)
 {
     return texture(map, uv, graph_lod_bias);
@@ -32,7 +48,7 @@ vec4 graph_texture(sampler2D map, vec2 uv)
 // Further colour of the vertices, linear Rec. 709.
 vec3 graph_value_color(int i)
 {
-    return mat3(graph.rec709_from_working[0].xyz, graph.rec709_from_working[1].xyz, graph.rec709_from_working[2].xyz) * value_color(i);
+    return from_working(value_color(i));
 }
 
 // Normal in the prim's own space, of the facet: nothing smoother is known there.
@@ -68,7 +84,6 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     mat4 stage_from_camera = stage_from_world * world_from_camera;
     mat3 turned = mat3(normalize(stage_from_camera[0].xyz), normalize(stage_from_camera[1].xyz),
                        normalize(stage_from_camera[2].xyz));
-    mat3 working = mat3(graph.working_from_rec709[0].xyz, graph.working_from_rec709[1].xyz, graph.working_from_rec709[2].xyz);
     vec3 n = facing_normal(position, normal, front);
 #ifdef MAY_BE_TRANSPARENT
     graph_lod_bias = -log2(detail);  // cut-outs keep their edges, and both passes must agree on them
@@ -80,21 +95,23 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
 #ifdef GRAPH_OBJECT_SPACE
     graph_color = color;
 #else
-    graph_color = vec4(mat3(graph.rec709_from_working[0].xyz, graph.rec709_from_working[1].xyz, graph.rec709_from_working[2].xyz)
-                           * color.rgb, color.a);
+    graph_color = vec4(from_working(color.rgb), color.a);
 #endif
     graph_position = (stage_from_camera * vec4(position, 1.0)).xyz;
     graph_eye = (stage_from_camera * vec4(0.0, 0.0, eye_z, 1.0)).xyz;
     graph_normal = turned * n;
     set_tangents(graph_normal, graph_position, uv);
     graph_transmission = 0.0;
-    graph_surface = Surface(vec3(0.0), vec3(0.0), vec3(0.04), 0.0, 0.5, 1.0, 1.0, 0.0, 0.03, false, graph_normal);
+    graph_surface = plain_surface();
+#ifdef GRAPH_MIXED
+    mixed_count = 0;
+#endif
     evaluate_nodes();
 
     Surface s = graph_surface;
-    s.base_color = working * s.base_color;
-    s.emissive = working * s.emissive;
-    s.f0 = working * s.f0;
+    s.base_color = in_working(s.base_color);
+    s.emissive = in_working(s.emissive);
+    s.f0 = in_working(s.f0);
     bool is_mapped = dot(s.normal, s.normal) > 1e-12;
     s.normal = is_mapped ? normalize(s.normal * turned) : n;  // times the transposed: back to the camera
     s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, 0.0);

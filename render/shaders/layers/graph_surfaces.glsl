@@ -1,5 +1,5 @@
-// Surface shaders of MaterialX as the lobes that surfaces have here. Each sets `graph_surface`, linear Rec. 709, and returns
-// nothing of use; render/stage/materials/mtlx/surfaces.py gives the order of the arguments.
+// Surface shaders of MaterialX as the lobes that surfaces have here. Each sets `graph_surface`, linear Rec. 709, and returns its
+// number among those that are mixed; render/stage/materials/mtlx/surfaces.py gives the order of the arguments.
 // standard_surface: Georgiev et al. 2019, "Autodesk Standard Surface"; open_pbr_surface: Andersson et al. 2024, "OpenPBR".
 
 float reflectance_of(float ior)
@@ -25,8 +25,25 @@ vec3 let_through(float transmission, vec3 color, float metallic, vec3 diffuse)
     return (1.0 - transmission) * diffuse + transmission * (1.0 - mean) * color;
 }
 
+#ifdef GRAPH_MIXED
+Surface mixed_surfaces[GRAPH_MIXED];
+float mixed_transmissions[GRAPH_MIXED];
+int mixed_count = 0;
+
+// Keep `graph_surface` for the mix that it is a part of, and return its number.
+float keep_surface()
+{
+    mixed_surfaces[mixed_count] = graph_surface;
+    mixed_transmissions[mixed_count] = graph_transmission;
+    return float(mixed_count++);
+}
+#else
+#define keep_surface() 0.0
+#endif
+
 void set_surface(vec3 base_color, float metallic, vec3 f0, float roughness, vec3 normal)
 {
+    graph_surface = plain_surface();
     graph_surface.base_color = base_color;
     graph_surface.metallic = clamp(metallic, 0.0, 1.0);
     graph_surface.f0 = f0;
@@ -53,7 +70,7 @@ void surface_standard_surface(
     graph_surface.clearcoat = coat_of(coat, coat_ior);
     graph_surface.clearcoat_roughness = coat_roughness;
     graph_surface.opacity = dot(opacity, vec3(1.0 / 3.0));
-    result = 0.0;
+    result = keep_surface();
 }
 
 void surface_open_pbr_surface(
@@ -74,7 +91,7 @@ void surface_open_pbr_surface(
     graph_surface.clearcoat = coat_of(coat, coat_ior);
     graph_surface.clearcoat_roughness = coat_roughness;
     graph_surface.opacity = opacity;
-    result = 0.0;
+    result = keep_surface();
 }
 
 void surface_gltf_pbr(
@@ -93,7 +110,7 @@ void surface_gltf_pbr(
     graph_surface.clearcoat = clearcoat;
     graph_surface.clearcoat_roughness = clearcoat_roughness;
     graph_surface.opacity = alpha_mode == 0 ? 1.0 : alpha_mode == 1 ? step(alpha_cutoff, alpha) : alpha;
-    result = 0.0;
+    result = keep_surface();
 }
 
 void surface_UsdPreviewSurface(
@@ -105,6 +122,7 @@ void surface_UsdPreviewSurface(
     vec3 f0 = use_specular_workflow == 1 ? specular_color : mix(vec3(reflectance_of(ior)), diffuse_color, metal);
     vec3 tangent = dot(normal, normal) > 1e-12 ? normal : vec3(0.0, 0.0, 1.0);
     normal = graph_tangent * tangent.x + graph_bitangent * tangent.y + graph_normal * tangent.z;
+    graph_transmission = 0.0;
     set_surface(diffuse_color, metal, f0, roughness, normal);
     graph_surface.occlusion = occlusion;
     graph_surface.emissive = emissive_color;
@@ -112,7 +130,7 @@ void surface_UsdPreviewSurface(
     graph_surface.clearcoat_roughness = clearcoat_roughness;
     graph_surface.is_glass = opacity_mode == 0 && opacity_threshold <= 0.0;
     graph_surface.opacity = opacity_threshold > 0.0 ? step(opacity_threshold, opacity) : opacity;
-    result = 0.0;
+    result = keep_surface();
 }
 
 // Burley 2012, "Physically based shading at Disney": specular 1 reflects 8 % at normal incidence.
@@ -127,7 +145,7 @@ void surface_disney_principled(
     add_sheen(mix(vec3(1.0), base_color, sheen_tint), sheen * (1.0 - metallic), 0.3, false);
     graph_surface.clearcoat = 0.25 * clearcoat;
     graph_surface.clearcoat_roughness = sqrt(mix(0.1, 0.001, clearcoat_gloss));
-    result = 0.0;
+    result = keep_surface();
 }
 
 void surface_surface_unlit(
@@ -137,7 +155,7 @@ void surface_surface_unlit(
     graph_surface.emissive = emission * emission_color;
     let_through(transmission, transmission_color, 0.0, vec3(0.0));
     graph_surface.opacity = opacity;
-    result = 0.0;
+    result = keep_surface();
 }
 
 // Lobes that render/stage/materials/mtlx/lobes.py has made one of each kind.
@@ -157,5 +175,50 @@ void surface_surface(
     graph_surface.clearcoat = coat;
     graph_surface.clearcoat_roughness = coat_roughness;
     graph_surface.opacity = opacity;
-    result = 0.0;
+    result = keep_surface();
 }
+
+#ifdef GRAPH_MIXED
+vec3 normal_of(Surface s)
+{
+    return dot(s.normal, s.normal) > 1e-12 ? normalize(s.normal) : graph_normal;
+}
+
+float most_of(vec3 color)
+{
+    return max(color.r, max(color.g, color.b));
+}
+
+// Mix of two surfaces. Light that they scatter, reflect, let through and emit is mixed. A mix has one roughness, the mean by what
+// each reflects, and its coat lies on all of it.
+void surface_mixed_surface(float bg, float fg, float share, out float result)
+{
+    Surface a = mixed_surfaces[int(bg)], b = mixed_surfaces[int(fg)];
+    float t = clamp(share, 0.0, 1.0);
+    vec3 third = vec3(1.0 / 3.0);
+    float a_reflects = (1.0 - t) * dot(a.f0, third), b_reflects = t * dot(b.f0, third);
+    float a_coat = (1.0 - t) * a.clearcoat, b_coat = t * b.clearcoat;
+    vec3 f0 = mix(a.f0, b.f0, t);
+#ifndef UNLIT
+    // Lighting takes what the specular lobe reflects from the diffuse light, channel by channel of the working space.
+    vec3 let_in = max(1.0 - in_working(f0), 1e-3);
+    a.base_color = from_working(in_working(a.base_color) * (1.0 - in_working(a.f0)) / let_in) * (1.0 - a.metallic);
+    b.base_color = from_working(in_working(b.base_color) * (1.0 - in_working(b.f0)) / let_in) * (1.0 - b.metallic);
+    a.metallic = b.metallic = 0.0;
+#endif
+    set_surface(mix(a.base_color, b.base_color, t), mix(a.metallic, b.metallic, t), f0,
+                mix(a.roughness, b.roughness, a_reflects + b_reflects > 0.0 ? b_reflects / (a_reflects + b_reflects) : t),
+                mix(normal_of(a), normal_of(b), t));
+    graph_surface.emissive = mix(a.emissive, b.emissive, t);
+    graph_surface.opacity = mix(a.opacity, b.opacity, t);
+    graph_surface.occlusion = mix(a.occlusion, b.occlusion, t);
+    graph_surface.clearcoat = a_coat + b_coat;
+    graph_surface.clearcoat_roughness = mix(a.clearcoat_roughness, b.clearcoat_roughness,
+                                            a_coat + b_coat > 0.0 ? b_coat / (a_coat + b_coat) : t);
+    graph_surface.is_glass = (a.is_glass && t < 1.0) || (b.is_glass && t > 0.0);
+    float a_through = mixed_transmissions[int(bg)] * (1.0 - most_of(in_working(a.f0)));  // as is that which comes from behind
+    float b_through = mixed_transmissions[int(fg)] * (1.0 - most_of(in_working(b.f0)));
+    graph_transmission = mix(a_through, b_through, t) / max(1.0 - most_of(in_working(f0)), 1e-3);
+    result = keep_surface();
+}
+#endif

@@ -13,6 +13,7 @@ import MaterialX as mx
 
 from render.model.scene import LEAST_GLASS_OPACITY
 from render.stage.materials.mtlx.library import PREFIX, drawn_definition, library
+from render.stage.materials.mtlx.mixes import mixed_surfaces
 from render.stage.materials.mtlx.network import (
     IDENTIFIER,
     MOST_WEIGHT,
@@ -34,13 +35,14 @@ class ProgramWriter:
     """Writes the program of a network.
 
     Args:
-        network: of a surface that is drawn (`SURFACES`).
+        network: of a surface that is drawn (`render.stage.materials.mtlx.mixes.drawn_network`).
         frame: number of the frame, for nodes that read it.
         time_s: its time, seconds.
     """
 
     def __init__(self, network: Network, frame: float, time_s: float) -> None:
         self._network, self._frame, self._time_s = network, frame, time_s
+        self._surfaces = {id(node) for node in mixed_surfaces(network.surface)}
         self._document = mx.createDocument()
         self._files: dict[str, tuple[Input, Node, tuple[float, ...]]] = {}
         self._primvars: dict[str, tuple[str, tuple[float, ...]]] = {}
@@ -74,7 +76,7 @@ class ProgramWriter:
         )
         if weight > MOST_WEIGHT:
             raise NetworkError(f"its nodes stand for more than {MOST_WEIGHT:,}")
-        wanted = _types(self._network)
+        wanted = self._types()
         for node in self._network.nodes():
             self._add(node, wanted[id(node)])
         self._document.upgradeVersion()
@@ -83,6 +85,19 @@ class ProgramWriter:
         shader = generator.generate("surface", self._document.getNode("surface"), context)
         folder = self._network.folder
         return ProgramReader(self._files, self._primvars, folder, self._frame, self._time_s).read(shader)
+
+    def _types(self) -> dict[int, str]:
+        """Type of each node: its own, or that of an input that it feeds."""
+        nodes = list(self._network.nodes())
+        types = {id(node): "float" if id(node) in self._surfaces else node.type for node in nodes}
+        for node in reversed(nodes):
+            definition = drawn_definition(node.category) if id(node) in self._surfaces else None
+            for name, each in node.inputs.items():
+                if each.source is not None and not types[id(each.source.node)]:
+                    theirs = definition.getActiveInput(name) if definition is not None else None
+                    kind = theirs.getType() if theirs is not None else each.type or types[id(node)]
+                    types[id(each.source.node)] = kind
+        return types
 
     def _leave_out_invalid(self, own: mx.Document, definitions: mx.Document) -> None:
         """Remove those of some definitions that join outputs to inputs of another type, or lack an input."""
@@ -97,8 +112,8 @@ class ProgramWriter:
                 own.removeNodeGraph(name)
 
     def _add(self, node: Node, kind: str) -> None:
-        is_surface = node is self._network.surface
-        name = "surface" if is_surface else f"n{len(self._names)}"
+        is_surface = id(node) in self._surfaces
+        name = "surface" if node is self._network.surface else f"n{len(self._names)}"
         category, definition = PREFIX + node.category if is_surface else node.category, ""
         library_document = self._document.getDataLibrary()
         if not is_surface and node.definition:
@@ -202,7 +217,7 @@ class ProgramWriter:
         numbers = parse_numbers(value)
         if len(numbers) != WIDTHS.get(kind):
             return None
-        if node is self._network.surface and node.category == "UsdPreviewSurface" and key == "opacity":
+        if id(node) in self._surfaces and node.category == "UsdPreviewSurface" and key == "opacity":
             numbers = (max(numbers[0], LEAST_GLASS_OPACITY),)  # it keeps its highlights
         return ", ".join(str(int(number)) if kind == "integer" else f"{number:.9g}" for number in numbers)
 
@@ -214,19 +229,6 @@ class ProgramWriter:
             return None
         self._primvars[f"p{len(self._primvars)}"] = (name, fallback)
         return f"p{len(self._primvars) - 1}"
-
-
-def _types(network: Network) -> dict[int, str]:
-    """Type of each node: its own, or that of an input that it feeds."""
-    surface = drawn_definition(network.surface.category)
-    types = {id(node): node.type for node in network.nodes()}
-    for node in reversed(list(network.nodes())):
-        for name, each in node.inputs.items():
-            if each.source is not None and not types[id(each.source.node)]:
-                theirs = surface.getActiveInput(name) if node is network.surface else None
-                types[id(each.source.node)] = theirs.getType() if theirs is not None else each.type or types[id(node)]
-    types[id(network.surface)] = "float"
-    return types
 
 
 def _version(text: str) -> str:

@@ -22,12 +22,12 @@ from render.stage.materials.mtlx.document_networks import DocumentNetworks
 from render.stage.materials.mtlx.documents import DocumentError, file_in, read_document, studio_documents
 from render.stage.materials.mtlx.generation import ProgramWriter
 from render.stage.materials.mtlx.library import drawn_definition
-from render.stage.materials.mtlx.lobes import reduce_surface
+from render.stage.materials.mtlx.mixes import drawn_network, mixed_surfaces, share_of, single_surfaces
 from render.stage.materials.mtlx.network import Input, Network, NetworkError, Node
 from render.stage.materials.mtlx.opacity import is_used, may_be_transparent, opacity_of
 from render.stage.materials.mtlx.programs import ImageUse, Program
 from render.stage.materials.mtlx.slots import DISPLAY_COLOR, NOWHERE, GeometryUse
-from render.stage.materials.mtlx.surfaces import SURFACES, SurfaceShader
+from render.stage.materials.mtlx.surfaces import MIXED, SURFACES, SurfaceShader
 from render.stage.materials.mtlx.udim import TOKEN, TileGrid, grid_of, spread_coordinates, tile_files
 from render.stage.materials.mtlx.usd_networks import displacement_node, surface_network
 from render.stage.materials.mtlx.values import color_of, numbers_of, parse_numbers
@@ -171,14 +171,8 @@ class MaterialXLooks:
         Raises:
             NetworkError: it cannot be drawn.
         """
-        category = network.surface.category
-        shader = SURFACES.get(category)
-        if shader is None:
-            raise NetworkError(f"its surface is a {category[:60]}; {', '.join(SURFACES)} are drawn")
-        left_out: tuple[str, ...] = ()
-        if category == "surface":
-            reduced = reduce_surface(network)
-            network, left_out = reduced.network, reduced.left_out[:_MOST_LEFT_OUT]
+        drawn = drawn_network(network)
+        network, left_out = drawn.network, drawn.left_out[:_MOST_LEFT_OUT]
         frame = 0.0 if time.IsDefault() else time.GetValue()
         grids = spread_coordinates(network, lambda node, given: self._grid(path, node, given))
         writer = ProgramWriter(network, frame, frame / (self._stage.GetTimeCodesPerSecond() or 24.0))
@@ -190,14 +184,15 @@ class MaterialXLooks:
                 f"a plain surface of its base colour, is drawn instead: {refusal}"
             )
             self._log.add("materialx_refused", path, message)
-            return _plain_look(path, network, shader, varies)
+            return _plain_look(path, network, varies)
         self._drawn_by.add(program.functions)
         for note in (*network.notes, *writer.notes):
             self._log.add("materialx_node", f"{path} {note}", f"in material {path}, {note}: its default is used")
         for what in left_out:
             self._log.add("materialx_lobes", f"{path} {what}", f"in material {path}, {what} is not drawn")
-        self._note_lobes(path, network, shader)
-        return _LookWriter(path, network, shader, program, grids, self._stage, self._textures, self._log).look(
+        for surface in single_surfaces(network.surface):
+            self._note_lobes(path, surface)
+        return _LookWriter(path, network, program, grids, self._stage, self._textures, self._log).look(
             varies or program.animated
         )
 
@@ -224,16 +219,24 @@ class MaterialXLooks:
                 self._log.add("texture_scaled", f"{path} {name[:200]}", message)
         return self._grids[key]
 
-    def _note_lobes(self, path: str, network: Network, shader: SurfaceShader) -> None:
-        used = [name for name in shader.lobes if is_used(network.surface.inputs.get(name))]
+    def _note_lobes(self, path: str, surface: Node) -> None:
+        used = [name for name in SURFACES[surface.category].lobes if is_used(surface.inputs.get(name))]
         if used:
-            message = f"in material {path}, {', '.join(used)} of {network.surface.category} are not drawn"
-            self._log.add("materialx_lobes", path, message)
+            message = f"in material {path}, {', '.join(used)} of {surface.category} are not drawn"
+            self._log.add("materialx_lobes", f"{path} {surface.name}", message)
 
 
-def _plain_look(path: str, network: Network, shader: SurfaceShader, varies: bool) -> BoundMaterial:
-    """Plain surface of the constant base colour of a network, of that of its shader where another node gives it."""
-    numbers = color_of(_plain_color(network.surface, shader))
+def _plain_look(path: str, network: Network, varies: bool) -> BoundMaterial:
+    """Plain surface of the constant base colour of a network, of that of its shader where another node gives it.
+
+    A mix is drawn as the one of its surfaces of which it has most.
+    """
+    surface = network.surface
+    while surface.category == MIXED:
+        side = surface.inputs["fg" if (share_of(surface) or 0.0) > 0.5 else "bg"].source
+        surface = side.node if side is not None else single_surfaces(surface)[0]
+    shader = SURFACES[surface.category]
+    numbers = color_of(_plain_color(surface, shader))
     red, green, blue = colour.to_working(np.array(numbers, np.float32)).tolist()
     name = "emissive" if shader.is_unlit else "base_color"
     material = Material(path, unlit=shader.is_unlit, **{name: (red, green, blue)})  # type: ignore[arg-type]
@@ -255,11 +258,24 @@ def _space_of(given: Input, node: Node | None) -> str:
     return given.color_space if is_color and given.color_space else "raw"
 
 
+def _uses(surface: Node, name: str | None) -> bool:
+    return name is not None and is_used(surface.inputs.get(name))
+
+
+def _opacity_of(surface: Node) -> float:
+    """Opacity of a surface or of a mix; where a node gives the share of a mix, that of its more opaque side."""
+    if surface.category != MIXED:
+        return opacity_of(surface)
+    sides = [given.source for given in (surface.inputs["bg"], surface.inputs["fg"])]
+    bg, fg = (_opacity_of(side.node) if side is not None else 1.0 for side in sides)
+    share = share_of(surface)
+    return max(bg, fg) if share is None else bg + (fg - bg) * share
+
+
 @dataclass(eq=False)
 class _LookWriter:
     path: str
     network: Network
-    shader: SurfaceShader
     program: Program
     grids: Mapping[int, Image]
     stage: Usd.Stage
@@ -268,27 +284,26 @@ class _LookWriter:
 
     def look(self, varies: bool) -> BoundMaterial:
         names, is_place = self._primvars(self.program.geometry)
+        singles = single_surfaces(self.network.surface)
         graph = SurfaceGraph(
             functions=self.program.functions,
             numbers=(*self._frames(), *self.program.numbers),
             reads_place=is_place,
-            may_be_transparent=may_be_transparent(self.network.surface),
-            opacity=opacity_of(self.network.surface),
-            has_sheen=self._uses(self.shader.sheen),
-            has_film=self._uses(self.shader.film),
+            may_be_transparent=any(map(may_be_transparent, singles)),
+            opacity=_opacity_of(self.network.surface),
+            has_sheen=any(_uses(surface, SURFACES[surface.category].sheen) for surface in singles),
+            has_film=any(_uses(surface, SURFACES[surface.category].film) for surface in singles),
+            mixed=len(list(mixed_surfaces(self.network.surface))),
         )
         lookups = {each.sampler: self._lookup(each) for each in self.program.images}
         material = Material(
             name=self.path,
-            clearcoat=1.0 if self._uses(self.shader.coat) else 0.0,
-            unlit=self.shader.is_unlit,
+            clearcoat=float(any(_uses(surface, SURFACES[surface.category].coat) for surface in singles)),
+            unlit=all(SURFACES[surface.category].is_unlit for surface in singles),
             lookups=lookups,
             graph=graph,
         )
         return BoundMaterial(material, names, varies)
-
-    def _uses(self, name: str | None) -> bool:
-        return name is not None and is_used(self.network.surface.inputs.get(name))
 
     def _frames(self) -> tuple[float, ...]:
         """Rows of the block of `layers/graph.glsl` before the network's own numbers."""

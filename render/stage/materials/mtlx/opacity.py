@@ -15,14 +15,18 @@ def is_used(given: Input | None, default: float = 0.0) -> bool:
 
 
 def may_be_transparent(surface: Node) -> bool:
-    """Whether a surface that is drawn may be wholly or partly transparent somewhere."""
+    """Whether a surface that is drawn, and is no mix, may be wholly or partly transparent somewhere."""
     shader = SURFACES[surface.category]
     inputs = zip(shader.opacity, shader.opaque, strict=True)
     return any(is_used(surface.inputs.get(name), opaque) for name, opaque in inputs)
 
 
 def opacity_of(surface: Node) -> float:
-    """Share of what is behind that a surface hides, as its shader has it for constants; what is connected counts as opaque."""
+    """Share of what is behind that a surface hides, as its shader has it for constants; what is connected counts as opaque.
+
+    Args:
+        surface: one that is drawn, and is no mix.
+    """
     shader, opacity = SURFACES[surface.category], 1.0
     for name, opaque in zip(shader.opacity, shader.opaque, strict=True):
         value = _constant(surface, name, opaque)

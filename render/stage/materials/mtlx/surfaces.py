@@ -66,7 +66,15 @@ _LOBES = {
 }
 """Inputs of what `render.stage.materials.mtlx.lobes` makes of a ``surface``."""
 
+MIXED = "mixed_surface"
+"""Category of what `render.stage.materials.mtlx.mixes` makes of a mix of surfaces."""
+
 SURFACES: dict[str, SurfaceShader] = {
+    MIXED: SurfaceShader(
+        "",
+        ("bg", "fg", "share"),
+        own={"bg": ("float", "0"), "fg": ("float", "0"), "share": ("float", "0")},
+    ),
     "surface": SurfaceShader(
         "",
         tuple(_LOBES),

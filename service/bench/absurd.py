@@ -7,7 +7,7 @@ from service.bench.requests import Abandoned, frame_path
 WIDTH, MOST_RAYS = 1920, 4096
 LESS = 0.8
 """Rays of the next attempt over those that were refused."""
-REFUSED_WITHIN_S = 1.0
+REFUSED_WITHIN_S = 10.0
 LEAVES_AFTER_S = 1.0
 """Time after which the client of an absurd picture has left, s."""
 

@@ -136,6 +136,6 @@ def _needs(scope: ScopeName) -> Sequence[DependsParameter]:
 
 
 READS = _needs("read")
-EDITS = (*_needs("edit"), Depends(note_edits))
+EDITS = (*_needs("edit"), Depends(note_edits, scope="function"))
 RENDERS = _needs("render")
 ADMINISTERS = _needs("admin")

@@ -23,7 +23,7 @@ async def note_shot(service: Service, record: ShotRecord, kind: Kind) -> None:
 
 
 async def note_edits(connection: HTTPConnection, service: ServiceDep) -> AsyncIterator[None]:
-    """Note that a request has changed the edits of its shot, once it is answered (a dependency of routes that edit)."""
+    """Note that a request has changed the edits of its shot, before it is answered (a dependency of routes that edit)."""
     shot = connection.path_params.get("shot")
     before = await run_in_threadpool(_revision, service, shot)
     yield

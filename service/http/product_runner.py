@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from contextlib import suppress
 from functools import partial
 
 from starlette.concurrency import run_in_threadpool
@@ -77,13 +78,25 @@ class ProductRunner:
             self._is_sure = True
         if len(self._making) >= MOST_MAKING:
             return False
-        claim = await run_in_threadpool(self._queue.claim, LEASE_S)
+        claim = await self._claim()
         if claim is None:
             return False
         task = asyncio.create_task(_work_on(self._service, claim))
         self._making[task] = claim
         task.add_done_callback(self._end)
         return True
+
+    async def _claim(self) -> ProductClaim | None:
+        """Claim a product. One that comes when the service stops is given back."""
+        claiming = asyncio.ensure_future(run_in_threadpool(self._queue.claim, LEASE_S))
+        try:
+            return await asyncio.shield(claiming)
+        except asyncio.CancelledError:
+            with suppress(OutputError):  # the lease runs out
+                claim = await claiming
+                if claim is not None:
+                    self._queue.give_back(claim)
+            raise
 
     def _end(self, task: asyncio.Task[None]) -> None:
         del self._making[task]

@@ -187,6 +187,13 @@ def until(true: Callable[[], bool]) -> None:
         time.sleep(0.005)
 
 
+def hold_back(queue: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the service claim nothing more of a queue; what it had begun to claim is claimed."""
+    looks: list[tuple[object, ...]] = []
+    monkeypatch.setattr(queue, "claim", lambda *given: looks.append(given))  # which returns None
+    until(lambda: bool(looks))
+
+
 def is_running(process_id: int) -> bool:
     """Whether a process is there and no zombie."""
     time.sleep(0.02)

@@ -10,6 +10,7 @@ from time import monotonic
 
 import pytest
 
+from service.bench import requests
 from service.bench.requests import Abandoned, ask, repeating
 from service.bench.results import AbsurdFound, DelayRow, ViewersFound, goals_of, spread_of
 from service.bench.viewers import Viewer
@@ -43,7 +44,8 @@ def test_a_viewer_who_waits_at_the_end_of_a_phase_is_counted():
     assert starved.gaps_since(1, began_s) == [pytest.approx(10, abs=5)]
 
 
-def test_an_answer_that_breaks_off_is_a_failure():
+def test_an_answer_that_breaks_off_is_a_failure(monkeypatch):
+    monkeypatch.setattr(requests, "PAUSE_S", 600.0)  # it asks once
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
 

@@ -30,7 +30,7 @@ def stage(tmp_path):
 def test_no_frame_is_lost_or_stored_twice(stage, database):
     if database == "postgresql" and postgresql_programs() is None:
         pytest.skip("PostgreSQL is not installed (Debian's package postgresql)")
-    found = measure(ChaosPlan(24, strikes=7, width=96, rays=16, database=database, limit_s=200), stage)
+    found = measure(ChaosPlan(24, strikes=7, width=96, rays=16, database=database, limit_s=450), stage)
     assert [goal for goal in found.goals if not goal.holds] == []
     assert {row.kind for row in found.strikes} >= {"kill worker", "kill scheduler", "kill service"}
     left_out = {"kill database"} if database == "sqlite" else set()

@@ -10,7 +10,7 @@ import pytest
 
 from service.client import AsyncClient, Client, RefusedError, SettingError, sync_client
 from service.http.settings import Settings
-from tests.service.conftest import running
+from tests.service.conftest import hold_back, running
 
 pytestmark = pytest.mark.gl
 
@@ -77,7 +77,7 @@ def test_an_event_loop_goes_all_the_way(service, room, tmp_path):
 def test_a_log_is_followed_from_before_its_frame_is_begun(service, room, monkeypatch):
     queue, texts = service.internal.renders, []
     claim, read = queue.claim, queue.logs.read
-    monkeypatch.setattr(queue, "claim", lambda *_: None)
+    hold_back(queue, monkeypatch)
     with Client(str(service.client.base_url)) as client:
         render = client.render(room, frames="1-2", **SMALL)
         steps = iter(

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -106,15 +105,13 @@ def test_a_frame_in_progress_ends_before_the_service(tmp_path):
 
 
 def test_a_second_signal_ends_the_service_at_once(tmp_path):
-    with served(tmp_path) as service, slow_frame(service) as frame:
+    with served(tmp_path, stop_grace_s=600) as service, slow_frame(service) as frame:
         processes = service.descendants()
         service.process.send_signal(signal.SIGTERM)
         until(lambda: service.client.get("/readyz").status_code == 503)
         assert service.process.poll() is None
         service.process.send_signal(signal.SIGTERM)
-        began_s = time.monotonic()
-        assert service.process.wait(30) == -signal.SIGTERM
-        assert time.monotonic() - began_s < 2
+        assert service.process.wait(300) == -signal.SIGTERM
         with pytest.raises(httpx.TransportError):
             frame.result(30)
         until(lambda: not any(is_running(process) for process in processes))

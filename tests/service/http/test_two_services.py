@@ -147,14 +147,14 @@ def test_either_service_may_be_killed(tmp_path, shared, room_file):
     try:
         for part, client in zip(parts, clients, strict=True):
             part.tend()
-            until(lambda client=client: is_up(client))
+            until(lambda part=part, client=client: (part.tend(), is_up(client))[1])
         request = {"width": 480, "rays": 64, "frames": "1-8", "formats": ["png"], "shot": shot_of(first, room_file)}
         render = first.post("/v1/renders", json=request).json()["id"]
         until(lambda: second.get(f"/v1/renders/{render}").json()["done"] >= 1)
         parts[0].kill()  # the one that has the shot, and perhaps a frame under way
         until(lambda: second.get(f"/v1/renders/{render}").json()["done"] >= 4)
         parts[0].tend()
-        until(lambda: is_up(first))  # it takes back what it held, at once
+        until(lambda: (parts[0].tend(), is_up(first))[1])  # it takes back what it held, at once
         parts[1].kill()
         parts[1].tend()
         until(lambda: done(first, render))

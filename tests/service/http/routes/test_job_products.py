@@ -15,7 +15,7 @@ from service.http.settings import Settings
 from service.jobs.product_queue import ProductQueue
 from service.models.render_products import PRODUCTS, needs_pictures
 from service.workers.errors import QueueFullError
-from tests.service.conftest import running, send
+from tests.service.conftest import hold_back, running, send
 from tests.service.kits.renders import SMALL, ended, render_of
 
 PICTURELESS = [name for name in PRODUCTS if not needs_pictures(name)]
@@ -72,10 +72,11 @@ def test_a_curve_is_written_when_asked_for_without_a_product(client, room):
     curve = client.get(f"/v1/renders/{render['id']}/focus-curve")
     assert (curve.status_code, [each["frame"] for each in curve.json()["samples"]]) == (200, [3])
     assert curve.headers["content-disposition"] == f'inline; filename="{render["id"]}-focus.json"'
+    ended(client, render)
 
 
 def test_a_product_whose_shot_is_gone_fails_and_is_retried(service, client, room, monkeypatch):
-    monkeypatch.setattr(service.internal.renders.products, "claim", lambda _: None)
+    hold_back(service.internal.renders.products, monkeypatch)
     render = render_of(client, room, frames="1", formats=[], products=["focus-report.csv"])
     assert client.delete(f"/v1/shots/{room}").status_code == 204
     monkeypatch.undo()
@@ -130,7 +131,7 @@ def test_what_others_write_meanwhile_is_not_counted(service, client, room, monke
 
 
 def test_a_render_is_under_way_until_its_products_are_made(service, client, room, monkeypatch):
-    monkeypatch.setattr(service.internal.renders.products, "claim", lambda _: None)
+    hold_back(service.internal.renders.products, monkeypatch)
     render = render_of(client, room, frames="1", formats=[], products=["focus-curve.csv"])
     assert (render["state"], render["secondsLeft"], render["finishedAt"]) == ("queued", None, None)
     assert client.delete(f"/v1/renders/{render['id']}").status_code == 409
@@ -169,7 +170,7 @@ def test_a_service_that_starts_again_goes_on_with_products(tmp_path, room_file, 
     settings = Settings(data=tmp_path, demo=False)
     with running(settings) as first:
         products = first.internal.renders.products
-        monkeypatch.setattr(products, "claim", lambda _: None)
+        hold_back(products, monkeypatch)
         shot = send(first.client, "room.usda", room_file.read_bytes()).json()["id"]
         render = render_of(first.client, shot, frames="1", formats=[], products=["focus-report.csv", "focus-curve.csv"])
         assert ProductQueue.claim(products, 60.0).name == "focus-report.csv"  # and is killed

@@ -21,7 +21,7 @@ from service.http.settings import Settings
 from tests.service.conftest import Running, running, until
 from tests.service.kits.focus_maps import decode_focus_map
 
-WAIT_S = 60
+WAIT_S = 300
 SMALL = {"time": 1, "width": 96, "height": 54, "rays": 8}
 UNSHAPED = {"time": 1, "rays": 8}
 """A picture whose height follows from the film gate, known only when the shot is open."""

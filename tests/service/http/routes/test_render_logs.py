@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from render.errors import OutputError
-from tests.service.conftest import send, until
+from tests.service.conftest import hold_back, send, until
 from tests.service.kits.renders import ended, render_of
 
 LEASE_S = 60.0
@@ -25,7 +25,7 @@ def held(client, room, service, monkeypatch):
     """A render whose frames this test draws, and the claim of its first frame."""
     queue = service.internal.renders
     claim = queue.claim
-    monkeypatch.setattr(queue, "claim", lambda *_: None)
+    hold_back(queue, monkeypatch)
     monkeypatch.setattr(queue, "claim_again", claim, raising=False)
     render = render_of(client, room, frames="1-2")
     claimed = claim("one", LEASE_S)

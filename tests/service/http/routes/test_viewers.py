@@ -21,7 +21,7 @@ def address(client: httpx.Client, shot: str, query: str = "?viewers=true") -> st
 def told(socket: websockets.sync.client.ClientConnection, is_wanted: Callable[[list[dict]], bool]) -> dict[str, Any]:
     """The first message about viewers who are as is wanted."""
     while True:
-        message = socket.recv(timeout=60)
+        message = socket.recv(timeout=300)
         fields = json.loads(message) if isinstance(message, str) else {}
         if "viewers" in fields and is_wanted(fields["viewers"]):
             return fields
@@ -54,7 +54,7 @@ def test_a_request_for_pictures_is_a_place(client, room):
             socket.send(json.dumps({"id": 1, "time": 2, "width": 32, "rays": 4, "moving": True}))
         assert len(told(mine, lambda viewers: viewers[0]["time"] == 2)["viewers"]) == 1
         assert isinstance(
-            other.recv(timeout=60), bytes
+            other.recv(timeout=300), bytes
         )  # whoever does not want to see others is not seen, and told of nobody
 
 
@@ -65,7 +65,7 @@ def test_a_request_for_pictures_is_a_place(client, room):
 def test_absurd_places_are_refused_and_change_nothing(client, room, here):
     with websockets.sync.client.connect(address(client, room)) as socket:
         socket.send(json.dumps({"here": here}))
-        while "problem" not in (message := json.loads(socket.recv(timeout=60))):
+        while "problem" not in (message := json.loads(socket.recv(timeout=300))):
             assert [each["time"] for each in message["viewers"]] == [None]
         assert (message["status"], message["problem"]["code"]) == (422, "invalid_request")
 

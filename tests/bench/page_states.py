@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 
 def show_camera(page: Page) -> None:
@@ -105,6 +105,7 @@ def show_difference(page: Page) -> None:
 def show_notes(page: Page) -> None:
     """Draw a note on the picture, which `take` undoes; the list of notes shows it."""
     page.keyboard.press("Alt+p")
+    expect(page.get_by_role("textbox", name="Note")).to_be_focused()
     page.keyboard.type("Rack to mara as she turns")
     box = page.locator(".drawing-sheet").bounding_box()
     assert box is not None

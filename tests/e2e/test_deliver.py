@@ -104,7 +104,7 @@ def test_movie_exr_range_and_report_are_delivered(page: Page, service: str) -> N
     assert [row["frame"] for row in rows] == ["1", "1", "2", "2", "3", "3"]  # of two focus points
     assert all(float(row["focus_distance_m"]) > 0 for row in rows)
 
-    (render,) = httpx.get(f"{service}/v1/renders").raise_for_status().json()["renders"]
+    (render,) = httpx.get(f"{service}/v1/renders", timeout=120).raise_for_status().json()["renders"]
     assert [(each["name"], each["state"]) for each in render["products"]] == [
         ("movie.mp4", "done"),
         ("focus-report.csv", "done"),
@@ -143,7 +143,7 @@ def test_a_report_alone_draws_nothing_and_is_remembered(page: Page, service: str
     expect(row).to_contain_text("1 of 1 product")
     layer = fetched(page, row.get_by_role("link", name="Download focus curve (.usda)"))
     assert layer.read_text().startswith("#usda 1.0")
-    render = httpx.get(f"{service}/v1/renders").raise_for_status().json()["renders"][0]
+    render = httpx.get(f"{service}/v1/renders", timeout=120).raise_for_status().json()["renders"][0]
     assert (render["count"], render["formats"], render["state"]) == (0, [], "done")
     tab_to(page, dialog.get_by_role("button", name="Render…"))
     page.keyboard.press("Enter")

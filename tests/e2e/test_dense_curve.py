@@ -129,12 +129,14 @@ def undo_all(page: Page) -> None:
 
 def keys(service: str) -> list[dict]:
     """Return the keys of the focus distance."""
-    return httpx.get(f"{service}/v1/shots/demo/camera/focus", params={"time": 1}).json()["keys"]["focusDistanceM"]
+    return httpx.get(f"{service}/v1/shots/demo/camera/focus", params={"time": 1}, timeout=120).json()["keys"][
+        "focusDistanceM"
+    ]
 
 
 def distances_m(service: str) -> np.ndarray:
     """Return the focus distance of each frame, m."""
-    curve = httpx.get(f"{service}/v1/shots/demo/focus-curve", timeout=60).json()
+    curve = httpx.get(f"{service}/v1/shots/demo/focus-curve", timeout=120).json()
     return np.array([sample["focusDistanceM"] for sample in curve["samples"]])
 
 

@@ -113,6 +113,7 @@ def test_burn_ins_go_with_the_picture(page: Page, service: str) -> None:
     readout = httpx.get(f"{service}/v1/shots/demo/readout", params={"time": 96}, timeout=120).raise_for_status().json()
     lens = page.locator(".burnt.top-right")
     expect(lens).to_contain_text(readout["lensName"])
+    expect(lens).to_contain_text(re.compile(rf"focus {int(readout['focusDistanceM'])}[.]"))
     metres = re.search(r"focus ([\d.]+) m", lens.inner_text())
     assert metres is not None
     assert float(metres[1]) == pytest.approx(readout["focusDistanceM"], abs=0.01)

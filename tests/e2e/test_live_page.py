@@ -128,6 +128,7 @@ def test_a_marker_that_is_dragged_takes_the_focus_with_it(page: Page, service: s
     said = page.get_by_role("textbox", name="Focus distance")
     expect(said).to_have_value(re.compile(rf"^{int(far_m)}\."))
     assert focus_points(service, 40)[NEAR]["depthM"] == pytest.approx(placed[NEAR]["depthM"])  # it is tried, not done
+    wait_for_pictures(page, 1)
     page.mouse.up()
     page.wait_for_selector("canvas[data-settled=true][data-unsaved=false]")
     assert focus_points(service, 40)[NEAR]["depthM"] == pytest.approx(far_m, rel=0.1)

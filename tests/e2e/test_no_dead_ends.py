@@ -99,8 +99,9 @@ def test_a_camera_is_created_by_mouse_and_focused(page: Page, service: str, tmp_
     assert shown_picture(page).std() > 0.5 * framed.std()  # the cards are still there
     assert sent_shot(service)["defaultCamera"]["path"] == "/main_cam"
 
+    revision = revision_of(page)
     click_on(page, (0.6, 0.5))
-    wait_edited(page, revision_of(page))
+    wait_edited(page, revision)
     expect(page.locator(".marker")).to_have_count(1)
     address = f"{service}/v1/shots/{sent_shot(service)['id']}"
     (point,) = httpx.get(f"{address}/focus-points", params={"time": 1}, timeout=120).json()["focusPoints"]

@@ -7,7 +7,8 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.axe import violations
-from tests.e2e.editor import wait_settled
+from tests.e2e.conftest import PATIENCE_MS
+from tests.e2e.editor import is_edit, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
@@ -39,10 +40,11 @@ def test_a_note_by_keyboard_is_kept_and_seen_by_others(
 ) -> None:
     wait_settled(page, time=1)
     other = browser.new_page(base_url=service, device_scale_factor=pixel_ratio)
-    other.set_default_timeout(120_000)
+    other.set_default_timeout(PATIENCE_MS)
     other.goto("/?shot=demo&time=1")
     wait_settled(other, time=1)
     page.keyboard.press("Alt+n")
+    expect(page.get_by_role("textbox", name="Note")).to_be_focused()
     page.keyboard.type(WORDS)
     assert violations(page) == []
     page.keyboard.press("Control+Enter")
@@ -67,6 +69,7 @@ def test_a_note_by_keyboard_is_kept_and_seen_by_others(
 def test_a_drawing_is_on_the_picture_of_its_frame(page: Page) -> None:
     wait_settled(page, time=1)
     page.keyboard.press("Alt+p")
+    expect(page.get_by_role("textbox", name="Note")).to_be_focused()
     page.keyboard.press("Tab")  # out of the text, so that the keys are those of the picture
     for _ in range(2):
         draw(page)
@@ -74,7 +77,8 @@ def test_a_drawing_is_on_the_picture_of_its_frame(page: Page) -> None:
     strokes.wait_for()
     page.keyboard.press("Control+z")
     page.locator(".drawings[data-strokes='1']").wait_for()
-    page.keyboard.press("Control+Enter")
+    with page.expect_response(is_edit):
+        page.keyboard.press("Control+Enter")
     page.locator("[data-flag='1']").wait_for(state="attached")
     page.reload()
     wait_settled(page, time=1)

@@ -82,6 +82,8 @@ def test_a_snapshot_is_compared_by_keys(page: Page) -> None:
     wait_settled(page, time=96)
     page.keyboard.press("a")
     other = page.locator("canvas.compared[data-mode=other]")
+    expect(other).to_have_js_property("width", before.shape[1])  # it is painted a frame after it is there
+    expect(other).to_have_js_property("height", before.shape[0])
     np.testing.assert_array_equal(pixels(other), before)
     expect(page.locator(".compare-said")).to_contain_text("B: frame 1, main_cam, ")
     page.keyboard.press("a")

@@ -138,7 +138,7 @@ def test_a_pull_by_mouse_and_wheel_becomes_few_keys(page: Page, service: str) ->
     assert violations(page) == []
     page.set_viewport_size(PHONE)
     expect(ring).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.wait_for_function("() => document.documentElement.scrollWidth <= innerWidth")
     assert violations(page) == []
     page.set_viewport_size(WIDE)
     page.get_by_role("button", name="Apply").click()
@@ -191,6 +191,8 @@ def test_midi_and_a_game_controller_turn_the_ring(page: Page) -> None:
     page.evaluate("() => { pad.axes[1] = 0.4; }")
     expect(page.get_by_text("Axis 1")).to_be_visible()
     page.keyboard.press("Escape")
+    # The controller is looked at once for each frame; a move is told by two looks.
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     page.evaluate("() => { pad.axes[1] = 0.6; }")
     expect(ring).to_have_attribute("aria-valuenow", "80")
 

@@ -62,7 +62,7 @@ def test_a_render_is_sent_followed_and_removed(page: Page, service: str) -> None
     expect(row).to_have_count(0)
     expect(dialog).to_contain_text("Nothing was rendered yet")
     expect(dialog.get_by_role("button", name="Render…")).to_be_focused()
-    assert httpx.get(f"{service}/v1/renders").json()["renders"] == []
+    assert httpx.get(f"{service}/v1/renders", timeout=120).json()["renders"] == []
     page.keyboard.press("Escape")
     expect(dialog).to_have_count(0)
 
@@ -86,7 +86,7 @@ def check_request(sent: list[Request], service: str) -> None:
     """Check that one render was sent, with a key, as it was typed."""
     requests = [request for request in sent if request.url == f"{service}/v1/renders"]
     assert [len(request.header_value("idempotency-key") or "") for request in requests] == [32]
-    (render,) = httpx.get(f"{service}/v1/renders").json()["renders"]
+    (render,) = httpx.get(f"{service}/v1/renders", timeout=120).json()["renders"]
     wanted = {"shot": "demo", "frames": "1-2", "width": 64, "rays": 4, "formats": ["png"], "priority": 50}
     assert wanted.items() <= render.items()
 
@@ -123,7 +123,7 @@ def check_frames(page: Page, service: str) -> None:
 
 
 def test_a_render_waits_with_aovs_and_a_focus_report(page: Page, service: str) -> None:
-    with httpx.Client(base_url=service) as client:
+    with httpx.Client(base_url=service, timeout=120) as client:
         failing = {"shot": "demo", "name": "first", "camera": "/World/none", "frames": "1", "width": 16}
         first = client.post("/v1/renders", json=failing).json()["id"]  # which fails, so that the other one waits
         dialog = open_form(page, name="second")

@@ -36,8 +36,9 @@ def wait_counted(page: Page, time: float) -> Counts:
     page.wait_for_function(
         """() => {
           const [canvas, scopes] = [".picture canvas", ".scopes"].map((name) => document.querySelector(name));
+          const wide = document.querySelector(".picture").getBoundingClientRect().width * devicePixelRatio;
           return canvas.dataset.settled === "true" && scopes.dataset.stage === "final"
-            && scopes.dataset.width === String(canvas.width);
+            && scopes.dataset.width === String(canvas.width) && Math.abs(canvas.width - wide) < 2;
         }"""
     )
     return pixels(canvas)

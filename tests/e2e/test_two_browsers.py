@@ -71,15 +71,23 @@ def walk(page: Page, way: str) -> None:
     page.get_by_role("button", name=re.compile(f"^{way}: ")).click()
 
 
+def wait_heard(page: Page, service: str) -> None:
+    """Wait until a page has read the edits that the shot has now."""
+    told = httpx.get(f"{service}/v1/shots/demo/edits/history", timeout=120).raise_for_status().json()
+    page.locator(f'canvas[data-edits="{told["revision"]}"]').wait_for()
+
+
 def test_edits_by_turns_are_seen_by_the_other(pages: tuple[Page, Page], service: str) -> None:
     mine, other = pages
     for writer, reader, value in ((mine, other, "2.8"), (other, mine, "5.6"), (mine, other, "4")):
         choose_stop(writer, value)
         expect(stop(reader)).to_have_value(f"f/{value}")
         assert saved_stop(service) == pytest.approx(float(value))
+        wait_heard(reader, service)
     walk(other, "Undo")
     expect(stop(mine)).to_have_value("f/5.6")
     expect(stop(other)).to_have_value("f/5.6")
+    wait_heard(mine, service)
     walk(mine, "Redo")
     expect(stop(other)).to_have_value("f/4")
 
@@ -153,6 +161,7 @@ def test_an_edit_of_a_deleted_point_is_offered_again(pages: tuple[Page, Page], s
     expect(mine.locator(".point")).to_have_count(1)
     walk(other, "Undo")
     expect(other.locator(".point")).to_have_count(2)
+    expect(mine.locator(".point")).to_have_count(2)
     told.get_by_role("button", name="Try again").click()
     expect(told).to_have_count(0)
     expect(row(other, FAR).get_by_role("checkbox", name=f"{FAR} enabled")).not_to_be_checked()
@@ -193,6 +202,7 @@ def test_the_other_is_seen_to_move_and_is_gone_to(pages: tuple[Page, Page]) -> N
 def test_a_note_that_both_edit_is_not_overwritten_unseen(pages: tuple[Page, Page]) -> None:
     mine, other = pages
     mine.keyboard.press("Alt+n")
+    expect(mine.get_by_role("textbox", name="Note")).to_be_focused()
     mine.keyboard.type("As it was.")
     mine.keyboard.press("Control+Enter")
     other.keyboard.press("Alt+Shift+n")

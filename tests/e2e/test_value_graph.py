@@ -156,7 +156,7 @@ def numbers(key: dict) -> list[float]:
 def usd_keys(service: str) -> list[list[float]]:
     """Read the keys of the near subject's weight out of the edit layer, by usd-core alone."""
     layer = Sdf.Layer.CreateAnonymous(".usda")
-    assert layer.ImportFromString(httpx.get(f"{service}/v1/shots/demo/edits").text)
+    assert layer.ImportFromString(httpx.get(f"{service}/v1/shots/demo/edits", timeout=120).text)
     stage = Usd.Stage.Open(layer)
     spline: Ts.Spline = stage.GetPrimAtPath("/World/main_cam").GetAttribute(f"focusPoint:{NEAR}:weight").GetSpline()
     return [

@@ -42,7 +42,7 @@ export function RenderRow(props: RenderRowProps): JSX.Element {
   const isOpen = renders.opened.value === render.id;
   useEffect(() => {
     if (renders.takeAdded(render.id)) head.current?.focus();
-  }, [renders, render.id]);
+  }); // also of a row that an event brought before the answer
   const act = (action: RenderAction): void => {
     setAsked(null);
     const dialog = head.current?.closest("dialog");

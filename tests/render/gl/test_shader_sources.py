@@ -53,7 +53,7 @@ _SURFACE: dict[str, int | float | str] = {
     "OPAQUE": 0.999,
     "MAX_HALF": 65000.0,
     "MAX_LIGHTS": 96,
-    "MAX_SHADOW_MAPS": 12,
+    "MAX_SHADOW_MAPS": 36,
     "LEAST_OPACITY": 1e-6,
     "NORMAL_LOC": 1,
     "TEXCOORD_0_LOC": 2,

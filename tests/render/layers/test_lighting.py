@@ -131,6 +131,24 @@ def test_a_shadow_falls_where_the_light_is_hidden(renderer: FrameRenderer) -> No
         np.testing.assert_allclose(frames[0].color[8, 80], frames[1].color[8, 80], rtol=1e-3, err_msg=kind)
 
 
+def test_each_of_six_bulbs_casts_its_shadow(renderer: FrameRenderer) -> None:
+    """Light adds up, shadows included."""
+    ball = Batch(sphere((0.0, 0.0, -2.0), 0.3, prim=1), MATT, np.eye(4)[None])
+    lamps = []
+    for turn in np.arange(6) * np.pi / 3:
+        pose = np.eye(4)
+        pose[:3, 3] = [np.cos(turn), np.sin(turn), -0.5]
+        lamps.append(Light("sphere", (500.0,) * 3, pose, radius_m=0.05, path=f"/lamp{len(lamps)}"))
+    settings = FrameSettings(60, 60, rays=1, supersample=1, engine="pinhole")
+    together, *alone = (
+        renderer.render(lit(*each, batches=(WALL, ball)), CAMERA, settings).color[..., 0]
+        for each in (lamps, *([x] for x in lamps))
+    )
+    np.testing.assert_allclose(together, np.sum(alone, axis=0), rtol=2e-3, atol=1e-3)
+    shadows = [picture < 0.02 * picture.max() for picture in alone]
+    assert all((shadow & ~other).any() for shadow in shadows for other in shadows if other is not shadow)
+
+
 def test_a_shaping_cone_ends_the_light(renderer: FrameRenderer) -> None:
     spot = Light("sphere", (50.0,) * 3, facing_the_wall(2.0), radius_m=0.1, cone_angle_rad=0.3)
     frame = renderer.render(lit(spot), CAMERA, FrameSettings(91, 91, rays=4))

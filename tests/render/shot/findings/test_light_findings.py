@@ -16,9 +16,10 @@ def bulb(number: int, radiance: float = 1.0, *, casts: bool = True) -> Light:
     return Light("sphere", (radiance,) * 3, np.eye(4), radius_m=0.1, casts_shadow=casts, path=f"/bulb{number}")
 
 
-def test_two_bare_bulbs_cast_shadows_and_the_weakest_of_three_none() -> None:
-    assert light_findings((bulb(0), bulb(1))) == []
-    notes = light_findings((bulb(0, 3.0), bulb(1, 1.0), bulb(2, 2.0), bulb(3, 0.1, casts=False)))
+def test_six_bare_bulbs_cast_shadows_and_the_weakest_of_seven_none() -> None:
+    others = tuple(bulb(i, 2.0 + i) for i in range(2, 7))
+    assert light_findings((bulb(0, 3.0), *others)) == []
+    notes = light_findings((bulb(0, 3.0), bulb(1, 1.0), *others, bulb(7, 0.1, casts=False)))
     assert [(f.code, f.path) for f in notes] == [("shadow_maps", "/bulb1")]
 
 

@@ -33,9 +33,11 @@ int mixed_count = 0;
 // Keep `graph_surface` for the mix that it is a part of, and return its number.
 float keep_surface()
 {
-    mixed_surfaces[mixed_count] = graph_surface;
-    mixed_transmissions[mixed_count] = graph_transmission;
-    return float(mixed_count++);
+    int at = min(mixed_count, GRAPH_MIXED - 1);
+    mixed_surfaces[at] = graph_surface;
+    mixed_transmissions[at] = graph_transmission;
+    mixed_count = at + 1;
+    return float(at);
 }
 #else
 #define keep_surface() 0.0
@@ -189,16 +191,34 @@ float most_of(vec3 color)
     return max(color.r, max(color.g, color.b));
 }
 
-// Mix of two surfaces. Light that they scatter, reflect, let through and emit is mixed. A mix has one roughness, the mean by what
-// each reflects, and its coat lies on all of it.
+float mean_of(vec3 color)
+{
+    return dot(color, vec3(1.0 / 3.0));
+}
+
+// Share of the second of two weights.
+float second_share(float first, float second, float otherwise)
+{
+    return first + second > 0.0 ? second / (first + second) : otherwise;
+}
+
+// Mix of two surfaces. Light that they scatter, reflect, let through and emit is mixed; a side counts as far as it is opaque. A mix
+// has one roughness, one normal and one occlusion, means by what each side sends back, and its coat lies on all of it.
 void surface_mixed_surface(float bg, float fg, float share, out float result)
 {
-    Surface a = mixed_surfaces[int(bg)], b = mixed_surfaces[int(fg)];
+    int first = clamp(int(bg), 0, GRAPH_MIXED - 1), second = clamp(int(fg), 0, GRAPH_MIXED - 1);
+    Surface a = mixed_surfaces[first], b = mixed_surfaces[second];
     float t = clamp(share, 0.0, 1.0);
-    vec3 third = vec3(1.0 / 3.0);
-    float a_reflects = (1.0 - t) * dot(a.f0, third), b_reflects = t * dot(b.f0, third);
-    float a_coat = (1.0 - t) * a.clearcoat, b_coat = t * b.clearcoat;
-    vec3 f0 = mix(a.f0, b.f0, t);
+    float a_opaque = (1.0 - t) * clamp(a.opacity, 0.0, 1.0), b_opaque = t * clamp(b.opacity, 0.0, 1.0);
+    float opacity = a_opaque + b_opaque, body = second_share(a_opaque, b_opaque, t);
+    // The opacity of glass does not fade what it reflects and emits.
+    bool is_glass = (a.is_glass && t < 1.0) || (b.is_glass && t > 0.0);
+    float a_shine = a.is_glass ? 1.0 - t : a_opaque, b_shine = b.is_glass ? t : b_opaque;
+    if (!is_glass) {
+        a_shine = 1.0 - body;
+        b_shine = body;
+    }
+    vec3 f0 = a_shine * a.f0 + b_shine * b.f0;
 #ifndef UNLIT
     // Lighting takes what the specular lobe reflects from the diffuse light, channel by channel of the working space.
     vec3 let_in = max(1.0 - in_working(f0), 1e-3);
@@ -206,19 +226,23 @@ void surface_mixed_surface(float bg, float fg, float share, out float result)
     b.base_color = from_working(in_working(b.base_color) * (1.0 - in_working(b.f0)) / let_in) * (1.0 - b.metallic);
     a.metallic = b.metallic = 0.0;
 #endif
-    set_surface(mix(a.base_color, b.base_color, t), mix(a.metallic, b.metallic, t), f0,
-                mix(a.roughness, b.roughness, a_reflects + b_reflects > 0.0 ? b_reflects / (a_reflects + b_reflects) : t),
-                mix(normal_of(a), normal_of(b), t));
-    graph_surface.emissive = mix(a.emissive, b.emissive, t);
-    graph_surface.opacity = mix(a.opacity, b.opacity, t);
-    graph_surface.occlusion = mix(a.occlusion, b.occlusion, t);
-    graph_surface.clearcoat = a_coat + b_coat;
-    graph_surface.clearcoat_roughness = mix(a.clearcoat_roughness, b.clearcoat_roughness,
-                                            a_coat + b_coat > 0.0 ? b_coat / (a_coat + b_coat) : t);
-    graph_surface.is_glass = (a.is_glass && t < 1.0) || (b.is_glass && t > 0.0);
-    float a_through = mixed_transmissions[int(bg)] * (1.0 - most_of(in_working(a.f0)));  // as is that which comes from behind
-    float b_through = mixed_transmissions[int(fg)] * (1.0 - most_of(in_working(b.f0)));
-    graph_transmission = mix(a_through, b_through, t) / max(1.0 - most_of(in_working(f0)), 1e-3);
+    float a_sent = (1.0 - body) * mean_of(a.base_color) + a_shine * mean_of(a.f0);
+    float b_sent = body * mean_of(b.base_color) + b_shine * mean_of(b.f0);
+    float sent = second_share(a_sent, b_sent, t);
+    float shine = second_share(a_shine * mean_of(a.f0), b_shine * mean_of(b.f0), t);
+    float coat = second_share(a_shine * a.clearcoat, b_shine * b.clearcoat, t);
+    set_surface(mix(a.base_color, b.base_color, body), mix(a.metallic, b.metallic, body), f0, mix(a.roughness, b.roughness, shine),
+                mix(normal_of(a), normal_of(b), sent));
+    graph_surface.emissive = a_shine * a.emissive + b_shine * b.emissive;
+    graph_surface.opacity = opacity;
+    graph_surface.occlusion = mix(a.occlusion, b.occlusion, sent);
+    graph_surface.clearcoat = a_shine * a.clearcoat + b_shine * b.clearcoat;
+    graph_surface.clearcoat_roughness = mix(a.clearcoat_roughness, b.clearcoat_roughness, coat);
+    graph_surface.is_glass = is_glass;
+    // Only what is not reflected comes through.
+    float a_through = mixed_transmissions[first] * (1.0 - most_of(in_working(a.f0)));
+    float b_through = mixed_transmissions[second] * (1.0 - most_of(in_working(b.f0)));
+    graph_transmission = mix(a_through, b_through, body) / max(1.0 - most_of(in_working(f0)), 1e-3);
     result = keep_surface();
 }
 #endif

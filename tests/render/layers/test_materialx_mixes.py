@@ -28,6 +28,14 @@ SURFACES = {
     '<input name="coat_roughness" type="float" value="0.2"/></open_pbr_surface>',
     "glass": '<standard_surface name="{}" type="surfaceshader"><input name="transmission" type="float" value="1"/>'
     '<input name="specular_roughness" type="float" value="0.4"/></standard_surface>',
+    "leaf": '<standard_surface name="{}" type="surfaceshader"><input name="base_color" type="color3" value="0.9,0,0"/>'
+    '<input name="base" type="float" value="1"/><input name="specular_roughness" type="float" value="0.4"/>'
+    '<input name="opacity" type="color3" value="0.25,0.25,0.25"/></standard_surface>',
+    "pane": '<UsdPreviewSurface name="{}" type="surfaceshader"><input name="diffuseColor" type="color3" value="0,0.5,0.8"/>'
+    '<input name="roughness" type="float" value="0.4"/><input name="opacity" type="float" value="0.5"/></UsdPreviewSurface>',
+    "gone": '<gltf_pbr name="{}" type="surfaceshader"><input name="base_color" type="color3" value="1,0,0"/>'
+    '<input name="metallic" type="float" value="0"/><input name="roughness" type="float" value="0.4"/>'
+    '<input name="alpha_mode" type="integer" value="2"/><input name="alpha" type="float" value="0"/></gltf_pbr>',
     "glow": '<surface_unlit name="{}" type="surfaceshader">'
     '<input name="emission_color" type="color3" value="0.3,0.5,0.1"/></surface_unlit>',
     "lobes": '<surface name="{}" type="surfaceshader"><input name="bsdf" type="BSDF" nodename="d"/></surface>',
@@ -79,7 +87,19 @@ def _picture(renderer: FrameRenderer, folder: Path, text: str) -> FloatArray:
 
 @pytest.mark.parametrize("share", [BY_VALUE, BY_NODE])
 @pytest.mark.parametrize(
-    ("bg", "fg"), [("metal", "paint"), ("paint", "coat"), ("metal", "glass"), ("glow", "paint"), ("lobes", "metal")]
+    ("bg", "fg"),
+    [
+        ("metal", "paint"),
+        ("paint", "coat"),
+        ("metal", "glass"),
+        ("glow", "paint"),
+        ("lobes", "metal"),
+        ("leaf", "paint"),
+        ("paint", "pane"),
+        ("leaf", "pane"),
+        ("gone", "paint"),
+        ("gone", "metal"),
+    ],
 )
 def test_a_mix_has_the_light_of_both(renderer: FrameRenderer, tmp_path: Path, bg: str, fg: str, share: str) -> None:
     """Of equal roughness, or where one reflects nothing."""
@@ -142,7 +162,13 @@ def test_a_mix_of_usds_own_shaders(renderer: FrameRenderer, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("kind", "value", "color"), [("color3", "0.2,0.4,0.1", (0.2, 0.4, 0.1)), ("float", "0.3", (0.3, 0.3, 0.3))]
+    ("kind", "value", "color"),
+    [
+        ("color3", "0.2,0.4,0.1", (0.2, 0.4, 0.1, 1.0)),
+        ("float", "0.3", (0.3, 0.3, 0.3, 1.0)),
+        ("color4", "0.8,0.4,0.2,0.5", (0.4, 0.2, 0.1, 0.5)),
+        ("color3", "abc", (0.0, 0.0, 0.0, 1.0)),
+    ],
 )
 def test_a_color_becomes_a_surface(
     renderer: FrameRenderer, tmp_path: Path, kind: str, value: str, color: tuple[float, ...]
@@ -150,7 +176,7 @@ def test_a_color_becomes_a_surface(
     glow = f'<convert name="c" type="surfaceshader"><input name="in" type="{kind}" value="{value}"/></convert>'
     dot = '<dot name="S" type="surfaceshader"><input name="in" type="surfaceshader" nodename="c"/></dot>'
     found = picture(renderer, wall(tmp_path, document(dot, glow)))
-    np.testing.assert_allclose(found[8, 8, :3], color, atol=0.002)
+    np.testing.assert_allclose(found[8, 8], color, atol=0.002)
 
 
 def test_what_cannot_be_mixed_is_named(tmp_path: Path) -> None:
@@ -172,7 +198,28 @@ def test_what_cannot_be_mixed_is_named(tmp_path: Path) -> None:
         folder.mkdir()
         reader = _reader(folder, document(surface, given))
         assert told in _messages(reader), name
-        assert material_of(reader).graph is None, name
+        assert (material_of(reader).graph is None) == (name != "prefixed"), name
+
+
+def test_eight_surfaces_behind_dots_are_mixed(tmp_path: Path) -> None:
+    dot = '<dot name="d{0}" type="surfaceshader"><input name="in" type="surfaceshader" nodename="s{0}"/></dot>'
+    nodes = QUARTER + "".join(SURFACES["paint"].format(f"s{i}") + dot.format(i) for i in range(8))
+    nodes += "".join(_mix(f"m{i}", f"m{i - 1}" if i else "d0", f"d{i + 1}", BY_NODE) for i in range(6))
+    assert material_of(_reader(tmp_path, document(_mix("S", "m5", "d7", BY_NODE), nodes))).graph.mixed == 15
+
+
+def test_a_surface_is_no_number(tmp_path: Path) -> None:
+    nodes = "".join(SURFACES["paint"].format(name) for name in "ab")
+    reader = _reader(tmp_path, document(_mix("S", "a", "b", 'nodename="a"'), nodes))
+    assert "is fed by a surface" in _messages(reader)
+
+
+@pytest.mark.parametrize("share", ['value="abc"', 'value="0.2, 0.3, 0.4"'])
+def test_a_share_that_is_no_number_is_named(tmp_path: Path, share: str) -> None:
+    nodes = "".join(SURFACES["paint"].format(name) for name in "ab")
+    reader = _reader(tmp_path, document(_mix("S", "a", "b", share), nodes))
+    assert "which is no number, is not drawn" in _messages(reader)
+    assert material_of(reader).graph.mixed == 1
 
 
 def test_a_side_that_nothing_feeds_is_named(tmp_path: Path) -> None:

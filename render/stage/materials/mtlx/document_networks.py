@@ -14,7 +14,7 @@ from collections.abc import Container
 from dataclasses import dataclass, field, replace
 
 from render.stage.materials.mtlx.documents import Document
-from render.stage.materials.mtlx.library import is_known
+from render.stage.materials.mtlx.library import PREFIX, is_known
 from render.stage.materials.mtlx.network import (
     IDENTIFIER,
     MOST_DEPTH,
@@ -325,11 +325,16 @@ def _weights_of(document: Document) -> dict[str, float]:
                     *(element.get("name") or "" for element in (*graph.iter(), *definition.iter())),
                 ]
                 plain = all(IDENTIFIER.fullmatch(name) and not name.startswith("gl_") for name in names)
-                plain = plain and definition.get("inherit") is None
+                plain = plain and definition.get("inherit") is None and not any(map(_is_ours, graph))
                 inside.setdefault(definition.get("node") or "", []).extend(nodes if plain else [_ENDLESS])
     weights: dict[str, float] = {_ENDLESS: math.inf}
     found = {category: _weight(category, inside, weights, 0) for category in inside}
     return {category: weight for category, weight in found.items() if weight <= MOST_WEIGHT}
+
+
+def _is_ours(node: ET.Element) -> bool:
+    """Whether a node is of our own surfaces' definitions."""
+    return node.tag.startswith(PREFIX) or (node.get("nodedef") or "").startswith(f"ND_{PREFIX}")
 
 
 def _weight(category: str, inside: dict[str, list[str]], weights: dict[str, float], depth: int) -> float:

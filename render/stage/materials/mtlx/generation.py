@@ -25,7 +25,7 @@ from render.stage.materials.mtlx.network import (
     node_weight,
 )
 from render.stage.materials.mtlx.programs import Program, ProgramReader
-from render.stage.materials.mtlx.surfaces import SURFACES
+from render.stage.materials.mtlx.surfaces import MIXED, SURFACES
 from render.stage.materials.mtlx.values import WIDTHS, numbers_of, parse_numbers
 
 _WORD = re.compile(r"[A-Za-z0-9_ .,+-]{0,64}")
@@ -120,6 +120,8 @@ class ProgramWriter:
             found = library_document.getNodeDef(node.definition)
             if found is not None:
                 category, kind, definition = found.getNodeString(), found.getType(), node.definition
+        if not is_surface and category.startswith(PREFIX):  # our own definitions, which only surfaces may use
+            return self._leave_out(node)
         if not IDENTIFIER.fullmatch(category) or not IDENTIFIER.fullmatch(kind):
             return self._leave_out(node)
         made = self._document.addNode(category, name, kind)
@@ -174,6 +176,9 @@ class ProgramWriter:
             output = given.source.output
             if output and given.source.node.category in self._network.weights:
                 output = OWN + output
+            if id(given.source.node) in self._surfaces and (node.category != MIXED or key not in ("bg", "fg")):
+                self.notes.append(f"{key} of {node.name or node.category} is a {kind}, and is fed by a surface")
+                return
             theirs_type = self._type_of(name, output)
             if theirs_type != kind:
                 self.notes.append(f"{key} of {node.name or node.category} is a {kind}, and is fed by a {theirs_type}")

@@ -22,7 +22,7 @@ from render.stage.materials.mtlx.document_networks import DocumentNetworks
 from render.stage.materials.mtlx.documents import DocumentError, file_in, read_document, studio_documents
 from render.stage.materials.mtlx.generation import ProgramWriter
 from render.stage.materials.mtlx.library import drawn_definition
-from render.stage.materials.mtlx.mixes import drawn_network, mixed_surfaces, share_of, single_surfaces
+from render.stage.materials.mtlx.mixes import drawn_network, mixed_surfaces, share_of, sides_of, single_surfaces
 from render.stage.materials.mtlx.network import Input, Network, NetworkError, Node
 from render.stage.materials.mtlx.opacity import is_used, may_be_transparent, opacity_of
 from render.stage.materials.mtlx.programs import ImageUse, Program
@@ -229,12 +229,11 @@ class MaterialXLooks:
 def _plain_look(path: str, network: Network, varies: bool) -> BoundMaterial:
     """Plain surface of the constant base colour of a network, of that of its shader where another node gives it.
 
-    A mix is drawn as the one of its surfaces of which it has most.
+    A mix is drawn as the side of which it has most, as its ``bg`` where a node gives the share.
     """
     surface = network.surface
     while surface.category == MIXED:
-        side = surface.inputs["fg" if (share_of(surface) or 0.0) > 0.5 else "bg"].source
-        surface = side.node if side is not None else single_surfaces(surface)[0]
+        surface = sides_of(surface)[(share_of(surface) or 0.0) > 0.5]
     shader = SURFACES[surface.category]
     numbers = color_of(_plain_color(surface, shader))
     red, green, blue = colour.to_working(np.array(numbers, np.float32)).tolist()
@@ -264,12 +263,15 @@ def _uses(surface: Node, name: str | None) -> bool:
 
 def _opacity_of(surface: Node) -> float:
     """Opacity of a surface or of a mix; where a node gives the share of a mix, that of its more opaque side."""
-    if surface.category != MIXED:
-        return opacity_of(surface)
-    sides = [given.source for given in (surface.inputs["bg"], surface.inputs["fg"])]
-    bg, fg = (_opacity_of(side.node) if side is not None else 1.0 for side in sides)
-    share = share_of(surface)
-    return max(bg, fg) if share is None else bg + (fg - bg) * share
+    known: dict[int, float] = {}
+    for node in mixed_surfaces(surface):
+        if node.category != MIXED:
+            known[id(node)] = opacity_of(node)
+            continue
+        bg, fg = (known[id(side)] for side in sides_of(node))
+        share = share_of(node)
+        known[id(node)] = max(bg, fg) if share is None else bg + (fg - bg) * share
+    return known[id(surface)]
 
 
 @dataclass(eq=False)

@@ -6,6 +6,11 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Collection
 from contextlib import suppress
+from typing import TypeVar
+
+from starlette.concurrency import run_in_threadpool
+
+Claimed = TypeVar("Claimed")
 
 
 async def keep_busy(
@@ -46,6 +51,29 @@ async def keep_busy(
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def claim_work(
+    claim: Callable[[], Claimed | None], give_back: Callable[[Claimed], object], log: logging.Logger
+) -> Claimed | None:
+    """Claim a piece of work in a thread. One that comes when this is cancelled is given back.
+
+    Args:
+        claim: claims it in the database; returns None where there is none.
+        give_back: lets another service claim it.
+        log: gets a failure to give it back, after which its lease runs out.
+    """
+    claiming = asyncio.ensure_future(run_in_threadpool(claim))
+    try:
+        return await asyncio.shield(claiming)
+    except asyncio.CancelledError:
+        try:
+            claimed = await claiming
+            if claimed is not None:
+                give_back(claimed)
+        except Exception:
+            log.exception("work that was claimed while the service stopped cannot be given back")
+        raise
 
 
 async def wait_for(wake: asyncio.Event, most_s: float) -> None:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from contextlib import suppress
 from functools import partial
 
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import OutputError, PullfocusError
 from service.hidden_folders import without_folders
-from service.http.background_tasks import keep_busy, wait_for
+from service.http.background_tasks import claim_work, keep_busy, wait_for
 from service.http.clients import client_of_work
 from service.http.errors import ServiceError
 from service.http.product_making import find_product
@@ -78,25 +77,13 @@ class ProductRunner:
             self._is_sure = True
         if len(self._making) >= MOST_MAKING:
             return False
-        claim = await self._claim()
+        claim = await claim_work(partial(self._queue.claim, LEASE_S), self._queue.give_back, log)
         if claim is None:
             return False
         task = asyncio.create_task(_work_on(self._service, claim))
         self._making[task] = claim
         task.add_done_callback(self._end)
         return True
-
-    async def _claim(self) -> ProductClaim | None:
-        """Claim a product. One that comes when the service stops is given back."""
-        claiming = asyncio.ensure_future(run_in_threadpool(self._queue.claim, LEASE_S))
-        try:
-            return await asyncio.shield(claiming)
-        except asyncio.CancelledError:
-            with suppress(OutputError):  # the lease runs out
-                claim = await claiming
-                if claim is not None:
-                    self._queue.give_back(claim)
-            raise
 
     def _end(self, task: asyncio.Task[None]) -> None:
         del self._making[task]

@@ -6,7 +6,7 @@ import asyncio
 import logging
 import shutil
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from functools import partial
@@ -17,7 +17,7 @@ from starlette.concurrency import run_in_threadpool
 from render.errors import OutputError, PullfocusError
 from render.model.burn_in import BurnIn
 from service.hidden_folders import without_folders
-from service.http.background_tasks import keep_busy, wait_for
+from service.http.background_tasks import claim_work, keep_busy, wait_for
 from service.http.errors import ServiceError
 from service.http.frame_requests import frame_request
 from service.http.lane_executor import LaneExecutor
@@ -30,7 +30,6 @@ from service.jobs.claims import Claim
 from service.jobs.dask_executor import DaskAddress, DaskExecutor
 from service.jobs.files import FrameFiles
 from service.jobs.frame_work import Executor, FrameError, FrameWork, LostFrameError, may_pass
-from service.jobs.queue import RenderQueue
 from service.models.frames import FrameQuery
 from service.picture.requests import THUMBNAIL, DrawnFrame
 from service.storage.database.tables import FileEntry
@@ -122,7 +121,9 @@ class RenderRunner:
         counts = Counter(claim.worker for claim in self._drawing.values())
         free = sorted((name for name in places if counts[name] < places[name]), key=lambda name: counts[name])
         for worker in free:
-            claim = await _claim(self._service.renders, worker, tuple(places))
+            queue = self._service.renders
+            claiming = partial(queue.claim, worker, LEASE_S, tuple(places))
+            claim = await claim_work(claiming, partial(queue.give_back, reason=STOPPING), log)
             if claim is not None:
                 task = asyncio.create_task(work_on(self._service, self._executor, claim))
                 self._drawing[task] = claim
@@ -157,19 +158,6 @@ def _recover(service: Service) -> None:
         service.render_files.remove_set_aside()
     except (OutputError, OSError) as error:
         log.error("what an earlier service has left of renders cannot be taken back: %s", error)
-
-
-async def _claim(queue: RenderQueue, worker: str, present: Collection[str]) -> Claim | None:
-    """Claim a frame. One that comes when the service stops is given back."""
-    claiming = asyncio.ensure_future(run_in_threadpool(queue.claim, worker, LEASE_S, present))
-    try:
-        return await asyncio.shield(claiming)
-    except asyncio.CancelledError:
-        with suppress(OutputError):  # the lease runs out
-            claim = await claiming
-            if claim is not None:
-                queue.give_back(claim, STOPPING)
-        raise
 
 
 async def work_on(service: Service, executor: Executor, claim: Claim) -> None:

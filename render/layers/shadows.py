@@ -12,7 +12,7 @@ from render.model.camera import Camera
 from render.model.scene import POINT_RADIUS_M, Light
 
 MAX_SHADOW_MAPS = 36
-"""Maps of all lights, 4 MiB each, and 5.3 MiB more for one with a size."""
+"""Maps of all lights: 4 MiB each, 4 MiB more each where things move, and 5.3 MiB more each where any light has a size."""
 SHADOW_MAP_SIDE_PX = 1024
 _WIDEST_RAD = np.radians(150.0)
 _ALL_AROUND = ("sphere", "cylinder", "mesh")

@@ -109,13 +109,14 @@ def _check_keys(camera: UsdGeom.Camera, times: Iterable[float]) -> None:
     if any(attribute.GetNumTimeSamples() > MAX_SAMPLES for attribute in _operations(camera)):
         detail = f"the keys of camera {path} cannot be edited: its way has more than {MAX_SAMPLES:,} samples"
         raise CameraError(detail, code="bad_place", path=path)
-    known = {time for attribute in _operations(camera) for time in _key_times(attribute)}
-    for time in times:
-        if check_time(time) not in known:
-            first = sorted(known)[:10]
-            listed = ", ".join(f"{key:g}" for key in first) + (", …" if len(known) > len(first) else "")
-            detail = f"the place of camera {path} has no key at time {time:g}, its keys are: {listed or 'none'}"
-            raise NotFoundError(detail, path=path)
+    missing = set(map(check_time, times))
+    for attribute in _operations(camera):
+        missing -= {time for time in missing.intersection(_sample_times(attribute)) if attribute.Get(time) is not None}
+    if missing:
+        known = place_keys(camera)
+        listed = ", ".join(f"{key:g}" for key in known[:10]) + (", …" if len(known) > 10 else "")
+        detail = f"the place of camera {path} has no key at time {min(missing):g}, its keys are: {listed or 'none'}"
+        raise NotFoundError(detail, path=path)
 
 
 def _without_key(attribute: Usd.Attribute, time: float) -> None:

@@ -15,7 +15,7 @@ def violations(page: Page) -> list[str]:
     page.evaluate(AXE.read_text(encoding="utf-8"))
     found = page.evaluate(
         """(tags) => {
-          for (const one of document.getAnimations())  // what is half faded in has no colour of the page
+          for (const one of document.getAnimations())  // colours are checked after fades end
             if (one.effect?.getComputedTiming().endTime < Infinity) one.finish();
           return axe.run(document, { resultTypes: ["violations"], runOnly: { type: "tag", values: tags } });
         }""",

@@ -47,6 +47,25 @@ describe("curves", () => {
   });
 });
 
+describe("keys that come to one time", () => {
+  it("are one while edits are under way, so that the curve has a slope everywhere", () => {
+    const lanes = lanesOf([{ fStop: [key(1, 2), key(5, 4), key(9, 8), key(15, 5)] }], []);
+    const [first, second] = [stackOf(lanes, 5), stackOf(lanes, 9)];
+    const to = new Map([
+      [first, 3],
+      [second, -1],
+    ]);
+    const [curve] = curvesOf(lanes, (stack) => movedStack(stack, to.get(stack) ?? 0));
+    const keys = curve ? keysOfCurve(curve) : [];
+    expect(keys.map(({ time, value }) => [time, value])).toEqual([
+      [1, 2],
+      [8, 8],
+      [15, 5],
+    ]);
+    expect(keys.map((_, index) => tangentsAt(keys, index).outSlope).every(Number.isFinite)).toBe(true);
+  });
+});
+
 describe("the axis of a curve", () => {
   it("counts f-numbers in stops", () => {
     const axis = valueAxis(curveOf("fStop", key(1, 2), key(9, 8)), [], "m", 6);

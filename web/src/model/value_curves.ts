@@ -71,14 +71,16 @@ function nameOf(owner: KeyOwner): string {
   return "setting" in owner ? owner.setting : owner.attribute;
 }
 
-/** Keys in the order of time, without those that a moved one stands in the place of. */
+/** Keys in the order of time; of two at one time the one that was moved, which stands in the place of the other. */
 function withoutReplaced(keys: readonly CurveKey[]): CurveKey[] {
   const isMoved = ({ stack, owned }: CurveKey): boolean => owned.key.time !== stack.time;
-  const moved = keys.filter(isMoved);
-  const isReplaced = (one: CurveKey): boolean =>
-    !isMoved(one) && moved.some(({ owned }) => sameTime(owned.key.time, one.owned.key.time));
-  const kept = moved.length > 0 ? keys.filter((one) => !isReplaced(one)) : keys;
-  return kept.toSorted((a, b) => a.owned.key.time - b.owned.key.time);
+  const kept: CurveKey[] = [];
+  for (const key of keys.toSorted((a, b) => a.owned.key.time - b.owned.key.time)) {
+    const last = kept.at(-1);
+    if (!last || !sameTime(last.owned.key.time, key.owned.key.time)) kept.push(key);
+    else if (isMoved(key) || !isMoved(last)) kept[kept.length - 1] = key;
+  }
+  return kept;
 }
 
 /** The keys of a curve as a spline has them. */

@@ -157,7 +157,7 @@ def test_the_keyboard_alone_moves_all(page: Page, service: str, opened: Page) ->
     before = focus_points(service, FRAME)[FAR]
     plan = page.get_by_role("group", name=re.compile("^Plan: "))
     tab_to(page, plan)
-    page.locator("[data-reading=focus]").wait_for()  # it may come after the plan was fitted
+    page.locator("[data-reading=near]").wait_for(state="attached")  # it may come after the plan was fitted
     page.keyboard.press("f")
     scale, _ = sheet_of(page)
     page.keyboard.press("+")

@@ -62,7 +62,7 @@ def test_a_wait_is_stopped_by_escape(page: Page, held: list[Route]) -> None:
 
 
 def test_a_poster_stands_for_a_shot_that_is_opened(page: Page) -> None:
-    page.locator("[data-reading=focus]").wait_for()
+    page.locator("[data-reading=near]").wait_for(state="attached")
     wait_settled(page, time=1)
     page.wait_for_function("() => localStorage.getItem('pullfocus.posters') !== null")
     opening = "**/v1/shots/demo"

@@ -102,7 +102,7 @@ def _picture(renderer: FrameRenderer, folder: Path, text: str) -> FloatArray:
     ],
 )
 def test_a_mix_has_the_light_of_both(renderer: FrameRenderer, tmp_path: Path, bg: str, fg: str, share: str) -> None:
-    """Of equal roughness, or where one reflects nothing."""
+    """Surfaces are of equal roughness, or one of them reflects nothing."""
     mixed = _picture(renderer, tmp_path / "mixed", _mixed(bg, fg, share))
     a, b = (_picture(renderer, tmp_path / each, document(SURFACES[each].format("S"), LOBE)) for each in (bg, fg))
     assert np.abs(a - b).max() > 0.1

@@ -37,7 +37,7 @@ describe("labels of the limits of sharpness", () => {
     expect(spread(labels, tags, 300)).toEqual(places);
   });
 
-  it("stay where there is no room on the right", () => {
-    expect(spread([[100, 40]], [{ left: 80, right: 290, y: 40 }], 230)).toEqual([[100, 40]]);
+  it("are left out where there is no room on the right", () => {
+    expect(spread([[100, 40]], [{ left: 80, right: 290, y: 40 }], 230)).toEqual([null]);
   });
 });

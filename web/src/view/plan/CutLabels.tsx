@@ -14,7 +14,10 @@ interface LabelsProps {
   readonly unit: LengthUnit;
 }
 
-/** They stand at the right edge of the field of view, or on the right of names of points that are there. */
+/**
+ * They stand at the right edge of the field of view, or on the right of names of points that are there. One that has no room is
+ * left out: the foot of the plan has the distances.
+ */
 export function CutLabels({ sheet, view, readout, points, unit }: LabelsProps): JSX.Element {
   const depths = { far: readout.farM, focus: readout.focusDistanceM, near: readout.nearM };
   const labels = Object.entries(depths).flatMap(([name, depth]) => {
@@ -32,7 +35,9 @@ export function CutLabels({ sheet, view, readout, points, unit }: LabelsProps): 
   return (
     <>
       {labels.map(({ name, text }, index) => {
-        const [x, y] = spots[index] ?? [0, 0];
+        const spot = spots[index];
+        if (!spot) return null;
+        const [x, y] = spot;
         return (
           <span key={name} class={`plan-label of-${name}`} aria-hidden="true" style={{ left: `${x}px`, top: `${y}px` }}>
             {text}
@@ -61,15 +66,15 @@ function tagOf(sheet: Sheet, point: PlanPoint, unit: LengthUnit): Tag {
   return { left: x, right: x + TAG_PX + letters * LETTER_PX + 2 * GAP_PX, y };
 }
 
-/** Places of labels, from the top one down, that cover neither each other nor a tag, if there is room up to a width. */
-export function spread(labels: readonly Spot[], tags: readonly Tag[], width: number): Spot[] {
+/** Places of labels, from the top one down, that cover neither each other nor a tag; null where there is no room up to a width. */
+export function spread(labels: readonly Spot[], tags: readonly Tag[], width: number): (Spot | null)[] {
   const found: Spot[] = [];
   for (const [x, y] of labels) found.push([x, Math.max(y, (found.at(-1)?.[1] ?? -Infinity) + LINE_PX)]);
   const pushes = found.map(([x, y]) => ({ y, px: clearOf(x, y, tags) - x }));
   return found.map(([x, y]) => {
     // What is close together stays one column.
     const push = Math.max(...pushes.filter((each) => Math.abs(each.y - y) <= 2 * LINE_PX).map(({ px }) => px));
-    return [x + push <= width ? x + push : x, y];
+    return push === 0 || x + push <= width ? [x + push, y] : null;
   });
 }
 

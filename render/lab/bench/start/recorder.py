@@ -36,15 +36,17 @@ WATCHED: tuple[tuple[str, str, str], ...] = (
     ("render.gl.shaders", "ProgramCache.compute", "shaders"),
     ("render.layers.source_program", "SourceProgram._add_to_context", "shaders"),
     ("render.layers.peel", "Peeler.nearest_w", "peel"),
-    ("render.layers.peel", "Peeler.peel", "peel"),
+    ("render.layers.peel", "Peeler.peel_by", "peel"),
     ("render.layers.nbuffers", "NBufferBuilder.build", "peel"),
+    ("render.trace.highlights.carrier", "HighlightCarrier.find", "highlights"),
+    ("render.trace.highlights.carrier", "HighlightCarrier.carry", "highlights"),
     ("render.trace.tracer", "Tracer.passes", "trace"),
     ("render.shot.film.shot_film", "ShotFilm.finish", "film"),
     ("render.pictures.picture", "develop_picture", "film"),
     ("render.output.write", "write_frame", "write"),
 )
 """Module, function and stage that its time is charged to."""
-ON_DEVICE = ("upload", "lens table", "peel", "trace")
+ON_DEVICE = ("upload", "lens table", "peel", "highlights", "trace")
 """Stages that end when the device has executed their commands."""
 FIRST_PIXEL = ("render.cli.console", "FrameProgress.update")
 """Called when the first rays are traced."""

@@ -9,40 +9,16 @@ from render.errors import InputError
 from render.model.lens import Prescription
 from render.optics.lens_files import parse_lens_file
 from render.optics.lens_files.forbes import ForbesTerms, qcon_terms
-
-FILE = """MODE SEQ
-UNIT {unit}
-FNUM 8 0
-SURF 0
-  TYPE STANDARD
-  CURV 0
-  DISZ INFINITY
-SURF 1
-  TYPE {kind}
-  CURV 0.02
-  CONI {conic}
-{lines}
-  DISZ 5
-  GLAS N-BK7 0 0 1.5168 64.17
-  DIAM {diameter}
-SURF 2
-  STOP
-  TYPE STANDARD
-  CURV -0.02
-  DISZ 60
-  DIAM 8
-SURF 3
-  TYPE STANDARD
-  CURV 0
-  DISZ 0
-"""
+from tests.render.kits.surface_files import ZEMAX
 
 
 def _read(
     kind: str, *lines: str, extra: tuple[float, ...] = (), conic: float = 0.0, unit: str = "MM", diameter: float = 8
 ) -> Prescription:
     data = [f'  XDAT {i} {value!r} 0 0 1.0 0.0 0 ""' for i, value in enumerate(extra, 1)]
-    text = FILE.format(kind=kind, lines="\n".join([*lines, *data]), conic=conic, unit=unit, diameter=diameter)
+    parameters = "".join(f"{line}\n" for line in [*lines, *data])
+    text = ZEMAX.format(kind=kind, curvature=0.02, conic=conic, parameters=parameters)
+    text = text.replace("UNIT MM", f"UNIT {unit}").replace("DIAM 8", f"DIAM {diameter}", 1)
     return parse_lens_file(text.encode(), "a.zmx")
 
 

@@ -5,6 +5,7 @@ Light is named by its vacuum wavelength in nanometres; air is taken as vacuum, a
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import overload
 
 import numpy as np
@@ -38,18 +39,26 @@ def refractive_index(glass: Glass, wavelength_nm: float | DoubleArray) -> float 
     Returns:
         A number for a number and an array of its shape for an array; NaN where Sellmeier's equation has no real root.
     """
-    wavelengths_nm = np.asarray(wavelength_nm, np.float64)
+    if isinstance(wavelength_nm, np.ndarray):
+        return _indices(glass, np.asarray(wavelength_nm, np.float64))
+    return _index(glass, float(wavelength_nm))
+
+
+@lru_cache(maxsize=4096)
+def _index(glass: Glass, wavelength_nm: float) -> float:
+    return float(_indices(glass, np.asarray(wavelength_nm)))
+
+
+def _indices(glass: Glass, wavelengths_nm: DoubleArray) -> DoubleArray:
     if glass.channels is not None:
-        index = np.interp(wavelengths_nm, CHANNELS_NM[::-1], glass.channels[::-1])
-    elif glass.sellmeier_b is not None and glass.sellmeier_c is not None:
-        index = _sellmeier(glass.sellmeier_b, glass.sellmeier_c, wavelengths_nm)
-    elif glass.dispersion is not None:
-        index = index_at(glass.dispersion, wavelengths_nm)
-    elif glass.abbe != 0:
-        index = model_index(glass.index, glass.abbe, wavelengths_nm)
-    else:
-        index = np.full(wavelengths_nm.shape, glass.index)
-    return index if isinstance(wavelength_nm, np.ndarray) else float(index)
+        return np.asarray(np.interp(wavelengths_nm, CHANNELS_NM[::-1], glass.channels[::-1]))
+    if glass.sellmeier_b is not None and glass.sellmeier_c is not None:
+        return _sellmeier(glass.sellmeier_b, glass.sellmeier_c, wavelengths_nm)
+    if glass.dispersion is not None:
+        return index_at(glass.dispersion, wavelengths_nm)
+    if glass.abbe != 0:
+        return model_index(glass.index, glass.abbe, wavelengths_nm)
+    return np.full(wavelengths_nm.shape, glass.index)
 
 
 def _sellmeier(b: tuple[float, ...], c: tuple[float, ...], wavelengths_nm: DoubleArray) -> DoubleArray:

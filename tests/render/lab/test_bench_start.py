@@ -26,7 +26,7 @@ def test_stages_add_up_to_the_first_pixel_and_to_the_end(
     assert ended.status == 0
     found = json.loads(file.read_text())
     (row,) = found["rows"]
-    assert row["shot"] == "small"
+    assert (row["shot"], row["width"]) == ("small", 64)
     assert row["missing"] == []
     (warm,) = row["warm"]
     assert sum(warm["before_s"].values()) == pytest.approx(warm["first_pixel_s"], abs=0.01)

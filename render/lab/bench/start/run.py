@@ -67,6 +67,7 @@ class StartRow:
 
     Attributes:
         shot: name of the shot.
+        width: width of its pictures in pixels.
         checkout: which checkout.
         first: runs with empty caches.
         second: runs after these.
@@ -75,6 +76,7 @@ class StartRow:
     """
 
     shot: str
+    width: int
     checkout: str
     first: list[StartRun]
     second: list[StartRun]
@@ -88,13 +90,11 @@ class StartBench:
 
     Attributes:
         device: name of the device.
-        width: width of the pictures in pixels.
-        rows: shots by checkouts.
+        rows: shots by widths and checkouts.
         goals: goals and whether they are met.
     """
 
     device: str
-    width: int
     rows: list[StartRow]
     goals: list[Goal]
 
@@ -102,8 +102,10 @@ class StartBench:
 class _Course:
     """Runs of one shot by one checkout, with caches of its own."""
 
-    def __init__(self, shot: str, name: str, checkout: Path, arguments: Sequence[str], folder: Path) -> None:
-        self.shot, self.name = shot, name
+    def __init__(
+        self, shot: str, width: int, name: str, checkout: Path, arguments: Sequence[str], folder: Path
+    ) -> None:
+        self.shot, self.width, self.name = shot, width, name
         self.runs: tuple[list[StartRun], list[StartRun], list[StartRun]] = ([], [], [])
         self.missing: list[str] = []
         self.device = ""
@@ -155,11 +157,11 @@ class _Course:
 
     def row(self) -> StartRow:
         """All runs."""
-        return StartRow(self.shot, self.name, *self.runs, self.missing)
+        return StartRow(self.shot, self.width, self.name, *self.runs, self.missing)
 
 
 def measure(plan: StartPlan) -> StartBench:
-    """Run every shot by every checkout, the checkouts in turn.
+    """Run every shot at every width by every checkout, the checkouts in turn.
 
     Raises:
         PullfocusError: a run failed.
@@ -169,10 +171,10 @@ def measure(plan: StartPlan) -> StartBench:
     checkouts = {HERE: _CHECKOUT} | ({} if plan.against is None else {AGAINST: plan.against})
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for shot in plan.shots:
-            arguments = _arguments(shot, folder, plan.width)
+        for shot, width in _pictures(plan):
+            arguments = _arguments(shot, folder, width)
             courses = [
-                _Course(shot, checkout, path, arguments, folder / f"{shot} {i}")
+                _Course(shot, width, checkout, path, arguments, folder / f"{shot} {width} {i}")
                 for i, (checkout, path) in enumerate(checkouts.items())
             ]
             for _ in range(plan.rounds):
@@ -183,25 +185,31 @@ def measure(plan: StartPlan) -> StartBench:
                         course.run(kind)
             rows += [course.row() for course in courses]
             device = courses[0].device
-    return StartBench(device, plan.width, rows, _goals(rows))
+    return StartBench(device, rows, _goals(rows))
+
+
+def _pictures(plan: StartPlan) -> list[tuple[str, int]]:
+    """Shots and widths: the small shot at all widths, others at the last one."""
+    return [(shot, width) for shot in plan.shots for width in (plan.widths if shot == "small" else plan.widths[-1:])]
 
 
 def _arguments(shot: str, folder: Path, width: int) -> tuple[str, ...]:
     """Write a shot; the stage's file, then the options of `record`."""
     place = folder / shot
-    place.mkdir()
+    place.mkdir(exist_ok=True)
     if shot == "demo":
         return (str(write_demo(place)), "-w", str(width), "--frames", str(DEMO_FRAME))
     return (str(write_small_shot(place)), "-w", str(width))
 
 
 def _goals(rows: list[StartRow]) -> list[Goal]:
-    small = [row for row in rows if row.shot == "small" and row.checkout == HERE]
-    times = [median(run.first_pixel_s for run in row.warm) for row in small]
-    return [
-        Goal("first pixel of the small shot with warm caches, s, at most", FIRST_PIXEL_S, time, time <= FIRST_PIXEL_S)
-        for time in times
-    ]
+    goals = []
+    for row in rows:
+        if row.shot == "small" and row.checkout == HERE:
+            name = f"first pixel of the small shot, {row.width} px wide, with warm caches, s, at most"
+            time = median(run.first_pixel_s for run in row.warm)
+            goals.append(Goal(name, FIRST_PIXEL_S, time, time <= FIRST_PIXEL_S))
+    return goals
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -223,7 +231,7 @@ def run(arguments: argparse.Namespace) -> None:
 def report(result: StartBench) -> str:
     """The tables."""
     lines = [
-        f"{result.device}; pictures {result.width} px wide; `pullfocus record` as a new process, milliseconds",
+        f"{result.device}; `pullfocus record` as a new process, milliseconds",
         "First run: empty caches of the product and the driver. Warm: from the third run on, median (least to most).",
     ]
     for row in result.rows:
@@ -233,7 +241,8 @@ def report(result: StartBench) -> str:
 
 def _table(row: StartRow) -> list[str]:
     kinds = (row.first, row.second, row.warm)
-    lines = [f"{row.shot} shot, {row.checkout:28}  first run    second      warm"]
+    heading = f"{row.shot} shot, {row.width} px, {row.checkout}"
+    lines = [f"{heading:40}  first run    second      warm"]
     lines.append(_line("until the first pixel", [[run.first_pixel_s for run in runs] for runs in kinds]))
     lines += [
         _line(f"  {stage}", [[run.before_s.get(stage, 0.0) for run in runs] for runs in kinds])

@@ -38,18 +38,29 @@ float even2(int i, float x, float y2) { return horner(i, 2, x) + y2 * row[i + 3]
 float even4(int i, float x, float y2) { return horner(i, 4, x) + y2 * (horner(i + 5, 2, x) + y2 * row[i + 8]); }
 
 #if SLOPE_DEGREE > 7
+// Terms of an even polynomial of total degrees `low` to `high` with the power `j` of y, highest power of x first; `first` moves on to the next.
+void add_terms(int j, int low, int high, float x, float power, inout int first, inout float value)
+{
+    if (j > high) return;
+    int least = max(low - j, 0), count = high - j - least;
+    float part = horner(first, count, x);
+    for (int i = 0; i < least; ++i) part *= x;
+    value += power * part;
+    first += count + 1;
+}
+
 // Terms of an even polynomial of total degrees `low` to `high`, which follow a row's other numbers by powers of y, then of x.
+// No loop over the powers of y: Mesa unrolls none that holds other loops, and a row whose indices vary is read number by number.
 float higher(int first, int low, int high, float x, float y2)
 {
-    float value = 0.0, power = 1.0;
-    for (int j = 0; j <= high; j += 2) {
-        int least = max(low - j, 0), count = high - j - least;
-        float part = horner(first, count, x);
-        for (int i = 0; i < least; ++i) part *= x;
-        value += power * part;
-        power *= y2;
-        first += count + 1;
-    }
+    float value = 0.0, y4 = y2 * y2, y8 = y4 * y4;
+    add_terms(0, low, high, x, 1.0, first, value);
+    add_terms(2, low, high, x, y2, first, value);
+    add_terms(4, low, high, x, y4, first, value);
+    add_terms(6, low, high, x, y4 * y2, first, value);
+    add_terms(8, low, high, x, y8, first, value);
+    add_terms(10, low, high, x, y8 * y2, first, value);
+    add_terms(12, low, high, x, y8 * y4, first, value);
     return value;
 }
 #endif

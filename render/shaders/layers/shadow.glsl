@@ -49,8 +49,16 @@ vec3 shadow_visibility(int row, vec3 p, vec3 n)
     if (clip.w <= 0.0) return vec3(1.0);
     vec3 at = clip.xyz / clip.w;
     if (any(greaterThan(abs(at.xy), vec2(1.0))) || at.z <= 0.0) return vec3(1.0);
+    vec3 visible = vec3(1.0);
 #ifdef SOFT_SHADOWS
-    if (light.extent.z > 0.5) return vec3(soft_visibility(light, row, map, at, l, distance_m, clip.w));
+    bool is_soft = light.extent.z > 0.5;
+#else
+    const bool is_soft = false;
 #endif
-    return vec3(hard_visibility(float(map), at));
+    // loops of one step, since a CPU runs both sides of a branch
+    for (int once = 0; !is_soft && once < 1; ++once) visible = vec3(hard_visibility(float(map), at));
+#ifdef SOFT_SHADOWS
+    for (int once = 0; is_soft && once < 1; ++once) visible = vec3(soft_visibility(light, row, map, at, l, distance_m, clip.w));
+#endif
+    return visible;
 }

@@ -75,6 +75,21 @@ float share_hidden(vec3 depths, float threshold)
     return depths.x > threshold ? 1.0 : (depths.z - depths.x) / max(depths.y - depths.x, 1e-12);
 }
 
+// A light's outline in a map: the row of its light, and in cells of the map, where it lies and how wide it is.
+struct Kernel { int row; bool is_round; mat2 from_cells; vec2 middle; vec2 width; };
+
+// Share of a cell that lies within the outline, of each colour.
+Share kernel_weight(Kernel k, vec2 cell)
+{
+    vec2 at = k.from_cells * (cell - k.middle);
+    Share weight = Share(k.is_round ? clamp((1.0 - length(at)) * min(k.width.x, k.width.y) + 0.5, 0.0, 1.0)
+                                    : clamp((1.0 - abs(at.x)) * k.width.x + 0.5, 0.0, 1.0) * clamp((1.0 - abs(at.y)) * k.width.y + 0.5, 0.0, 1.0));
+#ifdef COLORED_SHADOWS
+    weight *= cell_color(k.row, at, 1.0 / k.width);
+#endif
+    return weight;
+}
+
 // Share of a kernel around a place of the map that is deeper than a threshold; 0 where it is not needed. Its half axes are u and v
 // times a scale.
 Share kernel_share(int row, int map, vec2 uv, vec2 u, vec2 v, float scale, bool is_round, float threshold, float most_cells)
@@ -96,20 +111,25 @@ Share kernel_share(int row, int map, vec2 uv, vec2 u, vec2 v, float scale, bool 
     ivec2 first = ivec2(ceil(middle - half_size - 0.5)), count = ivec2(floor(middle + half_size + 0.5)) - first + 1;
     count = most_cells > 0.0 ? clamp(count, ivec2(0), ivec2(2.0 * most_cells) + 4) : ivec2(0);
     Share hidden = Share(0.0), sum = Share(0.0);
-    ivec2 place = ivec2(0);
-    for (int i = 0; i < count.x * count.y; ++i) {
-        vec2 at = to_kernel * (vec2(first + place) - middle);
-        Share weight = Share(is_round ? clamp((1.0 - length(at)) * min(width_u, width_v) + 0.5, 0.0, 1.0)
-                                : clamp((1.0 - abs(at.x)) * width_u + 0.5, 0.0, 1.0) * clamp((1.0 - abs(at.y)) * width_v + 0.5, 0.0, 1.0));
-#ifdef COLORED_SHADOWS
-        weight *= cell_color(row, at, 1.0 / vec2(width_u, width_v));
-#endif
-        ivec3 texel = ivec3(clamp(first + place, ivec2(0), ivec2(cells_across - 1)), map);
-        vec3 depths = level > 0 ? texelFetch(shadow_cells, texel, max(level - 1, 0)).rgb : texelFetch(shadow_depths, texel, 0).rrr;
+    Kernel kernel = Kernel(row, is_round, to_kernel, middle, vec2(width_u, width_v));
+    ivec2 last = ivec2(cells_across - 1), place = first, end = first + count;
+    int texels = level == 0 ? count.x * count.y : 0, squares = level == 0 ? 0 : count.x * count.y;
+    // two loops, since a CPU looks up both sides of a branch
+    for (int i = 0; i < texels; ++i) {
+        Share weight = kernel_weight(kernel, vec2(place));
+        float depth = texelFetch(shadow_depths, ivec3(clamp(place, ivec2(0), last), map), 0).r;
+        hidden += depth > threshold ? weight : Share(0.0);
+        sum += weight;
+        place.x += 1;
+        if (place.x == end.x) place = ivec2(first.x, place.y + 1);
+    }
+    for (int i = 0; i < squares; ++i) {
+        Share weight = kernel_weight(kernel, vec2(place));
+        vec3 depths = texelFetch(shadow_cells, ivec3(clamp(place, ivec2(0), last), map), level - 1).rgb;
         hidden += weight * share_hidden(depths, threshold);
         sum += weight;
         place.x += 1;
-        if (place.x == count.x) place = ivec2(0, place.y + 1);
+        if (place.x == end.x) place = ivec2(first.x, place.y + 1);
     }
     return hidden / max(sum, Share(1e-20));
 }
@@ -134,14 +154,16 @@ Share soft_visibility(Light light, int row, int map, vec3 at, vec3 l, float dist
     vec2 u = 0.5 * light.soft.x * (vec2(dot(a, right), dot(a, up)) - at.xy * dot(a, ahead));
     vec2 v = 0.5 * light.soft.x * (vec2(dot(b, right), dot(b, up)) - at.xy * dot(b, ahead));
     vec2 uv = at.xy * 0.5 + 0.5, reach = abs(u) + abs(v), texel = 1.0 / vec2(textureSize(shadow_depths, 0).xy);
-    vec2 range = depth_range(map, uv, vec2(1.0)) - at.z;
+    vec2 range = texelFetch(shadow_cells, ivec3(0, 0, map), textureQueryLevels(shadow_cells) - 1).rg - at.z;
     float between = range.y;
-    for (int i = 0; i < 3; ++i) {
+    bool is_limited = light.soft.y >= 0.0;
+    // until it is all lit, or all hidden wherever the caster is
+    for (int i = 0; i < 3 && between > 0.0 && (i == 0 || range.x <= 0.0 || is_limited); ++i) {
         range = depth_range(map, uv, max(between, 0.0) * reach + 1.5 * texel) - at.z;
         between = min(between, range.y);
     }
     // all lit, all hidden, or neither
-    bool is_between = between > 0.0 && range.x <= 0.0, is_limited = light.soft.y >= 0.0;
+    bool is_between = between > 0.0 && range.x <= 0.0;
     int searched = is_between || (is_limited && between > 0.0) ? SEARCHED : 0;
     float sum = 0.0, count = 0.0, least = between;
     vec2 turn = vec2(1.0, 0.0);

@@ -10,9 +10,10 @@ from render.model.arrays import FloatArray
 from render.optics.sampling import pattern_mask
 from render.trace import lens_table
 from render.trace.lens_table import ROW_LENGTH, GridTable, PolynomialTable
-from render.trace.rays import RayBundle
+from render.trace.rays import RayBundle, RayPattern
 
-_POINTS, _ROWS, _MASK, _IRIS = 4, 5, 7, 6  # as the shader binds them
+_MASK = 7  # as the shader binds it
+_POINTS_ACROSS = 1024  # texels of a row, an even number
 _ROW_DEFINES = {
     name: getattr(lens_table, name)
     for name in (
@@ -45,7 +46,9 @@ class RayBuffers:
 
     def defines(self, bundle: RayBundle) -> Defines:
         """Shader defines for a ray bundle: the kind of its lens table, its degrees, and whether the iris has a shape."""
-        defines: Defines = {"SHAPED_IRIS": 1} if bundle.pattern.iris_points is not None else {}
+        defines: Defines = {"POINTS_ACROSS": _POINTS_ACROSS}
+        if bundle.pattern.iris_points is not None:
+            defines["SHAPED_IRIS"] = 1
         if isinstance(bundle.table, PolynomialTable):
             defines |= {"POLYNOMIAL_LENS": 1, **_ROW_DEFINES}
             defines |= {"SLOPE_DEGREE": bundle.table.slope_degree, "PUPIL_DEGREE": bundle.table.pupil_degree}
@@ -61,15 +64,13 @@ class RayBuffers:
         """Upload the bundle and set the uniforms that follow from it; textures take units from ``first_unit`` on."""
         self.release()
         pattern, self._unit = bundle.pattern, first_unit
-        self._buffer(pattern.points, _POINTS)
-        self._buffer(pattern_mask(), _MASK)
+        self._texture(program, "ray_points", _point_texels(pattern))
+        self._mask()
         set_uniforms(program, narrowing=(1.0 / bundle.squeeze, 1.0), patterns=pattern.patterns)
-        if pattern.iris_points is not None and pattern.iris_image is not None:
-            self._buffer(pattern.iris_points, _IRIS)
-            if isinstance(bundle.table, PolynomialTable):
-                self._image(program, "iris_image", pattern.iris_image)
         if isinstance(bundle.table, PolynomialTable):
-            self._buffer(bundle.table.rows, _ROWS)
+            if pattern.iris_image is not None:
+                self._texture(program, "iris_image", pattern.iris_image[..., None])
+            self._texture(program, "lens_rows", bundle.table.rows.reshape(-1, bundle.table.rows.shape[-1] // 4, 4))
             set_uniforms(program, row_count=bundle.table.rows.shape[1])
             set_uniforms(program, last_slope=bundle.table.last_slope)
         elif isinstance(bundle.table, GridTable):
@@ -99,13 +100,15 @@ class RayBuffers:
             resource.release()
         self._resources, self._grids = [], []
 
-    def _buffer(self, values: np.ndarray[tuple[int, ...], np.dtype[np.float32 | np.int32]], binding: int) -> None:
-        buffer = self._ctx.buffer(np.ascontiguousarray(values).tobytes())
+    def _mask(self) -> None:
+        buffer = self._ctx.buffer(pattern_mask().tobytes())
         self._resources.append(buffer)
-        buffer.bind_to_storage_buffer(binding)
+        buffer.bind_to_storage_buffer(_MASK)
 
-    def _image(self, program: Program, name: str, values: FloatArray) -> None:
-        texture = self._ctx.texture(values.shape[::-1], 1, np.ascontiguousarray(values).tobytes(), dtype="f4")
+    def _texture(self, program: Program, name: str, values: FloatArray) -> None:
+        """Upload ``(height, width, channels)`` values and bind them to the next unit."""
+        height, width, channels = values.shape
+        texture = self._ctx.texture((width, height), channels, values.astype(np.float32).tobytes(), dtype="f4")
         texture.filter, texture.repeat_x, texture.repeat_y = _LINEAR, False, False
         self._resources.append(texture)
         texture.use(self._unit)
@@ -118,3 +121,13 @@ class RayBuffers:
         texture.filter, texture.repeat_x, texture.repeat_y = _LINEAR, False, False
         self._resources.append(texture)
         return texture
+
+
+def _point_texels(pattern: RayPattern) -> FloatArray:
+    """Points of a pattern as rows of texels, ``(height, width, 4)``; each is followed by its point on an iris that has a shape."""
+    points = pattern.points.reshape(-1, 4)
+    if pattern.iris_points is not None:
+        on_iris = pattern.iris_points.reshape(-1, 2)
+        points = np.stack([points, np.pad(on_iris, ((0, 0), (0, 2)))], axis=1).reshape(-1, 4)
+    rows = -(-len(points) // _POINTS_ACROSS)
+    return np.pad(points, ((0, rows * _POINTS_ACROSS - len(points)), (0, 0))).reshape(rows, _POINTS_ACROSS, 4)

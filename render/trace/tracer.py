@@ -42,7 +42,7 @@ _FIRST_UNIT = 0
 """First texture unit of the tracer."""
 _LAYER_UNITS = 11
 """Number of texture units for layers, N-buffers, focal map, and movers, which have the last two; the ray buffers come after."""
-_RAY_UNITS = 2
+_RAY_UNITS = 3
 """Number of texture units for ray buffers; the ids for mattes, and the planes of splats, come after."""
 
 

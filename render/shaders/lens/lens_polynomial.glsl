@@ -1,9 +1,9 @@
 // Row of the lens table for a pixel: polynomials over the pupil, in the plane of the pixel and the axis.
-// in:  rows of ROW_VEC4 vec4 each in `lens_rows`, one for each field height, evenly from the axis to `last_slope`
+// in:  rows of ROW_VEC4 texels each in `lens_rows`, one for each field height, evenly from the axis to `last_slope`
 // x is the tangential pupil coordinate (toward the pixel), y the sagittal one, both on the unit disc that bounds the open pupil
 // (the layout of a row is in render/trace/lens_fit.py)
 
-layout(std430, binding = 5) readonly buffer LensRows { vec4 lens_rows[]; };
+uniform sampler2D lens_rows;
 
 uniform int first_row;          // first row of this wavelength
 uniform int row_count;
@@ -11,18 +11,32 @@ uniform float last_slope;       // field of the last row, slope in object space
 
 float row[4 * ROW_VEC4];
 
+// Load four numbers of the row between two neighbours.
+void load_four(int i, int first, float part)
+{
+    if (i >= ROW_VEC4) return;
+    vec4 v = mix(texelFetch(lens_rows, ivec2(i, first), 0), texelFetch(lens_rows, ivec2(i, first + 1), 0), part);
+    row[4 * i] = v.x;
+    row[4 * i + 1] = v.y;
+    row[4 * i + 2] = v.z;
+    row[4 * i + 3] = v.w;
+}
+
+#define LOAD_FOUR(i) load_four(i, first, part); load_four((i) + 1, first, part); load_four((i) + 2, first, part); load_four((i) + 3, first, part);
+
+// No loop: Mesa's CPU rasteriser reads and writes an array whose index varies number by number.
 void load_row(float slope)
 {
     float at = min(slope / last_slope, 1.0) * float(row_count - 1);
-    int index = min(int(at), row_count - 2);
-    int first = (first_row + index) * ROW_VEC4;
-    for (int i = 0; i < ROW_VEC4; ++i) {
-        vec4 v = mix(lens_rows[first + i], lens_rows[first + ROW_VEC4 + i], at - float(index));
-        row[4 * i] = v.x;
-        row[4 * i + 1] = v.y;
-        row[4 * i + 2] = v.z;
-        row[4 * i + 3] = v.w;
-    }
+    int index = min(int(at), row_count - 2), first = first_row + index;
+    float part = at - float(index);
+    LOAD_FOUR(0) LOAD_FOUR(4) LOAD_FOUR(8) LOAD_FOUR(12) LOAD_FOUR(16)
+#if ROW_VEC4 > 20
+    LOAD_FOUR(20) LOAD_FOUR(24) LOAD_FOUR(28) LOAD_FOUR(32) LOAD_FOUR(36)
+#endif
+#if ROW_VEC4 > 40
+#error a row of the lens table has more numbers than are loaded
+#endif
 }
 
 float horner(int first, int degree, float x)

@@ -5,11 +5,12 @@
 #include "lens/lens_polynomial.glsl"
 #endif
 
-// Points of all patterns, ray after ray: on the unit disc and on the sensor in pixels from the pixel's centre, y down.
-layout(std430, binding = 4) readonly buffer Points { vec4 points[]; };
+// Points of all patterns, ray after ray, in rows of POINTS_ACROSS texels: on the unit disc, and on the sensor in pixels from the pixel's
+// centre, y down; where the iris has a shape, each is followed by its point on that. A texture, since Mesa's CPU rasteriser reads
+// buffers number by number.
+uniform sampler2D ray_points;
 layout(std430, binding = 7) readonly buffer Mask { int pattern_mask[]; };       // 64 x 64
 #ifdef SHAPED_IRIS
-layout(std430, binding = 6) readonly buffer IrisPoints { vec2 iris_points[]; };  // as the points
 uniform sampler2D iris_image;   // transmission over the square around the stop, relative to its mean on the disc
 #endif
 #ifdef GRID_LENS
@@ -182,10 +183,15 @@ LensRay on_layers(PixelRays rays, LensRay from, vec2 jitter)
 
 LensRay lens_ray(PixelRays rays, int i)
 {
-    vec4 point = points[i * patterns + rays.pattern];
+    int number = i * patterns + rays.pattern;
+#ifdef SHAPED_IRIS
+    number *= 2;
+#endif
+    ivec2 texel = ivec2(number % POINTS_ACROSS, number / POINTS_ACROSS);
+    vec4 point = texelFetch(ray_points, texel, 0);
     vec2 disc = point.xy, stop = disc;
 #ifdef SHAPED_IRIS
-    stop = iris_points[i * patterns + rays.pattern];
+    stop = texelFetch(ray_points, texel + ivec2(1, 0), 0).xy;
 #endif
 #ifdef POLYNOMIAL_LENS
     disc = in_plane(rays, disc);

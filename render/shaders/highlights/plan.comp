@@ -38,6 +38,7 @@ const int SPOKES = 12;
 const float WIDEN = 1.04;       // of a polygon of SPOKES corners to the circle around it
 const int ROUNDS = 5;
 const float MOST_MISS = 0.5;    // picture pixels
+const float CLOSE = 0.01;       // a miss after which the next step is far smaller, picture pixels
 const int RINGS = 4;            // within the pupil
 const float ROOM = 0.05;        // of clearance
 const float LEAST_EVENNESS = 0.2;   // least area of the pupil's image over its largest, of large images
@@ -133,10 +134,10 @@ Blurred blurred_image(vec2 q, float w)
     bool is_even = true;
     for (int k = -1; k < SPOKES; ++k) {  // the pupil's centre, then its rim
         float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES);
-        vec2 place = k < 0 ? vec2(0.0) : vec2(cos(angle), sin(angle)), p = middle, miss = vec2(1e9);
-        for (int round = 0; round < ROUNDS; ++round) {
-            PixelRays rays = rays_from(p);
-            vec2 l = place;
+        vec2 place = k < 0 ? vec2(0.0) : vec2(cos(angle), sin(angle)), p = middle, miss = vec2(1e9), l = place;
+        PixelRays rays;
+        for (int round = 0; round < ROUNDS && !(max(abs(miss.x), abs(miss.y)) < CLOSE); ++round) {
+            rays = rays_from(p);
 #ifdef POLYNOMIAL_LENS
             l = in_plane(rays, place);
 #endif
@@ -144,10 +145,10 @@ Blurred blurred_image(vec2 q, float w)
             if (ray.weight <= 0.0) return LEFT;  // of a grid
             miss = (q - met_at(ray, w)) / scale;
             p += miss;
-#ifdef POLYNOMIAL_LENS
-            if (k >= 0 && round == ROUNDS - 1) note_area(rays, l, w, areas);
-#endif
         }
+#ifdef POLYNOMIAL_LENS
+        if (k >= 0) note_area(rays, l, w, areas);
+#endif
         if (!(max(abs(miss.x), abs(miss.y)) < MOST_MISS)) return LEFT;
         if (k < 0) {
             middle = p;

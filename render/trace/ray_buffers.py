@@ -124,7 +124,7 @@ class RayBuffers:
 
 
 def _point_texels(pattern: RayPattern) -> FloatArray:
-    """Points of a pattern as rows of texels, ``(height, width, 4)``; each is followed by its point on an iris that has a shape."""
+    """Points of a pattern as rows of texels, ``(height, width, 4)``; each is followed by that on a shaped iris."""
     points = pattern.points.reshape(-1, 4)
     if pattern.iris_points is not None:
         on_iris = pattern.iris_points.reshape(-1, 2)

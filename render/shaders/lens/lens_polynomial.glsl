@@ -31,12 +31,7 @@ void load_row(float slope)
     int index = min(int(at), row_count - 2), first = first_row + index;
     float part = at - float(index);
     LOAD_FOUR(0) LOAD_FOUR(4) LOAD_FOUR(8) LOAD_FOUR(12) LOAD_FOUR(16)
-#if ROW_VEC4 > 20
-    LOAD_FOUR(20) LOAD_FOUR(24) LOAD_FOUR(28) LOAD_FOUR(32) LOAD_FOUR(36)
-#endif
-#if ROW_VEC4 > 40
-#error a row of the lens table has more numbers than are loaded
-#endif
+    LOAD_FOUR(20) LOAD_FOUR(24) LOAD_FOUR(28) LOAD_FOUR(32) LOAD_FOUR(36)  // a row of degree 13 has 40
 }
 
 float horner(int first, int degree, float x)

@@ -67,8 +67,10 @@ _MAPS |= {f"PLACE_{name.upper()}": "uv" for name in INPUTS}
 _FROM: dict[str, int | float | str] = {f"FROM_{name.upper()}": 3 for name in INPUTS}
 _FROM |= {"VALUES_0_LOC": 5, "VALUES_1_LOC": 6, "INST_M_LOC": 7}
 _TILED = _MAPS | {"TILED": 1} | {f"MAP_{name.upper()}": "sampler2DArray" for name in INPUTS}
+_POINTS: dict[str, int | float | str] = {"POINTS_ACROSS": 1024}
 _POLYNOMIAL = [
     {
+        **_POINTS,
         "POLYNOMIAL_LENS": 1,
         **_ROW_DEFINES,
         "SLOPE_DEGREE": slope,
@@ -111,10 +113,10 @@ OPTIONS: dict[str, list[tuple[dict[str, int | float | str], tuple[str, ...]]]] =
     "splats/splat.frag": [({}, ("BETWEEN",)), ({"OWNERS": 1}, ("BETWEEN",))],
     "trace/accumulate.comp": [({}, ("SPLATS",)), ({"SPLATS": 1, "HELD_SPLATS": 1}, ())],
     "trace/trace.comp": [
-        ({}, ("BOUND_BY_RAYS", *_TRACED)),
-        ({"SPLATS": 1}, ("EIGHT_LAYERS", "MAY_BE_TRANSLUCENT", "MOVERS", "CARRIED_CAMERA")),
-        ({"SPLATS": 1, "MATTES": 1, "SLOTS": 16}, ("MAY_BE_TRANSLUCENT", "MOVERS", "DEEP", "HELD_SPLATS")),
-        ({"BOUND_BY_RAYS": 1, "GRID_LENS": 1, "GRID_INSET": 0.9}, _TRACED),
+        (_POINTS, ("BOUND_BY_RAYS", *_TRACED)),
+        (_POINTS | {"SPLATS": 1}, ("EIGHT_LAYERS", "MAY_BE_TRANSLUCENT", "MOVERS", "CARRIED_CAMERA")),
+        (_POINTS | {"SPLATS": 1, "MATTES": 1, "SLOTS": 16}, ("MAY_BE_TRANSLUCENT", "MOVERS", "DEEP", "HELD_SPLATS")),
+        (_POINTS | {"BOUND_BY_RAYS": 1, "GRID_LENS": 1, "GRID_INSET": 0.9}, _TRACED),
         *((table, _TRACED) for table in _POLYNOMIAL),
         *((table | {"BOUND_BY_RAYS": 1}, ("SHAPED_IRIS", "CARRIED_CAMERA", "MOVERS")) for table in _POLYNOMIAL),
     ],

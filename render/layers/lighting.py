@@ -106,12 +106,14 @@ class Lighting:
     def draw_background(self, view: PinholeView, targets: LayerTargets) -> None:
         """Draw the background behind all surfaces: the dome, or black."""
         dome = self._dome
+        if dome is None or not dome.visible or not any(dome.radiance):
+            GL.glClearTexImage(targets.background.glo, 0, GL.GL_RGBA, GL.GL_FLOAT, np.zeros(4, np.float32))
+            return
         program = self._programs.compute("layers/background.comp")
         rotation = np.eye(4)
-        if dome is not None:
-            rotation[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ np.linalg.inv(view.camera_from_world)[:3, :3]
+        rotation[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ np.linalg.inv(view.camera_from_world)[:3, :3]
         program["dome_from_camera"] = tuple(rotation.T.ravel())
-        program["radiance"] = dome.radiance if dome is not None and dome.visible else (0.0, 0.0, 0.0)
+        program["radiance"] = dome.radiance
         program["focal_px"] = (view.fx, view.fy)
         program["centre_px"] = (view.cx, view.cy)
         program["unshear"] = tuple(np.linalg.inv(np.reshape(view.shear, (2, 2))).T.ravel())

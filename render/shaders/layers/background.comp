@@ -19,11 +19,8 @@ void main()
 {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, imageSize(background)))) return;
-    vec3 colour = vec3(0.0);
-    if (radiance != vec3(0.0)) {
-        vec2 slope = (vec2(pixel) + 0.5 - centre_px) / focal_px;
-        vec3 d = normalize(mat3(dome_from_camera) * vec3(unshear * vec2(slope.x, -slope.y), -1.0));
-        colour = radiance * textureLod(dome_map, latlong_uv(d), 0.0).rgb;
-    }
+    vec2 slope = (vec2(pixel) + 0.5 - centre_px) / focal_px;
+    vec3 d = normalize(mat3(dome_from_camera) * vec3(unshear * vec2(slope.x, -slope.y), -1.0));
+    vec3 colour = radiance * textureLod(dome_map, latlong_uv(d), 0.0).rgb;
     imageStore(background, pixel, vec4(min(colour, vec3(65000.0)), 0.0));
 }

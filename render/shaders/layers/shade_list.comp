@@ -16,11 +16,9 @@ uniform float slope_per_px;     // angle between the rays of neighbouring pixels
 
 #include "layers/stored_reflector.glsl"
 
-// Relative to the width of the lobe: deviation of normals from their mean, whose light is that of the mean to the second order, and
-// angle of a pixel.
-const float ALIKE_NORMALS = 0.3, ALIKE_PLACES = 0.1;
+const float ALIKE_NORMALS = 0.1;    // deviation of normals from the mean, and angle of a pixel, relative to the width of the lobe
 const float ALIKE_W = 0.01;         // relative difference
-const float ALIKE_ROUGHNESS = 0.1;
+const float ALIKE_ROUGHNESS = 0.05;
 const float ALIKE_REFLECTANCE = 0.02;
 
 bool are_alike(Reflector s[4], vec4 w)
@@ -31,12 +29,11 @@ bool are_alike(Reflector s[4], vec4 w)
     bool alike = true;
     for (int i = 0; i < 4; ++i) {
         vec3 off = s[i].normal - normal, f0 = abs(s[i].f0 - s[0].f0);
-        float lobe = s[i].roughness * s[i].roughness;
+        float lobe = ALIKE_NORMALS * s[i].roughness * s[i].roughness;
         if (s[i].clearcoat > 0.0) lobe *= min(1.0, s[i].clearcoat_roughness / s[i].roughness);
-        float apart = ALIKE_NORMALS * lobe;
         float unlike = max(abs(s[i].roughness - s[0].roughness), abs(s[i].clearcoat_roughness - s[0].clearcoat_roughness));
         unlike = max(unlike, max(abs(s[i].clearcoat - s[0].clearcoat), abs(s[i].occlusion - s[0].occlusion)));
-        alike = alike && dot(off, off) <= apart * apart && slope_per_px <= ALIKE_PLACES * lobe && unlike <= ALIKE_ROUGHNESS;
+        alike = alike && dot(off, off) <= lobe * lobe && slope_per_px <= lobe && unlike <= ALIKE_ROUGHNESS;
         alike = alike && max(f0.r, max(f0.g, f0.b)) <= ALIKE_REFLECTANCE;
     }
     return alike;

@@ -8,32 +8,22 @@ import { draftQuality, restQuality } from "../../model/quality";
 import { primName, type CameraSummary } from "../../model/shot";
 import { formatFrame } from "../../model/time";
 import { complaintOf } from "../../net/errors";
-import { useModal } from "../hooks";
+import { TitledDialog } from "./TitledDialog";
 
 /** Width of a picture, px of the page. */
 const WIDTH_PX = 320;
 
 export function CamerasDialog({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
-  const isOpen = editor.camerasOpen.value && session !== null;
-  const ref = useModal(isOpen);
   const close = (): void => {
     editor.camerasOpen.value = false;
   };
+  const isOpen = editor.camerasOpen.value && session !== null;
+  const title = isOpen ? `Cameras at frame ${formatFrame(session.playhead.time.value)}` : "Cameras";
   return (
-    <dialog ref={ref} class="help cameras" aria-labelledby="cameras-title" onClose={close}>
-      {isOpen && (
-        <>
-          <h2 id="cameras-title">Cameras at frame {formatFrame(session.playhead.time.value)}</h2>
-          <Tiles editor={editor} session={session} close={close} />
-          <div class="dialog-foot">
-            <button type="button" class="button" onClick={close}>
-              Close
-            </button>
-          </div>
-        </>
-      )}
-    </dialog>
+    <TitledDialog name="cameras" title={title} isOpen={isOpen} close={close}>
+      {() => <>{session && <Tiles editor={editor} session={session} close={close} />}</>}
+    </TitledDialog>
   );
 }
 

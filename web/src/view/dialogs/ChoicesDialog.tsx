@@ -13,31 +13,20 @@ import {
   type VariantSet,
 } from "../../model/choices";
 import { complaintOf } from "../../net/errors";
-import { useModal } from "../hooks";
+import { TitledDialog } from "./TitledDialog";
 
 const NONE = "none";
 
 export function ChoicesDialog({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
-  const isOpen = editor.choicesOpen.value && session !== null;
-  const ref = useModal(isOpen);
   const close = (): void => {
     editor.choicesOpen.value = false;
   };
+  const isOpen = editor.choicesOpen.value && session !== null;
   return (
-    <dialog ref={ref} class="help choices" aria-labelledby="choices-title" onClose={close}>
-      {isOpen && (
-        <>
-          <h2 id="choices-title">Variants and payloads</h2>
-          <Content editor={editor} session={session} />
-          <div class="dialog-foot">
-            <button type="button" class="button" onClick={close}>
-              Close
-            </button>
-          </div>
-        </>
-      )}
-    </dialog>
+    <TitledDialog name="choices" title="Variants and payloads" isOpen={isOpen} close={close}>
+      {() => <>{session && <Content editor={editor} session={session} />}</>}
+    </TitledDialog>
   );
 }
 

@@ -5,37 +5,29 @@ import type { Editor } from "../../editor/editor";
 import { MENUS } from "../commands/command";
 import { GESTURES } from "../commands/gestures";
 import { commandsOf, shownKeys } from "../commands/table";
-import { useModal } from "../hooks";
+import { TitledDialog } from "./TitledDialog";
 
 export function Help({ editor }: { editor: Editor }): JSX.Element {
-  const open = editor.helpOpen.value;
-  const ref = useModal(open);
   const close = (): void => {
     editor.helpOpen.value = false;
   };
   return (
-    <dialog ref={ref} class="help" aria-labelledby="help-title" onClose={close}>
-      {open && (
-        <>
-          <h2 id="help-title">Keys and clicks</h2>
-          <div class="help-lists" tabIndex={0} role="group" aria-label="Keys and clicks">
-            <List title="Clicks and drags" rows={GESTURES.map(({ gesture, does }) => [gesture, does])} />
-            {MENUS.map((menu) => (
-              <List
-                key={menu}
-                title={menu}
-                rows={commandsOf(menu)
-                  .filter(({ keys }) => keys.length > 0)
-                  .map((command) => [shownKeys(command), command.name])}
-              />
-            ))}
-          </div>
-          <button type="button" class="button" onClick={close}>
-            Close
-          </button>
-        </>
+    <TitledDialog name="keys" title="Keys and clicks" isOpen={editor.helpOpen.value} close={close}>
+      {() => (
+        <div class="help-lists" tabIndex={0} role="group" aria-label="Keys and clicks">
+          <List title="Clicks and drags" rows={GESTURES.map(({ gesture, does }) => [gesture, does])} />
+          {MENUS.map((menu) => (
+            <List
+              key={menu}
+              title={menu}
+              rows={commandsOf(menu)
+                .filter(({ keys }) => keys.length > 0)
+                .map((command) => [shownKeys(command), command.name])}
+            />
+          ))}
+        </div>
       )}
-    </dialog>
+    </TitledDialog>
   );
 }
 

@@ -36,7 +36,7 @@ Program = moderngl.ComputeShader | moderngl.Program
 
 
 class RayBuffers:
-    """Uploads ray bundles. Buffers of the last bundle are released when the next is bound."""
+    """Uploads ray bundles. Buffers and textures of the last bundle are released when the next is bound."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -124,7 +124,7 @@ class RayBuffers:
 
 
 def _point_texels(pattern: RayPattern) -> FloatArray:
-    """Points of a pattern as rows of texels, ``(height, width, 4)``; each is followed by that on a shaped iris."""
+    """Points of a pattern as rows of texels, ``(height, width, 4)``; with a shaped iris, the point on it follows."""
     points = pattern.points.reshape(-1, 4)
     if pattern.iris_points is not None:
         on_iris = pattern.iris_points.reshape(-1, 2)

@@ -22,7 +22,7 @@ _cache = ArrayCache("ray-pattern", ("model", "optics", "trace"))
 
 @dataclass(frozen=True, eq=False)
 class RayPattern:
-    """Start points of rays, as in the tracer's buffers.
+    """Start points of rays, as the shaders read them.
 
     Attributes:
         points: ``(n, patterns, 4)`` float32: a point of the unit disc and the offset on the sensor, -0.5 to 0.5 pixels; y down.

@@ -43,7 +43,7 @@ _FIRST_UNIT = 0
 _LAYER_UNITS = 11
 """Number of texture units for layers, N-buffers, focal map, and movers, which have the last two; the ray buffers come after."""
 _RAY_UNITS = 3
-"""Number of texture units for ray buffers; the ids for mattes, and the planes of splats, come after."""
+"""Number of texture units for rays: points, iris and lens table. Ids of mattes and planes of splats have the last two of 16."""
 
 
 _MOST_LOOPS = 60_000

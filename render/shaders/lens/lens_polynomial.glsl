@@ -15,16 +15,17 @@ float row[4 * ROW_VEC4];
 void load_four(int i, int first, float part)
 {
     if (i >= ROW_VEC4) return;
-    vec4 v = mix(texelFetch(lens_rows, ivec2(i, first), 0), texelFetch(lens_rows, ivec2(i, first + 1), 0), part);
-    row[4 * i] = v.x;
-    row[4 * i + 1] = v.y;
-    row[4 * i + 2] = v.z;
-    row[4 * i + 3] = v.w;
+    int texel = min(i, ROW_VEC4 - 1);  // NVIDIA's compiler judges constant indices after a return too
+    vec4 v = mix(texelFetch(lens_rows, ivec2(texel, first), 0), texelFetch(lens_rows, ivec2(texel, first + 1), 0), part);
+    row[4 * texel] = v.x;
+    row[4 * texel + 1] = v.y;
+    row[4 * texel + 2] = v.z;
+    row[4 * texel + 3] = v.w;
 }
 
 #define LOAD_FOUR(i) load_four(i, first, part); load_four((i) + 1, first, part); load_four((i) + 2, first, part); load_four((i) + 3, first, part);
 
-// No loop: Mesa's CPU rasteriser reads and writes an array whose index varies number by number.
+// Written out, without a loop: where an index varies, Mesa's CPU rasteriser reads and writes an array number by number.
 void load_row(float slope)
 {
     float at = min(slope / last_slope, 1.0) * float(row_count - 1);
@@ -47,7 +48,8 @@ float even2(int i, float x, float y2) { return horner(i, 2, x) + y2 * row[i + 3]
 float even4(int i, float x, float y2) { return horner(i, 4, x) + y2 * (horner(i + 5, 2, x) + y2 * row[i + 8]); }
 
 #if SLOPE_DEGREE > 7
-// Terms of an even polynomial of total degrees `low` to `high` with the power `j` of y, highest power of x first; `first` moves on to the next.
+// Add the terms with the power `j` of y, which has the value `power`. Their coefficients begin at `first`, lowest power of x first; `first`
+// moves past them.
 void add_terms(int j, int low, int high, float x, float power, inout int first, inout float value)
 {
     if (j > high) return;
@@ -59,7 +61,7 @@ void add_terms(int j, int low, int high, float x, float power, inout int first, 
 }
 
 // Terms of an even polynomial of total degrees `low` to `high`, which follow a row's other numbers by powers of y, then of x.
-// No loop over the powers of y: Mesa unrolls none that holds other loops, and a row whose indices vary is read number by number.
+// Written out, as `load_row`: Mesa unrolls no loop that holds other loops.
 float higher(int first, int low, int high, float x, float y2)
 {
     float value = 0.0, y4 = y2 * y2, y8 = y4 * y4;

@@ -5,9 +5,9 @@
 #include "lens/lens_polynomial.glsl"
 #endif
 
-// Points of all patterns, ray after ray, in rows of POINTS_ACROSS texels: on the unit disc, and on the sensor in pixels from the pixel's
-// centre, y down; where the iris has a shape, each is followed by its point on that. A texture, since Mesa's CPU rasteriser reads
-// buffers number by number.
+// Points of all patterns, ray after ray, in rows of POINTS_ACROSS texels. xy: on the unit disc; zw: on the sensor, in pixels from the
+// pixel's centre, y down. With a shaped iris the next texel holds the point on the stop. A texture, since Mesa's CPU rasteriser
+// reads storage buffers number by number.
 uniform sampler2D ray_points;
 layout(std430, binding = 7) readonly buffer Mask { int pattern_mask[]; };       // 64 x 64
 #ifdef SHAPED_IRIS

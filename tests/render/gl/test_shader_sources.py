@@ -19,7 +19,7 @@ from render.lab.reference.scenes import spheres_over_checkerboard
 from render.layers.materials import INPUTS
 from render.model.lens import Lens
 from render.trace.lens_fit import row_length
-from render.trace.ray_buffers import _ROW_DEFINES
+from render.trace.ray_buffers import _POINTS_ACROSS, _ROW_DEFINES
 from tests.render.kits.compiled_shaders import (
     COMPILED,
     CompiledShaders,
@@ -67,7 +67,7 @@ _MAPS |= {f"PLACE_{name.upper()}": "uv" for name in INPUTS}
 _FROM: dict[str, int | float | str] = {f"FROM_{name.upper()}": 3 for name in INPUTS}
 _FROM |= {"VALUES_0_LOC": 5, "VALUES_1_LOC": 6, "INST_M_LOC": 7}
 _TILED = _MAPS | {"TILED": 1} | {f"MAP_{name.upper()}": "sampler2DArray" for name in INPUTS}
-_POINTS: dict[str, int | float | str] = {"POINTS_ACROSS": 1024}
+_POINTS: dict[str, int | float | str] = {"POINTS_ACROSS": _POINTS_ACROSS}
 _POLYNOMIAL = [
     {
         **_POINTS,

@@ -38,7 +38,7 @@ const int SPOKES = 12;
 const float WIDEN = 1.04;       // of a polygon of SPOKES corners to the circle around it
 const int ROUNDS = 5;
 const float MOST_MISS = 0.5;    // picture pixels
-const float CLOSE = 0.1;        // a miss after which the next step is far smaller, picture pixels
+const float CLOSE = 0.1;        // picture pixels; a smaller miss ends the search, and boxes are wider by 2 pixels
 const int RINGS = 4;            // within the pupil
 const float ROOM = 0.05;        // of clearance
 const float LEAST_EVENNESS = 0.2;   // least area of the pupil's image over its largest, of large images
@@ -135,8 +135,9 @@ Blurred blurred_image(vec2 q, float w)
     for (int k = -1; k < SPOKES; ++k) {  // the pupil's centre, then its rim
         float angle = 6.283185307 * (float(k) + 0.5) / float(SPOKES);
         vec2 place = k < 0 ? vec2(0.0) : vec2(cos(angle), sin(angle)), p = middle, miss = vec2(1e9), l = place;
-        PixelRays rays;
-        for (int round = 0; round < ROUNDS && !(max(abs(miss.x), abs(miss.y)) < CLOSE); ++round) {
+        PixelRays rays;  // of p; the first round sets them
+        for (int round = 0; round < ROUNDS; ++round) {
+            if (all(lessThan(abs(miss), vec2(CLOSE)))) break;
             rays = rays_from(p);
 #ifdef POLYNOMIAL_LENS
             l = in_plane(rays, place);

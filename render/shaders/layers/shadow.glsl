@@ -55,7 +55,7 @@ vec3 shadow_visibility(int row, vec3 p, vec3 n)
 #else
     const bool is_soft = false;
 #endif
-    // loops of one step, since a CPU runs both sides of a branch
+    // loops of one step: Mesa's CPU rasteriser runs both sides of a branch, and skips a loop that no pixel enters
     for (int once = 0; !is_soft && once < 1; ++once) visible = vec3(hard_visibility(float(map), at));
 #ifdef SOFT_SHADOWS
     for (int once = 0; is_soft && once < 1; ++once) visible = vec3(soft_visibility(light, row, map, at, l, distance_m, clip.w));

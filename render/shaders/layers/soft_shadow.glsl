@@ -114,7 +114,7 @@ Share kernel_share(int row, int map, vec2 uv, vec2 u, vec2 v, float scale, bool 
     Kernel kernel = Kernel(row, is_round, to_kernel, middle, vec2(width_u, width_v));
     ivec2 last = ivec2(cells_across - 1), place = first, end = first + count;
     int texels = level == 0 ? count.x * count.y : 0, squares = level == 0 ? 0 : count.x * count.y;
-    // two loops, since a CPU looks up both sides of a branch
+    // two loops: Mesa's CPU rasteriser runs both sides of a branch, and skips a loop that no pixel enters
     for (int i = 0; i < texels; ++i) {
         Share weight = kernel_weight(kernel, vec2(place));
         float depth = texelFetch(shadow_depths, ivec3(clamp(place, ivec2(0), last), map), 0).r;
@@ -157,8 +157,9 @@ Share soft_visibility(Light light, int row, int map, vec3 at, vec3 l, float dist
     vec2 range = texelFetch(shadow_cells, ivec3(0, 0, map), textureQueryLevels(shadow_cells) - 1).rg - at.z;
     float between = range.y;
     bool is_limited = light.soft.y >= 0.0;
-    // until it is all lit, or all hidden wherever the caster is
-    for (int i = 0; i < 3 && between > 0.0 && (i == 0 || range.x <= 0.0 || is_limited); ++i) {
+    for (int i = 0; i < 3; ++i) {
+        // Nothing hides the light, or everything does. A limited shadow goes on, since it needs its caster's distance.
+        if (between <= 0.0 || (range.x > 0.0 && !is_limited)) break;
         range = depth_range(map, uv, max(between, 0.0) * reach + 1.5 * texel) - at.z;
         between = min(between, range.y);
     }

@@ -30,3 +30,10 @@ def test_garbage_is_collected_after_wrong_arguments(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr("render.cli.commands.parse_command", refuse)
     assert main(["record"]) == 2
     assert gc.isenabled()
+
+
+def test_only_the_first_command_of_a_process_exempts_objects(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("render.cli.commands.parse_command", lambda *_: lambda: None)
+    before = gc.get_freeze_count()
+    assert main(["record"]) == 0
+    assert gc.get_freeze_count() == before

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from render.lab.bench.start import recorder
-from render.lab.bench.start.plan import FIRST_PIXEL_S
-from render.lab.bench.start.run import STAGES
+from render.lab.bench.start.plan import FIRST_PIXEL_S, StartPlan
+from render.lab.bench.start.run import STAGES, _pictures
 from tests.render.kits.cli_shots import Command
 
 pytestmark = pytest.mark.gl
@@ -36,6 +36,11 @@ def test_stages_add_up_to_the_first_pixel_and_to_the_end(
     (goal,) = found["goals"]
     assert goal["holds"] == (warm["first_pixel_s"] <= FIRST_PIXEL_S)
     assert ended.out.count("pass") + ended.out.count("FAIL") == 1
+
+
+def test_the_small_shot_is_drawn_at_each_width() -> None:
+    assert _pictures(StartPlan()) == [("small", 64), ("small", 160), ("small", 320), ("demo", 320)]
+    assert _pictures(StartPlan(("demo",), (96,))) == [("demo", 96)]
 
 
 def test_time_is_charged_to_the_innermost_stage(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ SHOTS = ("small", "demo")
 FIRST_PIXEL_S = 1.2
 """Goal: longest time to the first pixel of the small shot with warm caches, by the median."""
 WIDTHS, RUNS = (64, 160, 320), 5
-"""Widths of the small shot's pictures: the goal names none. The demo shot is drawn at the last one."""
+"""Widths of the small shot's pictures; `FIRST_PIXEL_S` is for no particular one. The demo shot is drawn at the last."""
 QUICK_WIDTHS, QUICK_RUNS = (64,), 1
 
 

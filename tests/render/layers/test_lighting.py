@@ -108,6 +108,15 @@ def test_the_camera_sees_the_dome_the_right_way_round(renderer: FrameRenderer) -
     assert ahead.color[4, 4, 0] == 0
 
 
+def test_the_background_is_black_without_a_dome_that_shows(renderer: FrameRenderer) -> None:
+    """Also after a picture with one, whose textures are used again."""
+    settings = FrameSettings(9, 9, rays=1)
+    shown = Dome((1, 1, 1), np.eye(4))
+    for dome in (None, replace(shown, visible=False), replace(shown, radiance=(0.0, 0.0, 0.0))):
+        assert renderer.render(Scene((), (), shown), CAMERA, settings).color[..., :3].min() > 0.9
+        assert not renderer.render(Scene((), (), dome), CAMERA, settings).color.any()
+
+
 def test_a_shadow_falls_where_the_light_is_hidden(renderer: FrameRenderer) -> None:
     ball = Batch(sphere((0.0, 0.0, -2.0), 0.3, prim=1), MATT, np.eye(4)[None])
     pose = np.eye(4)

@@ -164,8 +164,9 @@ def test_the_base_of_a_quicker_service_is_used(tmp_path, shared):
 def test_a_start_removes_what_ended_services_left(tmp_path, shared):
     folder = shared.create().parents[1]
     dead = folder / "run-0123456789abcdef"
-    (dead / "base").mkdir(parents=True)
-    (dead / "base" / "half").write_text("half")
+    (tmp_path / "left" / "base").mkdir(parents=True)
+    (tmp_path / "left" / "base" / "half").write_text("half")
+    (tmp_path / "left").rename(dead)  # at once: the upkeep of `shared` may be at work
     ages_s = {"old": 2 * KEPT_BASE_S} | {f"recent{age_s}": age_s for age_s in range(60, 60 + KEPT_BASES)}
     for name, age_s in ages_s.items():
         (folder / f"base-{name}").mkdir()

@@ -22,7 +22,7 @@ export function CamerasDialog({ editor }: { editor: Editor }): JSX.Element {
   const title = isOpen ? `Cameras at frame ${formatFrame(session.playhead.time.value)}` : "Cameras";
   return (
     <TitledDialog name="cameras" title={title} isOpen={isOpen} close={close}>
-      {() => <>{session && <Tiles editor={editor} session={session} close={close} />}</>}
+      {session && <Tiles editor={editor} session={session} close={close} />}
     </TitledDialog>
   );
 }

@@ -25,7 +25,7 @@ export function ChoicesDialog({ editor }: { editor: Editor }): JSX.Element {
   const isOpen = editor.choicesOpen.value && session !== null;
   return (
     <TitledDialog name="choices" title="Variants and payloads" isOpen={isOpen} close={close}>
-      {() => <>{session && <Content editor={editor} session={session} />}</>}
+      {session && <Content editor={editor} session={session} />}
     </TitledDialog>
   );
 }

@@ -13,21 +13,25 @@ export function Help({ editor }: { editor: Editor }): JSX.Element {
   };
   return (
     <TitledDialog name="keys" title="Keys and clicks" isOpen={editor.helpOpen.value} close={close}>
-      {() => (
-        <div class="help-lists" tabIndex={0} role="group" aria-label="Keys and clicks">
-          <List title="Clicks and drags" rows={GESTURES.map(({ gesture, does }) => [gesture, does])} />
-          {MENUS.map((menu) => (
-            <List
-              key={menu}
-              title={menu}
-              rows={commandsOf(menu)
-                .filter(({ keys }) => keys.length > 0)
-                .map((command) => [shownKeys(command), command.name])}
-            />
-          ))}
-        </div>
-      )}
+      <Lists />
     </TitledDialog>
+  );
+}
+
+function Lists(): JSX.Element {
+  return (
+    <div class="help-lists" tabIndex={0} role="group" aria-label="Keys and clicks">
+      <List title="Clicks and drags" rows={GESTURES.map(({ gesture, does }) => [gesture, does])} />
+      {MENUS.map((menu) => (
+        <List
+          key={menu}
+          title={menu}
+          rows={commandsOf(menu)
+            .filter(({ keys }) => keys.length > 0)
+            .map((command) => [shownKeys(command), command.name])}
+        />
+      ))}
+    </div>
   );
 }
 

@@ -1,6 +1,6 @@
-/** A dialog with a title above its content and a button that closes it below. Its content is made while it is open. */
+/** A dialog with a title above its content and a button that closes it below. Its content is shown while it is open. */
 
-import type { JSX } from "preact";
+import type { ComponentChildren, JSX } from "preact";
 import { useModal } from "../hooks";
 
 interface TitledDialogProps {
@@ -9,8 +9,7 @@ interface TitledDialogProps {
   readonly title: string;
   readonly isOpen: boolean;
   readonly close: () => void;
-  /** Makes the content. */
-  readonly children: () => JSX.Element;
+  readonly children: ComponentChildren;
 }
 
 export function TitledDialog({ name, title, isOpen, close, children }: TitledDialogProps): JSX.Element {
@@ -21,7 +20,7 @@ export function TitledDialog({ name, title, isOpen, close, children }: TitledDia
       {isOpen && (
         <>
           <h2 id={id}>{title}</h2>
-          {children()}
+          {children}
           <div class="dialog-foot">
             <button type="button" class="button" onClick={close}>
               Close

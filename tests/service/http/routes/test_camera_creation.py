@@ -3,37 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
 from tests.service.conftest import ROOM, send
-
-NEAR = {"target": ["/World/near"], "face": 0, "barycentric": [0.3, 0.3, 0.4]}
-FAR = {"target": ["/World/far"], "face": 0, "barycentric": [0.3, 0.3, 0.4]}
-TWO_POINTS = [
-    {"type": "addPoint", "point": NEAR | {"name": "near"}},
-    {"type": "addPoint", "point": FAR | {"name": "far"}},
-]
+from tests.service.kits.edits import TWO_POINTS, edit, edited, layer
 
 
 @pytest.fixture
 def shot(room) -> str:
     return f"/v1/shots/{room}"
-
-
-def edit(client, shot: str, *changes: dict[str, Any], headers: dict[str, str] | None = None, **request: Any):
-    return client.post(f"{shot}/edits", json={"changes": changes} | request, headers=headers)
-
-
-def edited(client, shot: str, *changes: dict[str, Any], **request: Any) -> dict[str, Any]:
-    answer = edit(client, shot, *changes, **request)
-    assert answer.status_code == 200, answer.text
-    return answer.json()
-
-
-def layer(client, shot: str) -> str:
-    return client.get(f"{shot}/edits").text
 
 
 @pytest.fixture

@@ -11,34 +11,15 @@ from service.models.changes import Change
 from service.models.edits import EditRequest, EditResult
 from service.stage.changes import apply_change
 from tests.service.conftest import send
+from tests.service.kits.edits import NEAR, TWO_POINTS, edit, edited, layer
 
-NEAR = {"target": ["/World/near"], "face": 0, "barycentric": [0.3, 0.3, 0.4]}
-FAR = {"target": ["/World/far"], "face": 0, "barycentric": [0.3, 0.3, 0.4]}
 CHANGES = get_args(get_args(Change)[0])
-TWO_POINTS = [
-    {"type": "addPoint", "point": NEAR | {"name": "near"}},
-    {"type": "addPoint", "point": FAR | {"name": "far"}},
-]
 RACK = {"type": "rack", "rack": {"from": "near", "to": "far", "start": 5, "end": 17}}
 
 
 @pytest.fixture
 def shot(room) -> str:
     return f"/v1/shots/{room}"
-
-
-def edit(client, shot: str, *changes: dict[str, Any], headers: dict[str, str] | None = None, **request: Any):
-    return client.post(f"{shot}/edits", json={"changes": changes} | request, headers=headers)
-
-
-def edited(client, shot: str, *changes: dict[str, Any], **request: Any) -> dict[str, Any]:
-    answer = edit(client, shot, *changes, **request)
-    assert answer.status_code == 200, answer.text
-    return answer.json()
-
-
-def layer(client, shot: str) -> str:
-    return client.get(f"{shot}/edits").text
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
